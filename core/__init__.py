@@ -1,0 +1,19 @@
+"""Conservative integrators for piecewise smooth systems: the public names, nothing else."""
+
+from core.integrate import integrate
+from core.methods import METHODS, Method
+from core.system import Parameter, PiecewiseSystem
+from core.systems import CATALOGUE
+from core.trajectory import Crossings, Status, Trajectory
+
+__all__ = [
+    "CATALOGUE",
+    "METHODS",
+    "Crossings",
+    "Method",
+    "Parameter",
+    "PiecewiseSystem",
+    "Status",
+    "Trajectory",
+    "integrate",
+]

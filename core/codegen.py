@@ -1,0 +1,225 @@
+"""Expressions → the text of a straight-line function that numba compiles.
+
+What is written here comes from sympy trees alone, in names of our own: no text of a user's gets in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import sympy
+from sympy import Expr, Symbol
+from sympy.printing.pycode import PythonCodePrinter
+
+from core.expressions import TIME
+from core.laws import Laws, Side
+from core.multiplier import DIFFERENCES, SECOND
+
+__all__ = ["StepCode", "function_text", "module_text", "values_text"]
+
+_DIVIDED = sorted(cls.__name__ for cls in (*DIFFERENCES.values(), *SECOND.values()))
+_HEADER = f"""\
+import math
+from numba import njit
+from core.divided import {", ".join(_DIVIDED)}
+from core.signatures import JUMP, RATE, STEP, SWITCHING
+"""
+
+#: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
+_MAX_CORRECTIONS = 30
+_STAGNATION = 1e-10
+
+
+class _Printer(PythonCodePrinter):  # type: ignore[misc]  # sympy's printers are untyped
+    """Python text in floating point: whole numbers and ratios as floats, roots as square roots."""
+
+    def _print_Integer(self, expr: Any) -> str:  # noqa: N802 - the name is sympy's
+        return repr(float(expr))
+
+    _print_Rational = _print_Half = _print_One = _print_Zero = _print_NegativeOne = _print_Integer
+    _print_Pi = _print_Exp1 = _print_Integer
+
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:  # noqa: N802
+        base, exponent = self.parenthesize(expr.base, sympy.printing.precedence.PRECEDENCE["Pow"]), expr.exp
+        if expr.base.is_Symbol and exponent in (2, 3):  # half the compile time of the general power
+            return f"({'*'.join([base] * int(exponent))})"
+        if exponent.is_Integer and exponent > 0:
+            return f"{base}**{int(exponent)}"
+        if exponent == sympy.Rational(1, 2):
+            return f"math.sqrt({self._print(expr.base)})"
+        if exponent.is_number and exponent < 0:
+            return f"(1.0/{self._print_Pow(sympy.Pow(expr.base, -exponent, evaluate=False))})"
+        return f"{base}**({self._print(exponent)})"
+
+    def _print_DividedDifference(self, expr: Any) -> str:  # noqa: N802
+        return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
+
+    _print_SecondDifference = _print_DividedDifference
+
+
+def _print(expression: Expr) -> str:
+    return str(_Printer({"fully_qualified_modules": True}).doprint(expression))
+
+
+def _named(stem: str, count: int) -> tuple[Symbol, ...]:
+    return tuple(Symbol(f"{stem}{k}") for k in range(count))
+
+
+def assignments(targets: Sequence[str], expressions: Sequence[Expr], temporaries: Iterable[Symbol]) -> list[str]:
+    """Lines that give `targets` the values of `expressions`, common subexpressions worked out once."""
+    shared, final = sympy.cse(list(expressions), symbols=iter(temporaries), order="none")
+    pairs = [(str(name), value) for name, value in shared] + list(zip(targets, final, strict=True))
+    return [f"{name} = {_print(value)}" for name, value in pairs]
+
+
+def function_text(name: str, signature: str, arguments: str, lines: Sequence[str]) -> str:
+    """Text of one jitted function, cached on disk by numba."""
+    body = "\n".join(f"    {line}" for line in lines)
+    options = "cache=True, nogil=True, error_model='numpy'"
+    return f"@njit({signature}, {options})\ndef {name}({arguments}):\n{body}\n"
+
+
+def module_text(functions: Iterable[str]) -> str:
+    """Text of a module of such functions."""
+    return "\n\n".join([_HEADER, *functions])
+
+
+class _Canonical:
+    """Names of ours for a system's symbols: state x0, x1, …; parameters p0, p1, …; time t."""
+
+    def __init__(self, laws: Laws) -> None:
+        self.x, self.p = _named("x", len(laws.x)), _named("p", len(laws.p))
+        self.parameters = dict(zip(laws.p, self.p, strict=True))
+        self.symbols = {**dict(zip(laws.x, self.x, strict=True)), **self.parameters, TIME: Symbol("t")}
+        self.unpack = [f"{v} = {str(v)[0]}[{str(v)[1:]}]" for v in (*self.x, *self.p)]
+
+
+def values_text(laws: Laws, expressions: Sequence[Expr], targets: Sequence[str], prefix: str = "v") -> list[str]:
+    """Lines that unpack x and p and work out `expressions`."""
+    names = _Canonical(laws)
+    given = [e.xreplace(names.symbols) for e in expressions]
+    return names.unpack + assignments(targets, given, sympy.numbered_symbols(prefix))
+
+
+class StepCode:
+    """The text of one step, written by a method's builder in terms of symbols.
+
+    Attributes
+    ----------
+    t, h
+        Start and length of the step.
+    x
+        The d coordinates of the state at its start.
+    """
+
+    def __init__(self, laws: Laws, side: Side) -> None:
+        self._names = _Canonical(laws)
+        self._side = side
+        self._temporaries = sympy.numbered_symbols("v")
+        self._lines = list(self._names.unpack)
+        self._evaluations: list[str] = []
+        self.t, self.h = Symbol("t"), Symbol("h")
+        self.x = self._names.x
+
+    def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
+        """Work expressions out here; returns the names of their values."""
+        names = [next(self._temporaries) for _ in expressions]
+        self._lines += assignments([str(n) for n in names], expressions, self._temporaries)
+        return names
+
+    def field(self, t: Expr, x: Sequence[Expr]) -> list[Symbol]:
+        """Work out f(t, x) here; returns the names of its d values."""
+        at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
+        self._evaluations.append("1")
+        return self.let([f.xreplace(at) for f in self._side.field])
+
+    def at_ends(self, expressions: Iterable[Expr]) -> list[Expr]:
+        """Discrete expressions in this step's symbols: x at its start, ``y`` = x + increment at its end."""
+        ends = self._side.discrete.ends
+        names = {**dict(zip(ends.start, self.x, strict=True)), **dict(zip(ends.end, self.end, strict=True))}
+        names |= {**self._names.parameters, ends.times[0]: self.t, ends.times[1]: Symbol("t1")}
+        return [e.xreplace(names) for e in expressions]
+
+    @property
+    def end(self) -> tuple[Symbol, ...]:
+        """The state at the end of the step, where `solve` is after its current increment."""
+        return _named("y", len(self.x))
+
+    @property
+    def increment(self) -> tuple[Symbol, ...]:
+        """The unknown increment of `solve`."""
+        return _named("d", len(self.x))
+
+    def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = ()) -> list[Symbol]:
+        """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from rest.
+
+        In increment form, so that what is iterated is small and its round-off too; the last correction is the one
+        after which quadratic convergence leaves less than half an ulp, or the one that no longer shrinks.
+        """
+        d = len(self.x)
+        unknowns = [*self.increment, *multipliers]
+        # The end of the step moves with the increment: y = x + d.
+        moving = [[r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals]
+        n = len(unknowns)
+        entries = [f"j{i}_{k}" for i in range(n) for k in range(n)]
+        inner = [f"y{k} = x{k} + (c{k} + d{k})" for k in range(d)]
+        inner += assignments(
+            [*(f"r{i}" for i in range(n)), *entries],
+            [*residuals, *(e for row in moving for e in row)],
+            self._temporaries,
+        )
+        inner += _elimination(n)
+        inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
+        self._lines += [f"c{k} = carry[{k}]" for k in range(d)]
+        self._lines += ["t1 = t + h", *(f"{u} = 0.0" for u in unknowns), "last = math.inf", "corrections = 0"]
+        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(d)))]
+        self._evaluations.append("corrections")
+        return list(self.increment)
+
+    def text(self, name: str, increments: Sequence[Expr]) -> str:
+        """The whole function, its increments being as given."""
+        targets = [f"dx[{k}]" for k in range(len(self.x))]
+        lines = self._lines + assignments(targets, increments, self._temporaries)
+        lines.append(f"return {' + '.join(self._evaluations)}")
+        return function_text(name, "STEP", "t, h, x, carry, p, dx", lines)
+
+
+def _verdict(d: int) -> list[str]:
+    """Lines that end Newton's loop: solved, or not to be solved."""
+    return [
+        f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
+        f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
+        "corrections += 1",
+        "if not size < math.inf:",
+        "    return -1",
+        "if size == 0.0 or (corrections > 1 and size * (size / last) * (size / last) < 1e-17 * whole):",
+        "    break",
+        f"if size >= last and size <= {_STAGNATION} * max(whole, {', '.join(f'abs(x{k})' for k in range(d))}):",
+        "    break",
+        f"if corrections >= {_MAX_CORRECTIONS}:",
+        "    return -1",
+        "last = size",
+    ]
+
+
+def _elimination(n: int) -> list[str]:
+    """Lines that solve the n × n system j·e = r by Gaussian elimination with partial pivoting, e left in r.
+
+    A pivot of exactly zero leaves its unknown alone: gradients that vanish, as at an equilibrium, bind nothing.
+    """
+    lines = []
+    for k in range(n):
+        for i in range(k + 1, n):
+            row, pivot = ([f"j{m}_{c}" for c in range(k, n)] + [f"r{m}"] for m in (i, k))
+            swap = f"{', '.join(row + pivot)} = {', '.join(pivot + row)}"
+            lines += [f"if abs(j{i}_{k}) > abs(j{k}_{k}):", f"    {swap}"]
+        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0")
+        for i in range(k + 1, n):
+            lines.append(f"q = j{i}_{k} * j{k}_{k}")
+            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, n)]
+            lines.append(f"r{i} -= q * r{k}")
+    for k in reversed(range(n)):
+        known = "".join(f" - j{k}_{c} * r{c}" for c in range(k + 1, n))
+        lines.append(f"r{k} = (r{k}{known}) * j{k}_{k}")
+    return lines

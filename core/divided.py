@@ -1,0 +1,137 @@
+"""Divided differences φ[a, b] = (φ(b) − φ(a)) / (b − a) of the elementary functions, to round-off at any distance.
+
+None is a quotient of small differences: each is an identity that stays accurate as b → a, where φ[a, a] = φ'(a).
+Each comes with its derivative in b, φ[a, b, b], which Newton's method needs and which may be less accurate.
+The names are those that `multiplier` prints: ``sin_slope``, ``sin_slope_b``, and so on.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+_inline = njit(error_model="numpy")
+
+#: Below this distance (relative to the size of b) φ[a, b, b] is taken from φ'' at (a + 2b)/3, whose error is of
+#: second order in the distance; above, from the quotient of differences, whose round-off is its inverse.
+_NEAR = 1e-4
+
+
+@_inline
+def sinc(z):  # type: ignore[no-untyped-def]  # jitted: numba infers the types
+    """Sine of z over z."""
+    return math.sin(z) / z if z != 0.0 else 1.0
+
+
+@_inline
+def sinhc(z):  # type: ignore[no-untyped-def]
+    """Hyperbolic sine of z over z."""
+    return math.sinh(z) / z if z != 0.0 else 1.0
+
+
+@_inline
+def _second(first, slope, curvature, a, b, scale):  # type: ignore[no-untyped-def]
+    """Give φ[a, b, b] from φ'(b), φ[a, b] and φ''((a + 2b)/3)."""
+    return (first - slope) / (b - a) if abs(b - a) > _NEAR * scale else 0.5 * curvature
+
+
+@_inline
+def sin_slope(a, b):  # type: ignore[no-untyped-def]
+    return math.cos(0.5 * (a + b)) * sinc(0.5 * (b - a))
+
+
+@_inline
+def sin_slope_b(a, b):  # type: ignore[no-untyped-def]
+    return _second(math.cos(b), sin_slope(a, b), -math.sin((a + 2.0 * b) / 3.0), a, b, 1.0 + abs(b))
+
+
+@_inline
+def cos_slope(a, b):  # type: ignore[no-untyped-def]
+    return -math.sin(0.5 * (a + b)) * sinc(0.5 * (b - a))
+
+
+@_inline
+def cos_slope_b(a, b):  # type: ignore[no-untyped-def]
+    return _second(-math.sin(b), cos_slope(a, b), -math.cos((a + 2.0 * b) / 3.0), a, b, 1.0 + abs(b))
+
+
+@_inline
+def tan_slope(a, b):  # type: ignore[no-untyped-def]
+    return sinc(b - a) / (math.cos(a) * math.cos(b))
+
+
+@_inline
+def tan_slope_b(a, b):  # type: ignore[no-untyped-def]
+    u = (a + 2.0 * b) / 3.0
+    first = 1.0 / math.cos(b) ** 2
+    return _second(first, tan_slope(a, b), 2.0 * math.tan(u) / math.cos(u) ** 2, a, b, 1.0 + abs(b))
+
+
+@_inline
+def exp_slope(a, b):  # type: ignore[no-untyped-def]
+    # From the larger end, so that neither overflow nor the rounding of a mean comes in.
+    gap = abs(b - a)
+    return math.exp(max(a, b)) * (-math.expm1(-gap) / gap if gap != 0.0 else 1.0)
+
+
+@_inline
+def exp_slope_b(a, b):  # type: ignore[no-untyped-def]
+    return _second(math.exp(b), exp_slope(a, b), math.exp((a + 2.0 * b) / 3.0), a, b, 1.0)
+
+
+@_inline
+def log_slope(a, b):  # type: ignore[no-untyped-def]
+    low, high = min(a, b), max(a, b)
+    gap = high - low
+    if gap == 0.0:
+        return 1.0 / low
+    if gap < low:
+        return math.log1p(gap / low) / gap
+    ratio = high / low
+    return (math.log(ratio) if ratio < math.inf else math.log(high) - math.log(low)) / gap
+
+
+@_inline
+def log_slope_b(a, b):  # type: ignore[no-untyped-def]
+    u = (a + 2.0 * b) / 3.0
+    return _second(1.0 / b, log_slope(a, b), -1.0 / (u * u), a, b, abs(b))
+
+
+@_inline
+def sinh_slope(a, b):  # type: ignore[no-untyped-def]
+    return 0.5 * (exp_slope(a, b) + exp_slope(-a, -b))
+
+
+@_inline
+def sinh_slope_b(a, b):  # type: ignore[no-untyped-def]
+    return _second(math.cosh(b), sinh_slope(a, b), math.sinh((a + 2.0 * b) / 3.0), a, b, 1.0)
+
+
+@_inline
+def cosh_slope(a, b):  # type: ignore[no-untyped-def]
+    mean = 0.5 * (a + b)
+    if abs(mean) < 1.0:  # the two exponentials would cancel
+        return math.sinh(mean) * sinhc(0.5 * (b - a))
+    return 0.5 * (exp_slope(a, b) - exp_slope(-a, -b))
+
+
+@_inline
+def cosh_slope_b(a, b):  # type: ignore[no-untyped-def]
+    return _second(math.sinh(b), cosh_slope(a, b), math.cosh((a + 2.0 * b) / 3.0), a, b, 1.0)
+
+
+@_inline
+def tanh_slope(a, b):  # type: ignore[no-untyped-def]
+    # sinhc(b − a) / (cosh a cosh b) with the growing exponentials divided out.
+    gap = abs(b - a)
+    relative = -math.expm1(-2.0 * gap) / (2.0 * gap) if gap != 0.0 else 1.0
+    tails = (1.0 + math.exp(-2.0 * abs(a))) * (1.0 + math.exp(-2.0 * abs(b)))
+    return 4.0 * math.exp(gap - abs(a) - abs(b)) * relative / tails
+
+
+@_inline
+def tanh_slope_b(a, b):  # type: ignore[no-untyped-def]
+    u = math.tanh((a + 2.0 * b) / 3.0)
+    first = 1.0 - math.tanh(b) ** 2
+    return _second(first, tanh_slope(a, b), -2.0 * u * (1.0 - u * u), a, b, 1.0)

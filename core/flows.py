@@ -1,0 +1,396 @@
+"""Exact flows of smooth fields, recognised from their symbolic declaration.
+
+Two families have closed forms here: affine fields (matrix exponential) and the fields equivalent to
+X'' = 6X² − g₂/2 (Weierstrass ℘).  Everything is evaluated in extended precision (``np.longdouble``, 64-bit
+mantissa on x86; plain double where the platform has nothing better), so that a result rounded to double is
+good to its last digit and round-off does not pile up over many surface crossings.
+
+Sources: NIST DLMF §19.20, §19.25(vi), §23.3, §23.9, §23.10; Higham, *Functions of Matrices* (2008), ch. 10.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Protocol, TypeAlias
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import elliprf
+
+Extended: TypeAlias = NDArray[np.longdouble]
+
+_TAYLOR_DEGREE = 20  # 2⁻²⁰/20! = 4e-25: below the last extended digit for ‖Z‖ ≤ ½
+_LAURENT_TERMS = 36  # remainder 7e-24: the nearest pole is at least 2.6 scaled units away
+_LAURENT_REACH = 1.2  # scaled time |t|·max(|g₂|^¼, |g₃|^⅙) up to which the series is summed
+_SATURATION = 80.0  # scaled time: longer than any passage by a saddle that round-off can tell from a stay
+_POLISH_STEPS = 3  # Newton squares the error: 1e-8 at worst from elliprf, then 1e-16, then round-off
+
+
+class Flow(Protocol):
+    """Exact flow of one autonomous field."""
+
+    @property
+    def name(self) -> str:
+        """The closed form, for display."""
+
+    def __call__(self, x0: ArrayLike, t: ArrayLike) -> Extended:
+        """States (n, d) at the elapsed times t (n,), of either sign, from the state x0 (d,).
+
+        Raises ValueError for a time at or past a pole of the orbit.
+        """
+
+    def lifetime(self, x0: ArrayLike) -> float:
+        """Time after which the orbit of x0 is at infinity; inf if it never is."""
+
+    def period(self, x0: ArrayLike) -> float:
+        """Period of the orbit of x0; inf if it is not closed, or not known to be."""
+
+    def rate(self, x0: ArrayLike) -> float:
+        """Fastest rate (1/time) of the flow on the orbit of x0: how finely it must be sampled."""
+
+
+def recognise(field: tuple[sympy.Expr, ...], variables: tuple[sympy.Symbol, ...]) -> Flow | None:
+    """Exact flow of x' = field(x), or None if no closed form is known here.
+
+    Parameters
+    ----------
+    field : tuple of d expressions
+        In the variables only, parameter values substituted; a Float stands for its exact binary value.
+    variables : tuple of d symbols
+    """
+    exact = [exact_numbers(u) for u in field]
+    if any(u.free_symbols - set(variables) or not u.is_polynomial(*variables) for u in exact):
+        return None
+    polynomials = [sympy.Poly(u, *variables) for u in exact]
+    if any(not c.is_real for p in polynomials for c in p.coeffs()):
+        return None
+    if all(p.total_degree() <= 1 for p in polynomials):
+        a = [[extended_number(p.coeff_monomial(v)) for v in variables] for p in polynomials]
+        b = [extended_number(p.coeff_monomial(1)) for p in polynomials]
+        return LinearFlow(np.array(a), np.array(b))
+    return _recognise_weierstrass(polynomials, variables) if len(variables) == 2 else None
+
+
+def _recognise_weierstrass(
+    polynomials: list[sympy.Poly], variables: tuple[sympy.Symbol, ...]
+) -> "WeierstrassFlow | None":
+    """The flow of u' = αv, v' = βu² + γu + δ with (u, v) the variables in either order."""
+    for i in (0, 1):
+        u, v = variables[i], variables[1 - i]
+        alpha = polynomials[i].coeff_monomial(v)
+        force = polynomials[1 - i]
+        beta = force.coeff_monomial(u**2)
+        is_force = force.total_degree() == 2 and v not in force.as_expr().free_symbols
+        if alpha != 0 and polynomials[i].as_expr() == alpha * v and is_force:
+            gamma, delta = force.coeff_monomial(u), force.coeff_monomial(1)
+            a, b, c, d = map(extended_number, (alpha, beta, gamma, delta))
+            return WeierstrassFlow(i, a, b, c, d)
+    return None
+
+
+def exact_numbers(expression: sympy.Expr) -> sympy.Expr:
+    """The expression with every Float replaced by the rational number it is."""
+    return sympy.sympify(expression).xreplace(
+        {c: sympy.Rational(c) for c in sympy.sympify(expression).atoms(sympy.Float)}
+    )
+
+
+def extended_number(number: sympy.Expr) -> np.longdouble:
+    """The number correctly rounded to extended precision."""
+    return np.longdouble(str(sympy.N(number, 30)))
+
+
+@dataclass(frozen=True, eq=False)
+class LinearFlow:
+    """Flow of x' = a x + b, for any square a, singular or defective too.
+
+    The exponential of [[a, b], [0, 0]] t by scaling, Taylor series and squaring (Higham, ch. 10), carried as
+    exp − 1 and squared as F ← 2F + F², which keeps small times accurate however often it is done.
+    """
+
+    a: Extended
+    b: Extended
+    name: str = "linear flow"
+
+    def __call__(self, x0: ArrayLike, t: ArrayLike) -> Extended:
+        """States (n, d) at the elapsed times t (n,) from x0 (d,)."""
+        x, times = _extended(x0), _extended(t)
+        d = len(x)
+        norm, offset = np.abs(self.a).sum(axis=1).max(), np.abs(self.b).max()
+        # the constant state that carries b is chosen to make both blocks of the same size: fewest squarings
+        unit = offset / norm if norm > 0 and offset > 0 else max(offset, np.longdouble(1))
+        generator = np.zeros((d + 1, d + 1), dtype=np.longdouble)
+        generator[:d, :d], generator[:d, d] = self.a, self.b / unit
+        grown = _exponential_less_one(generator, times) @ np.append(x, unit)
+        states: Extended = x + grown[:, :d]
+        return states
+
+    def lifetime(self, x0: ArrayLike) -> float:
+        """Inf: the states of a linear system are finite at all times."""
+        return np.inf
+
+    def period(self, x0: ArrayLike) -> float:
+        """2π/√det a for a centre of the plane; inf otherwise (a closed orbit in space is not looked for)."""
+        if self.a.shape != (2, 2) or self.a[0, 0] + self.a[1, 1] != 0:
+            return np.inf
+        det = self.a[0, 0] * self.a[1, 1] - self.a[0, 1] * self.a[1, 0]
+        return float(2 * np.pi / np.sqrt(det)) if det > 0 else np.inf
+
+    def rate(self, x0: ArrayLike) -> float:
+        """Largest modulus of an eigenvalue of a."""
+        return float(np.abs(np.linalg.eigvals(self.a.astype(float))).max())
+
+
+def _exponential_less_one(generator: Extended, t: Extended) -> Extended:
+    """exp(generator·t) − 1, (n, k, k)."""
+    size = np.abs(generator).sum(axis=1).max() * np.abs(t).max(initial=0)
+    squarings = max(0, int(np.ceil(np.log2(float(size)))) + 1) if size > 0 else 0
+    z = generator * np.ldexp(t, -squarings)[:, None, None]
+    one = np.eye(len(generator), dtype=np.longdouble)
+    f = z / _TAYLOR_DEGREE
+    for k in range(_TAYLOR_DEGREE - 1, 0, -1):
+        f = z @ (one + f) / k
+    for _ in range(squarings):
+        f = 2 * f + f @ f
+    return f
+
+
+@dataclass(frozen=True, eq=False)
+class WeierstrassFlow:
+    """Flow of u' = αv, v' = βu² + γu + δ, αβ ≠ 0, where u = x[position] and v is the other variable.
+
+    u = sX + r turns it into X'' = 6X² − g₂/2, hence X'² = 4X³ − g₂X − g₃ with g₃ fixed by the state.  The
+    points (X, X') of the cubic are a group and the flow is addition of (℘(t), ℘'(t)) (DLMF 23.10.1): no phase
+    of the orbit, hence no inverse function and no loss of digits at its turning points.
+    """
+
+    position: int
+    alpha: np.longdouble
+    beta: np.longdouble
+    gamma: np.longdouble
+    delta: np.longdouble
+    name: str = "Weierstrass ℘"
+    _scale: np.longdouble = field(init=False, repr=False)
+    _shift: np.longdouble = field(init=False, repr=False)
+    _g2: np.longdouble = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        scale, shift = 6 / (self.alpha * self.beta), -self.gamma / (2 * self.beta)
+        force = (self.beta * shift + self.gamma) * shift + self.delta
+        object.__setattr__(self, "_scale", scale)
+        object.__setattr__(self, "_shift", shift)
+        object.__setattr__(self, "_g2", -2 * self.alpha * force / scale)
+
+    def __call__(self, x0: ArrayLike, t: ArrayLike) -> Extended:
+        """States (n, 2) at the elapsed times t (n,) from x0 (2,); ValueError at or past a pole."""
+        points = self._orbit(x0).at(_extended(t))
+        states = np.empty((len(points), 2), dtype=np.longdouble)
+        states[:, self.position] = self._scale * points[:, 0] + self._shift
+        states[:, 1 - self.position] = self._scale / self.alpha * points[:, 1]
+        return states
+
+    def lifetime(self, x0: ArrayLike) -> float:
+        """Time to the pole ahead; inf on the oval of the cubic, at equilibria, and towards a saddle."""
+        return float(self._orbit(x0).life)
+
+    def period(self, x0: ArrayLike) -> float:
+        """The real period of ℘ on the oval of the cubic; inf on its unbounded branch."""
+        return float(self._orbit(x0).period)
+
+    def rate(self, x0: ArrayLike) -> float:
+        """Twice max(|g₂|^¼, |g₃|^⅙): at least the rate at the centre and at the saddle, (12 g₂)^¼."""
+        return 2 * float(self._orbit(x0).inverse_time)
+
+    def _orbit(self, x0: ArrayLike) -> "_Orbit":
+        x = _extended(x0)
+        return _orbit(
+            self._g2, (x[self.position] - self._shift) / self._scale,
+            self.alpha * x[1 - self.position] / self._scale,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Orbit:
+    """Orbit of X'' = 6X² − g₂/2 through (x, y) = (X, X')."""
+
+    g2: np.longdouble
+    x: np.longdouble
+    y: np.longdouble
+
+    @cached_property
+    def g3(self) -> np.longdouble:
+        return 4 * self.x**3 - self.g2 * self.x - self.y**2
+
+    @cached_property
+    def roots(self) -> Extended | NDArray[np.clongdouble]:
+        """Roots of 4X³ − g₂X − g₃: the largest real one first, the other two after it, real or conjugate."""
+        e1 = _largest_root(self.g2, self.g3)
+        gap = self.g2 - 3 * e1**2  # (e2 − e3)²
+        half = np.sqrt(gap) if gap >= 0 else 1j * np.sqrt(-gap)
+        return np.array([e1, (half - e1) / 2, (-half - e1) / 2])
+
+    @cached_property
+    def is_oval(self) -> bool:
+        e = self.roots
+        return not np.iscomplexobj(e) and bool(2 * self.x < e[0].real + e[1].real)
+
+    @cached_property
+    def period(self) -> np.longdouble:
+        """Period on the oval, 2 R_F(0, e1−e2, e1−e3) (DLMF 19.25.40), polished by coming back; inf off it."""
+        if not self.is_oval:
+            return np.longdouble(np.inf)
+        e = self.roots
+        period = np.longdouble(2 * _carlson(np.array([0, e[0] - e[1], e[0] - e[2]])))
+        for _ in range(_POLISH_STEPS if period < np.inf else 0):
+            after = self._move(np.array([period]))[0]
+            change = self._time_between(after[0], after[1], self.x, self.y)
+            # false at an equilibrium, and near a separatrix, where the guess is as good as it gets
+            period += change if np.abs(change) < period / 100 else 0
+        return period
+
+    @cached_property
+    def poles(self) -> tuple[np.longdouble, np.longdouble]:
+        """Elapsed times behind (< 0) and ahead (> 0) at which the orbit is at infinity; ∓inf if never."""
+        return -_Orbit(self.g2, self.x, -self.y).life, self.life
+
+    @cached_property
+    def life(self) -> np.longdouble:
+        """Time to the pole ahead: R_F (DLMF 19.25.35) once the orbit has left all roots behind, polished."""
+        never = np.longdouble(np.inf)
+        if self.is_oval or (self.y == 0 and 6 * self.x**2 == self.g2 / 2):
+            return never
+        # less than any half period: a move of half of it cannot pass a pole
+        reach = _LAURENT_REACH / self.inverse_time if self.inverse_time > 0 else never
+        x, y, elapsed = self.x, self.y, np.longdouble(0)
+        while not elapsed > _SATURATION / self.inverse_time:
+            left = self._time_to_pole(x, y) if y > 0 else never
+            if left <= reach:
+                return elapsed + left
+            if reach == never:  # X' = −2 X^{3/2}: the cusp, approached for ever
+                return never
+            ((x, y),) = self._at_once(np.array([x]), np.array([y]), np.array([reach / 2]))
+            elapsed += reach / 2
+        return never
+
+    @cached_property
+    def inverse_time(self) -> np.longdouble:
+        """max(|g₂|^¼, |g₃|^⅙): the poles of ℘ are at least 2.6 times its inverse apart."""
+        return np.longdouble(max(np.sqrt(np.sqrt(np.abs(self.g2))), np.cbrt(np.sqrt(np.abs(self.g3)))))
+
+    def at(self, t: Extended) -> Extended:
+        """Points (n, 2) of the cubic after the times t (n,)."""
+        behind, ahead = self.poles
+        if not np.all((behind < t) & (t < ahead)):
+            raise ValueError(
+                f"the orbit is finite only for elapsed times in ({behind:.17g}, {ahead:.17g}); "
+                f"asked for {t.min():.17g} … {t.max():.17g}"
+            )
+        if self.period < np.inf:
+            return self._move(np.fmod(t, self.period))
+        limit = _SATURATION / self.inverse_time if self.inverse_time > 0 else np.longdouble(np.inf)
+        return self._move(np.clip(t, -limit, limit))
+
+    def _move(self, t: Extended) -> Extended:
+        """Points (n, 2) after the times t, in equal moves within reach of the Laurent series.
+
+        One long move would be as exact, but magnifies round-off as a passage of the saddle does, whether or not
+        the orbit passes there.
+        """
+        moves = np.maximum(np.ceil(np.abs(t) * self.inverse_time / _LAURENT_REACH), 1).astype(int)
+        points = np.tile(np.array([self.x, self.y]), (len(t), 1))
+        moves[np.abs(t) < np.finfo(float).tiny ** 0.25] = 0  # 1/t³ stays finite
+        for done in range(int(moves.max(initial=0))):
+            more = moves > done
+            points[more] = self._at_once(*points[more].T, t[more] / moves[more])
+        return points
+
+    def _at_once(self, x: Extended, y: Extended, t: Extended) -> Extended:
+        return _add(x, y, *weierstrass_p(t, self.g2, self.g3), self.g2)
+
+    def _time_to_pole(self, x: np.longdouble, y: np.longdouble) -> np.longdouble:
+        difference = x - self.roots
+        difference[0] = max(difference[0].real, 0)  # round-off at a turning point
+        t = np.longdouble(_carlson(difference))  # DLMF 19.25.35: the t > 0 with ℘(t) = X
+        for _ in range(_POLISH_STEPS):
+            if t * self.inverse_time > _LAURENT_REACH:
+                break
+            p, q = weierstrass_p(np.array([t]), self.g2, self.g3)
+            t += self._time_between(p[0], q[0], x, -y)
+        return t
+
+    def _time_between(
+        self, xa: np.longdouble, ya: np.longdouble, xb: np.longdouble, yb: np.longdouble
+    ) -> np.longdouble:
+        """Time from a point to another one close by, to first order along the curve."""
+        bend, weight = 6 * xa**2 - self.g2 / 2, np.abs(xa) + self.inverse_time**2
+        speed = weight * ya**2 + bend**2
+        return np.longdouble((weight * (xb - xa) * ya + (yb - ya) * bend) / speed if speed > 0 else 0)
+
+
+_orbit = lru_cache(maxsize=256)(_Orbit)
+
+
+def weierstrass_p(t: Extended, g2: np.longdouble, g3: np.longdouble) -> tuple[Extended, Extended]:
+    """℘(t) and ℘'(t) (n,) of the invariants g2, g3 by their Laurent series (DLMF 23.9.2), t ≠ 0 in its reach."""
+    p, q, square = np.zeros_like(t), np.zeros_like(t), t * t
+    for k, c in reversed(list(enumerate(_laurent(g2, g3)))):
+        p = p * square + c
+        q = q * square + (2 * k - 2) * c
+    return p / square, q / (square * t)
+
+
+@lru_cache(maxsize=256)
+def _laurent(g2: np.longdouble, g3: np.longdouble) -> list[np.longdouble]:
+    """Coefficients of t²℘(t) in powers of t² (DLMF 23.9.3–23.9.5)."""
+    c = np.zeros(_LAURENT_TERMS, dtype=np.longdouble)
+    c[0], c[2], c[3] = 1, g2 / 20, g3 / 28
+    for n in range(4, _LAURENT_TERMS):
+        c[n] = 3 * (c[2 : n - 1] @ c[n - 2 : 1 : -1]) / ((2 * n + 1) * (n - 3))
+    return list(c)
+
+
+def _add(x: Extended, y: Extended, p: Extended, q: Extended, g2: np.longdouble) -> Extended:
+    """Sums (n, 2) of the points (x, y) and the points (p, q) (n,) of Y² = 4X³ − g₂X − g₃ (DLMF 23.10.1).
+
+    The chord's slope ΔY/ΔX also is (4(X₁² + X₁X₂ + X₂²) − g₂)/(Y₁ + Y₂), which is right where the points
+    meet: the form with the smaller bound on its round-off is taken.  X is computed as a change from the point
+    farther from infinity.
+    """
+    swap = np.abs(p) < np.abs(x)
+    xa, ya = np.where(swap, p, x), np.where(swap, q, y)
+    xb, yb = np.where(swap, x, p), np.where(swap, y, q)
+    dx, dy = xb - xa, yb - ya
+    with np.errstate(divide="ignore", invalid="ignore"):
+        chord = dy / dx
+        numerator = 4 * (xa**2 + xa * xb + xb**2) - g2
+        tangent = numerator / (ya + yb)
+        height, terms = np.abs(ya) + np.abs(yb), 4 * (xa**2 + np.abs(xa * xb) + xb**2) + np.abs(g2)
+        chord_error = (height + np.abs(chord) * (np.abs(xa) + np.abs(xb))) / np.abs(dx)
+        tangent_error = (terms + np.abs(tangent) * height) / np.abs(ya + yb)
+        meet = ~(chord_error <= tangent_error)
+        by_chord = ((6 * xa**2 - g2 / 2) * dx - ya * dy) / dx / dx / 2
+    slope = np.where(meet, tangent, chord)
+    change = np.where(meet, tangent**2 / 4 - 2 * xa - xb, by_chord)
+    return np.stack([xa + change, -(ya + slope * change)], axis=-1)
+
+
+def _largest_root(g2: np.longdouble, g3: np.longdouble) -> np.longdouble:
+    """The largest real root of 4X³ − g₂X − g₃, by the trigonometric form or Cardano's."""
+    discriminant = g2**3 - 27 * g3**2
+    if discriminant >= 0:
+        if g2 == 0:
+            return g2
+        cosine = np.clip(np.sqrt(np.longdouble(27)) * g3 / g2 ** np.longdouble(1.5), -1, 1)
+        return np.longdouble(np.sqrt(g2 / 3) * np.cos(np.arccos(cosine) / 3))
+    radical = np.sqrt(-discriminant / 27)
+    u = np.cbrt((g3 + np.copysign(radical, g3)) / 8)  # the sum without cancellation
+    return np.longdouble(u + g2 / (12 * u))
+
+
+def _carlson(arguments: Extended | NDArray[np.clongdouble]) -> float:
+    """R_F (DLMF 19.16.1) of a real argument and a real or conjugate pair: real but for round-off."""
+    return float(elliprf(*arguments.astype(complex)).real)
+
+
+def _extended(values: ArrayLike) -> Extended:
+    return np.atleast_1d(np.asarray(values, dtype=np.longdouble))

@@ -1,0 +1,191 @@
+"""integrate(): validate once, march, wrap."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from core.laws import Floats
+from core.methods import Method, method_named
+from core.runner import Runner, Settings
+from core.system import PiecewiseSystem
+from core.trajectory import Status, Trajectory
+
+__all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
+
+_TRANSITIONS = ("mannshardt", "none")
+_RECORDS = ("steps", "crossings", "end")
+_MAX_ROWS = 10**7  #: with record="steps", where max_steps is not given
+
+
+def integrate(
+    system: PiecewiseSystem,
+    t_span: tuple[float, float],
+    x0: Iterable[float] | None = None,
+    tau: float = 1e-2,
+    method: str = "dmm2",
+    *,
+    transition: str = "mannshardt",
+    perturbation_order: int | None = None,
+    perturbation_scale: float = 1.0,
+    record: str = "steps",
+    max_crossings: int | None = None,
+    max_steps: int | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Trajectory:
+    """Integrate a piecewise system across its switching surface.
+
+    Parameters
+    ----------
+    system
+        What to integrate.
+    t_span
+        Start and end time; the end may be the earlier.
+    x0
+        d numbers; the system's own x0 where not given.
+    tau
+        Step size, positive. The last step is shortened to end at the end time.
+    method
+        A key of METHODS.
+    transition
+        "mannshardt": locate the crossing on the scheme, land on it, go on with the other field (paper, Algorithm 1).
+        "none": step over the surface, and only then take the other field.
+    perturbation_order, perturbation_scale
+        p and c: every crossing time is moved, t̂ ← t̂ + c·τᵖ, and the state solved anew there. None: no perturbation.
+    record
+        "steps": every step; "crossings": first and last state, and the crossings; "end": first and last state only.
+    max_crossings, max_steps
+        Where to stop at the latest.
+    cancel
+        Asked every few milliseconds; the run stops when it returns True.
+
+    Returns
+    -------
+    Trajectory
+        What goes wrong in mid-run is its `status`, with everything computed so far.
+
+    Raises
+    ------
+    ValueError
+        On arguments that make no sense, naming the value and what would do.
+    """
+    chosen = checked_method(system, method)
+    if record not in _RECORDS:
+        raise ValueError(f"record = {record!r}: choose from {', '.join(_RECORDS)}")
+    t0, t1 = _span(t_span)
+    start = checked_start(system, t0, x0)
+    if max_steps is None and record == "steps":
+        max_steps = _MAX_ROWS
+    settings = checked_settings(
+        tau, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel
+    )
+    runner = Runner(system, chosen, t0, start, settings)
+    runner.advance(t1, record=record == "steps", keep_hits=record != "end")
+    return _wrap(runner, chosen, t0, np.array(start), record)
+
+
+def checked_method(system: PiecewiseSystem, name: str) -> Method:
+    """Return the method of that name, if it can be used on the system, else raise ValueError."""
+    method = method_named(name)
+    if method.conservative and not (system.psi_minus or system.psi_plus):
+        raise ValueError(f"method {name!r} keeps conserved quantities, and {system.name!r} has none: use rk2 or rk4")
+    return method
+
+
+def checked_start(system: PiecewiseSystem, t0: float, x0: Iterable[float] | None) -> tuple[float, ...]:
+    """Return the initial state, if one can start there, else raise ValueError."""
+    start = system.x0 if x0 is None else system.check_state(x0)
+    for side in (-1, 1):
+        if not np.isfinite(system.field(side, t0, start)).all() and side * system.switching(t0, start) >= 0:
+            raise ValueError(f"x0 = {start!r}: the field has no finite value there; choose another state")
+    if not np.isfinite(system.switching(t0, start)):
+        raise ValueError(f"x0 = {start!r}: g has no finite value there; choose another state")
+    if not system.switching_gradient(t0, start).any():
+        raise ValueError(f"x0 = {start!r}: the gradient of g vanishes there, so g has no surface; choose another state")
+    return start
+
+
+def checked_settings(
+    tau: float,
+    transition: str = "mannshardt",
+    perturbation_order: int | None = None,
+    perturbation_scale: float = 1.0,
+    max_crossings: int | None = None,
+    max_steps: int | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> Settings:
+    """Return the settings of a run, if they make sense, else raise ValueError."""
+    tau = _number(tau, "tau")
+    if not tau > 0:
+        raise ValueError(f"tau = {tau!r}: the step size must be positive")
+    if transition not in _TRANSITIONS:
+        raise ValueError(f"transition = {transition!r}: choose from {', '.join(_TRANSITIONS)}")
+    shift = 0.0
+    if perturbation_order is not None:
+        order = _number(perturbation_order, "perturbation_order")
+        if order <= 0:
+            raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
+        shift = _number(perturbation_scale, "perturbation_scale") * tau**order
+    settings = Settings(tau, transition == "mannshardt", shift, cancel=cancel)
+    limits = {"max_crossings": max_crossings, "max_steps": max_steps}
+    given = {name: _count(n, name) for name, n in limits.items() if n is not None}
+    return Settings(**{**vars(settings), **given})
+
+
+def _span(t_span: tuple[float, float]) -> tuple[float, float]:
+    try:
+        t0, t1 = t_span
+    except (TypeError, ValueError):
+        raise ValueError(f"t_span = {t_span!r}: a start and an end time are needed, as in (0.0, 60.0)") from None
+    return _number(t0, "start time"), _number(t1, "end time")
+
+
+def _number(value: Any, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} = {value!r} is no number") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{what} = {value!r}: a finite number is needed")
+    return number
+
+
+def _count(value: Any, what: str) -> int:
+    number = _number(value, what)
+    if number < 1 or number != int(number):
+        raise ValueError(f"{what} = {value!r}: a whole number of at least 1 is needed")
+    return int(number)
+
+
+def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) -> Trajectory:
+    """Rows from the loop, with the first and the last state always among them."""
+    rows, crossings = runner.rows, runner.crossings()
+    t = np.concatenate([[t0], *rows.t])
+    x = np.concatenate([x0[None], *rows.x])
+    side = np.concatenate([[runner.first_side], *rows.side]).astype(np.int64)
+    segment = np.concatenate([[0], *rows.segment]).astype(np.int64)
+    if runner.t != t[-1] or (runner.x != x[-1]).any():
+        t, x = np.append(t, runner.t), np.concatenate([x, runner.x[None]])
+        side, segment = np.append(side, runner.side), np.append(segment, runner.segment)
+    entered_t = np.concatenate([[t0], crossings.t])
+    entered_x = np.concatenate([x0[None], crossings.x_after])
+    if record == "end":
+        kept = min(runner.segment, len(crossings))  # of the crossings, the last alone is known
+        entered_t, entered_x = entered_t[[0, kept]], entered_x[[0, kept]]
+        segment = np.arange(len(t))
+        crossings = crossings.first(0)
+    return Trajectory(
+        runner.system, method.name, runner.settings.tau, t, x, side, segment, entered_t, entered_x, crossings,
+        runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
+    )  # fmt: skip
+
+
+def _message(runner: Runner) -> str:
+    status = runner.status
+    where = f"t = {runner.t:.12g}"
+    if status is not Status.COMPLETED:
+        where += ", x = (" + ", ".join(f"{v:.6g}" for v in runner.x) + ")"
+    return f"{where}: {status.reason}. {status.advice}".strip()

@@ -1,0 +1,124 @@
+"""The mathematics of a declared system: symbols, both sides, and vectorised evaluation. Parameters stay symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike, NDArray
+from sympy import Expr, Symbol
+
+from core.expressions import TIME, parse
+from core.multiplier import DiscreteField, Endpoints
+
+__all__ = ["Laws", "Side", "derive"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of the switching surface: its field f, its conserved quantities ψ, and ġ = g_t + ∇g·f."""
+
+    sign: int
+    variables: tuple[Symbol, ...]
+    field: tuple[Expr, ...]
+    conserved: tuple[Expr, ...]
+    g_dot: Expr
+    taken: frozenset[str]
+
+    @cached_property
+    def discrete(self) -> DiscreteField:
+        """The side's Discrete Multiplier Method."""
+        return DiscreteField(self.field, self.conserved, Endpoints.of(self.variables, set(self.taken)))
+
+    def rate_of(self, psi: Expr) -> Expr:
+        """Time derivative of ψ along the field: zero if ψ is conserved."""
+        change = sum((psi.diff(v) * f for v, f in zip(self.variables, self.field, strict=True)), psi.diff(TIME))
+        return sympy.sympify(change)
+
+
+class Laws:
+    """Everything about a system that does not depend on the values of its parameters."""
+
+    def __init__(self, variables: Sequence[str], parameters: Sequence[str], texts: dict[str, Any]) -> None:
+        self.x = tuple(Symbol(v) for v in variables)
+        self.p = tuple(Symbol(q) for q in parameters)
+        names = (*variables, *parameters)
+        self.g = parse(texts["g"], names, "g")
+        self.jump = _parse_all(texts["jump"], names, "jump") if texts["jump"] is not None else None
+        self.sides = {
+            sign: self._side(
+                sign,
+                _parse_all(texts[f"f_{word}"], names, f"f_{word}"),
+                _parse_all(texts[f"psi_{word}"], names, f"psi_{word}"),
+            )
+            for sign, word in ((-1, "minus"), (1, "plus"))
+        }
+        self.verified = False  # set by the system that has checked the surface and the conserved quantities
+        self._functions: dict[object, Callable[..., Floats]] = {}
+
+    def _side(self, sign: int, field: tuple[Expr, ...], conserved: tuple[Expr, ...]) -> Side:
+        pairs = zip(self.x, field, strict=False)  # lengths are checked by the system, with a better message
+        g_dot = sum((self.g.diff(v) * f for v, f in pairs), self.g.diff(TIME))
+        taken = frozenset(str(s) for s in (*self.x, *self.p))
+        return Side(sign, self.x, field, conserved, sympy.sympify(g_dot), taken)
+
+    @property
+    def gradient(self) -> tuple[Expr, ...]:
+        """∇g."""
+        return tuple(self.g.diff(v) for v in self.x)
+
+    def evaluate(self, key: object, expressions: Sequence[Expr], t: ArrayLike, x: ArrayLike, p: Floats) -> Floats:
+        """Values of expressions at many states.
+
+        Parameters
+        ----------
+        key
+            Under which the numpy function is kept.
+        t
+            Times, broadcast against the states.
+        x
+            (..., d) states.
+
+        Returns
+        -------
+        (..., len(expressions)); nan or inf where there is no value, without a warning.
+        """
+        if key not in self._functions:
+            symbols = [TIME, *self.x, *self.p]
+            self._functions[key] = sympy.lambdify(symbols, list(expressions), "numpy", cse=True, dummify=True)
+        states = np.asarray(x, dtype=float)
+        shape = np.broadcast_shapes(np.shape(t), states.shape[:-1])
+        result = np.empty((*shape, len(expressions)))
+        with np.errstate(all="ignore"):
+            columns = self._functions[key](np.asarray(t, dtype=float), *np.moveaxis(states, -1, 0), *p)
+            for k, column in enumerate(columns):
+                result[..., k] = column
+        return result
+
+
+def _parse_all(texts: Sequence[Any], names: Sequence[str], what: str) -> tuple[Expr, ...]:
+    return tuple(parse(text, names, f"{what}[{k}]") for k, text in enumerate(texts))
+
+
+@lru_cache(maxsize=256)
+def derive(
+    variables: tuple[str, ...],
+    parameters: tuple[str, ...],
+    f_minus: tuple[str, ...],
+    f_plus: tuple[str, ...],
+    g: str,
+    psi_minus: tuple[str, ...],
+    psi_plus: tuple[str, ...],
+    jump: tuple[str, ...] | None,
+) -> Laws:
+    """The laws of a declaration, derived once however many parameter values it is used with."""
+    texts = {
+        "f_minus": f_minus, "f_plus": f_plus, "g": g, "psi_minus": psi_minus, "psi_plus": psi_plus, "jump": jump,
+    }  # fmt: skip
+    return Laws(variables, parameters, texts)

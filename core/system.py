@@ -1,0 +1,299 @@
+"""PiecewiseSystem and Parameter: a system is data, and everything else is derived from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike
+
+from core.expressions import TIME, check_name, to_text
+from core.identities import independent, is_zero
+from core.laws import Floats, Laws, Side, derive
+
+__all__ = ["Parameter", "PiecewiseSystem"]
+
+MAX_DIMENSION = 24
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of a system that a person may change."""
+
+    name: str
+    """An identifier, as it stands in the expressions."""
+    default: float
+    """The value it starts with."""
+    bounds: tuple[float, float] | None = None
+    """Least and greatest value, both allowed."""
+    doc: str = ""
+    """What it is, in a few words."""
+    latex: str | None = None
+    """How it is typeset; from the name where not given."""
+
+    def __post_init__(self) -> None:
+        check_name(self.name, "parameter")
+        if self.bounds is not None:
+            low, high = (_finite(b, f"bound of parameter {self.name}") for b in self.bounds)
+            if not low < high:
+                raise ValueError(f"bounds of parameter {self.name} are {self.bounds}: the first must be the smaller")
+            object.__setattr__(self, "bounds", (low, high))
+        object.__setattr__(self, "default", self.check(self.default))
+
+    def check(self, value: float) -> float:
+        """Return `value` as a float if the parameter may take it, else raise ValueError."""
+        number = _finite(value, f"parameter {self.name}")
+        if self.bounds is not None and not self.bounds[0] <= number <= self.bounds[1]:
+            raise ValueError(f"parameter {self.name} = {number!r} is outside {self.bounds[0]:g} … {self.bounds[1]:g}")
+        return number
+
+
+@dataclass(frozen=True)
+class PiecewiseSystem:
+    """x' = f₋(t, x) where g < 0 and f₊(t, x) where g > 0, each side with its own conserved quantities.
+
+    Everything is text, or sympy, in the variables, the parameters and time ``t``; see `expressions` for what text may
+    hold. A system is frozen; `with_parameters` returns a new one.
+
+    Parameters
+    ----------
+    name
+        For people.
+    variables
+        The d names of the state's coordinates.
+    f_minus, f_plus
+        d expressions each.
+    g
+        The switching function; ∇g ≠ 0.
+    psi_minus, psi_plus
+        0 to d − 1 conserved quantities of each side, () where none is known.
+    parameters
+        name -> value, name -> `Parameter`, or a sequence of `Parameter`.
+    x0
+        A state to start from, d numbers.
+    jump
+        d expressions: the state after reaching the surface, for impacts. None: it goes on as it is.
+    doc
+        What the system is, in a sentence or two.
+
+    Raises
+    ------
+    ValueError
+        Naming the text, what is wrong with it and what would do: unknown names, what is not in the whitelist, wrong
+        dimensions, constants that are not finite, a ψ that its field does not conserve.
+    """
+
+    name: str
+    variables: tuple[str, ...]
+    f_minus: tuple[str, ...]
+    f_plus: tuple[str, ...]
+    g: str
+    psi_minus: tuple[str, ...] = ()
+    psi_plus: tuple[str, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+    x0: tuple[float, ...] = ()
+    jump: tuple[str, ...] | None = None
+    doc: str = ""
+    values: Mapping[str, float] = field(default_factory=dict, hash=False)
+    """Current value of each parameter; the default where none is given."""
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "name", str(self.name))
+        set_(self, "variables", self._check_variables())
+        set_(self, "parameters", self._check_parameters())
+        for name in ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump"):
+            texts = getattr(self, name)
+            set_(self, name, None if texts is None else tuple(_text(e) for e in _listed(texts, name)))
+        set_(self, "g", _text(self.g))
+        set_(self, "values", MappingProxyType(self._check_values(self.values)))
+        self._check_dimensions()
+        set_(self, "x0", self.check_state(self.x0 if len(self.x0) else (0.0,) * self.dimension))
+        if not self.laws.verified:  # once a declaration, not again for every value of a parameter
+            self._check_surface()
+            for side in self.laws.sides.values():
+                self._check_conserved(side)
+            self.laws.verified = True
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        given = [getattr(self, f.name) for f in fields(self)]
+        return PiecewiseSystem, (*given[:-1], dict(self.values))
+
+    # What it is ------------------------------------------------------------------------------------------------------
+
+    @property
+    def dimension(self) -> int:
+        """d."""
+        return len(self.variables)
+
+    @property
+    def laws(self) -> Laws:
+        """The mathematics; shared by all systems that differ in parameter values only."""
+        names = tuple(q.name for q in self.parameters)
+        texts = (self.f_minus, self.f_plus, self.g, self.psi_minus, self.psi_plus, self.jump)
+        return derive(self.variables, names, *texts)
+
+    @property
+    def parameter_array(self) -> Floats:
+        """Values in the order of `parameters`: how the compiled functions take them."""
+        return np.array([self.values[q.name] for q in self.parameters], dtype=float)
+
+    def with_parameters(self, **values: float) -> PiecewiseSystem:
+        """The same system with other parameter values.
+
+        Raises
+        ------
+        ValueError
+            On an unknown name, or a value that is not finite or out of bounds.
+        """
+        return replace(self, values={**self.values, **self._check_values(values)})
+
+    # Its values at a state -------------------------------------------------------------------------------------------
+
+    def field(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
+        """f of a side (−1 or +1) at states (..., d) -> (..., d)."""
+        return self.laws.evaluate(("f", side), self._side(side).field, t, x, self.parameter_array)
+
+    def switching(self, t: ArrayLike, x: ArrayLike) -> Floats:
+        """g at states (..., d) -> (...)."""
+        return self.laws.evaluate("g", (self.laws.g,), t, x, self.parameter_array)[..., 0]
+
+    def switching_gradient(self, t: ArrayLike, x: ArrayLike) -> Floats:
+        """∇g at states (..., d) -> (..., d)."""
+        return self.laws.evaluate("grad g", self.laws.gradient, t, x, self.parameter_array)
+
+    def switching_rate(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
+        """ġ = g_t + ∇g·f with the field of a side, at states (..., d) -> (...)."""
+        return self.laws.evaluate(("g'", side), (self._side(side).g_dot,), t, x, self.parameter_array)[..., 0]
+
+    def conserved(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
+        """ψ of a side at states (..., d) -> (..., m)."""
+        return self.laws.evaluate(("psi", side), self._side(side).conserved, t, x, self.parameter_array)
+
+    def latex(self) -> dict[str, str]:
+        """The declaration as LaTeX: keys f_minus, f_plus, g, psi_minus, psi_plus."""
+        names = {sympy.Symbol(q.name): q.latex or _latex_name(q.name) for q in self.parameters}
+        names |= {v: _latex_name(str(v)) for v in self.laws.x}
+
+        def typeset(expressions: Sequence[sympy.Expr]) -> str:
+            return r",\; ".join(sympy.latex(e, symbol_names=names) for e in expressions)
+
+        texts = {"g": typeset((self.laws.g,))}
+        for side, word in ((self.laws.sides[-1], "minus"), (self.laws.sides[1], "plus")):
+            texts |= {f"f_{word}": typeset(side.field), f"psi_{word}": typeset(side.conserved)}
+        return texts
+
+    def _side(self, side: int) -> Side:
+        if side not in (-1, 1):
+            raise ValueError(f"side = {side!r}: it is -1 where g < 0 and +1 where g > 0")
+        return self.laws.sides[int(side)]
+
+    # Checks ----------------------------------------------------------------------------------------------------------
+
+    def check_state(self, x: Iterable[float], what: str = "x0") -> tuple[float, ...]:
+        """Return a state as d finite floats, else raise ValueError."""
+        try:
+            state = tuple(float(v) for v in x)
+        except (TypeError, ValueError):
+            raise ValueError(f"{what} = {x!r}: {self.dimension} numbers are needed") from None
+        if len(state) != self.dimension:
+            names = ", ".join(self.variables)
+            raise ValueError(f"{what} = {state!r} has {len(state)} numbers: {self.dimension} are needed ({names})")
+        if not all(map(math.isfinite, state)):
+            raise ValueError(f"{what} = {state!r}: every number must be finite")
+        return state
+
+    def _check_variables(self) -> tuple[str, ...]:
+        names = tuple(check_name(v, "variable") for v in _listed(self.variables, "variables"))
+        if not 1 <= len(names) <= MAX_DIMENSION:
+            raise ValueError(f"{len(names)} variables: from 1 to {MAX_DIMENSION} are possible")
+        if len(set(names)) < len(names):
+            raise ValueError(f"variables = {names!r}: a name stands twice")
+        return names
+
+    def _check_parameters(self) -> tuple[Parameter, ...]:
+        given: Any = self.parameters
+        if isinstance(given, Mapping):
+            given = [q if isinstance(q, Parameter) else Parameter(name, q) for name, q in given.items()]
+        for q in given:
+            if not isinstance(q, Parameter):
+                raise ValueError(f"parameters: {q!r} is no Parameter; give name: value or Parameter(name, default)")
+        names = [*self.variables, *(q.name for q in given)]
+        if twice := {n for n in names if names.count(n) > 1}:
+            raise ValueError(f"parameters: {sorted(twice)} stand for two things; names must differ")
+        return tuple(given)
+
+    def _check_values(self, values: Mapping[str, float]) -> dict[str, float]:
+        known = {q.name: q for q in self.parameters}
+        if unknown := set(values) - set(known):
+            raise ValueError(f"unknown parameter {sorted(unknown)[0]!r}; known are {', '.join(known) or 'none'}")
+        defaults = {name: self.values.get(name, q.default) for name, q in known.items()}
+        return {name: known[name].check(value) for name, value in {**defaults, **values}.items()}
+
+    def _check_dimensions(self) -> None:
+        d = self.dimension
+        for name in ("f_minus", "f_plus", "jump"):
+            texts = getattr(self, name)
+            if texts is not None and len(texts) != d:
+                raise ValueError(f"{name} = {texts!r} has {len(texts)} expressions: {d} are needed, one a variable")
+        for name in ("psi_minus", "psi_plus"):
+            texts = getattr(self, name)
+            if len(texts) > d - 1:
+                raise ValueError(f"{name} has {len(texts)} conserved quantities: at most {d - 1} in {d} dimensions")
+
+    def _check_surface(self) -> None:
+        if not self.laws.g.free_symbols & set(self.laws.x):
+            raise ValueError(f"g = {self.g!r} names no variable, so it has no surface: write one in {self.variables}")
+
+    def _check_conserved(self, side: Side) -> None:
+        word = "minus" if side.sign < 0 else "plus"
+        ranges = {sympy.Symbol(q.name): q.bounds for q in self.parameters if q.bounds is not None}
+        for k, psi in enumerate(side.conserved):
+            rate = side.rate_of(psi)
+            if not is_zero(rate, ranges):
+                shown = sympy.simplify(rate) if sympy.count_ops(rate) < 80 else rate
+                text = f"psi_{word}[{k}] = {getattr(self, f'psi_{word}')[k]!r}"
+                raise ValueError(
+                    f"{text} is not conserved by f_{word}: its time derivative is {to_text(shown)}, not 0"
+                )
+        rows = sympy.Matrix([[psi.diff(v) for v in (*side.variables, TIME)] for psi in side.conserved])
+        if side.conserved and not independent(rows, ranges):
+            raise ValueError(
+                f"psi_{word} = {getattr(self, f'psi_{word}')!r}: their gradients are linearly dependent (or zero); "
+                "leave out what follows from the others"
+            )
+
+
+def _listed(given: Any, what: str) -> Sequence[Any]:
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise ValueError(f"{what} = {given!r}: a tuple is needed, as in ('y', '-x')")
+    return tuple(given)
+
+
+def _text(expression: Any) -> str:
+    return to_text(expression) if isinstance(expression, sympy.Basic) else str(expression)
+
+
+def _finite(value: Any, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} = {value!r} is no number") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{what} = {value!r}: a finite number is needed")
+    return number
+
+
+def _latex_name(name: str) -> str:
+    """LaTeX of a name; the endings _minus and _plus become the sign of the side."""
+    for word, sign in (("_minus", "-"), ("_plus", "+")):
+        if name.endswith(word):
+            return rf"{sympy.latex(sympy.Symbol(name.removesuffix(word)))}_{{{sign}}}"
+    return str(sympy.latex(sympy.Symbol(name)))
+
+

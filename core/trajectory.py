@@ -1,0 +1,157 @@
+"""What a run returns: Trajectory, Crossings, Status."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.laws import Floats
+from core.system import PiecewiseSystem
+
+__all__ = ["CROSSING_KINDS", "Crossings", "Status", "Trajectory"]
+
+Integers = NDArray[np.int64]
+
+
+class Status(IntEnum):
+    """How a run ended. Its `advice` says what to do about it."""
+
+    RUNNING = 0
+    COMPLETED = 1
+    SLIDING = 2
+    REPELLING = 3
+    GRAZING = 4
+    NO_CONVERGENCE = 5
+    ESCAPED = 6
+    ZENO = 7
+    CROSSING_LIMIT = 8
+    STEP_LIMIT = 9
+    CANCELLED = 10
+
+    @property
+    def reason(self) -> str:
+        """Why a run stops so, in plain words."""
+        return _WORDS[self][0]
+
+    @property
+    def advice(self) -> str:
+        """What to do about it."""
+        return _WORDS[self][1]
+
+
+_WORDS = {
+    Status.RUNNING: ("still running", ""),
+    Status.COMPLETED: ("reached the end time", ""),
+    Status.SLIDING: (
+        "both fields point to the surface, so the state slides along it",
+        "Transversal dynamics end here; a sliding flow is another system.",
+    ),
+    Status.REPELLING: (
+        "both fields point away from the surface, so where to go on is not determined",
+        "Start off the surface, on the side you want.",
+    ),
+    Status.GRAZING: (
+        "the trajectory touches the surface without a transversal crossing",
+        "Move the initial condition or a parameter a little.",
+    ),
+    Status.NO_CONVERGENCE: (
+        "the equations of the step, or the switching function, have no real solution that can be found",
+        "Take a smaller step size tau.",
+    ),
+    Status.ESCAPED: (
+        "the state runs away beyond any bound",
+        "The solution may have a pole; end the run before it.",
+    ),
+    Status.ZENO: (
+        "too many crossings within one step",
+        "Take a smaller step size tau; crossings may accumulate at a point.",
+    ),
+    Status.CROSSING_LIMIT: ("reached max_crossings", "Raise max_crossings to go on."),
+    Status.STEP_LIMIT: ("reached max_steps", "Take a larger step size tau, a shorter time, or raise max_steps."),
+    Status.CANCELLED: ("cancelled", ""),
+}
+
+#: Names of the kinds of crossing, in the order of the compiled codes.
+CROSSING_KINDS = ("transversal", "grazing", "sliding", "repelling", "jump")
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Where a run met the switching surface."""
+
+    t: Floats
+    """(k,) times t̂."""
+    x: Floats
+    """(k, d) states x̂ on the surface (beside it, if moved by a perturbation)."""
+    x_after: Floats
+    """(k, d) states it went on from: x, or what the jump made of it."""
+    side: Integers
+    """(k,) side entered, −1 or +1; 0 where the run could not go on."""
+    g: Floats
+    """(k,) residual of the switching function at x."""
+    kind: NDArray[np.str_]
+    """(k,) one of CROSSING_KINDS."""
+    rate_before: Floats
+    """(k,) ∇g·f + g_t of the side left, at the surface."""
+    rate_after: Floats
+    """(k,) the same of the side entered."""
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def first(self, count: int) -> Crossings:
+        """The first `count` of them."""
+        return Crossings(*(getattr(self, f.name)[:count] for f in fields(self)))
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A run: what was recorded, where it crossed, how it ended."""
+
+    system: PiecewiseSystem
+    method: str
+    tau: float
+    t: Floats
+    """(n,) times recorded; the first and the last state are always among them."""
+    x: Floats
+    """(n, d) states."""
+    side: Integers
+    """(n,) side occupied, −1 or +1 (0 if the run started on the surface and could not leave it)."""
+    segment: Integers
+    """(n,) which segment between crossings each row lies in: an index into `entered_t`."""
+    entered_t: Floats
+    """(s,) when each segment was entered: the start, then every crossing (of ``record="end"`` only the last)."""
+    entered_x: Floats
+    """(s, d) the states there."""
+    crossings: Crossings
+    crossing_count: int
+    """How many crossings there were; with ``record="end"`` they are counted but not kept."""
+    status: Status
+    message: str
+    """Where it stopped, why, and what to do about it."""
+    steps: int
+    """Steps taken."""
+    evaluations: int
+    """Evaluations of the (discrete) field."""
+    seconds: float
+    """Wall time inside the compiled loop."""
+
+    def conserved_error(self) -> Floats:
+        """ψ of the side occupied, less its value where that side was entered.
+
+        Returns
+        -------
+        (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
+        """
+        counts = {side: len(self.system.laws.sides[side].conserved) for side in (-1, 1)}
+        error = np.full((len(self.t), max(counts.values())), np.nan)
+        for side, m in counts.items():
+            rows = self.side == side
+            if m and rows.any():
+                now = self.system.conserved(side, self.t[rows], self.x[rows])
+                entry = self.system.conserved(side, self.entered_t, self.entered_x)
+                error[rows, :m] = now - entry[self.segment[rows]]
+        return error
