@@ -14,7 +14,7 @@ from sympy.printing.pycode import PythonCodePrinter
 
 from core.expressions import TIME
 from core.laws import Laws, Side
-from core.multiplier import DIFFERENCES, SECOND
+from core.multiplier import DIFFERENCES, SECOND, DividedDifference, SecondDifference
 
 __all__ = ["StepCode", "function_text", "module_text", "values_text"]
 
@@ -52,10 +52,10 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]  # sympy's printers are
             return f"(1.0/{self._print_Pow(sympy.Pow(expr.base, -exponent, evaluate=False))})"
         return f"{base}**({self._print(exponent)})"
 
-    def _print_DividedDifference(self, expr: Any) -> str:  # noqa: N802
-        return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
-
-    _print_SecondDifference = _print_DividedDifference
+    def _print_Function(self, expr: Any) -> str:  # noqa: N802
+        if isinstance(expr, DividedDifference | SecondDifference):
+            return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
+        return str(super()._print_Function(expr))
 
 
 def _print(expression: Expr) -> str:
@@ -193,7 +193,7 @@ def _verdict(d: int) -> list[str]:
         "corrections += 1",
         "if not size < math.inf:",
         "    return -1",
-        "if size == 0.0 or (corrections > 1 and size * (size / last) * (size / last) < 1e-17 * whole):",
+        "if size == 0.0 or (corrections > 1 and size * size * size < 1e-17 * whole * last * last):",
         "    break",
         f"if size >= last and size <= {_STAGNATION} * max(whole, {', '.join(f'abs(x{k})' for k in range(d))}):",
         "    break",

@@ -15,7 +15,7 @@ from numba import njit
 
 from core.trajectory import CROSSING_KINDS, Status
 
-__all__ = ["RUNNING", "accept", "advance", "take_step"]
+__all__ = ["BOUND", "RUNNING", "is_plain", "take_step", "two_sum"]
 
 _inline = njit(error_model="numpy")
 
@@ -26,7 +26,7 @@ _CROSSING_LIMIT = int(Status.CROSSING_LIMIT)
 _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = range(len(CROSSING_KINDS))
 
 _EPS = 2.0**-52
-_BOUND = 1e150  #: beyond it the square of a state overflows
+BOUND = 1e150  #: beyond it the square of a state overflows
 _MAX_CROSSINGS_A_STEP = 64
 _MAX_PROBES = 200
 _NONE, _FOUND, _TOUCH, _FAILED = 0, 1, 2, 3
@@ -59,9 +59,21 @@ def accept(x, carry, dx):
 def is_lost(x):
     """Whether a state is beyond any bound, or none at all."""
     for i in range(x.size):
-        if not abs(x[i]) < _BOUND:
+        if not abs(x[i]) < BOUND:
             return True
     return False
+
+
+@_inline
+def is_plain(run, height_end, rate_end):
+    """Whether nothing happens in a step that ends at this height and rate; if so, the rate is taken over."""
+    rate_end = math.copysign(rate_end, rate_end * run.tau)
+    turns = run.rate < 0.0 and rate_end > 0.0
+    if not (0.0 < height_end < math.inf and abs(rate_end) < math.inf) or (run.leaving == 0 and turns):
+        return False
+    run.rate = rate_end
+    run.leaving = 0
+    return True
 
 
 @_inline
@@ -87,17 +99,20 @@ def probe(quantity, step, switching, rate, run, t, h, x, carry, p, dx, trial):
 def root(quantity, low, high, f_low, f_high, step, switching, rate, run, t, x, carry, p, dx, trial):
     """Step length in [low, high] where a height or a rate changes sign, to the last digit.
 
-    Regula falsi (Illinois) with a bisection every third probe: superlinear, and never more than 3 × 104 probes. Of
-    the two sides that remain, the one where the quantity is smaller.
+    Regula falsi (Illinois) with a bisection every third probe: superlinear, and never more than 3 × 104 probes. A
+    probe keeps an ulp's distance from either end, so that the end it has nearly reached is soon passed. Of the two
+    sides that remain, the one where the quantity is smaller.
     """
     best, f_best = (low, f_low) if abs(f_low) < abs(f_high) else (high, f_high)
     for k in range(_MAX_PROBES):
-        if abs(high - low) <= _EPS * max(abs(high), abs(low), _EPS * abs(run.tau)) or f_best == 0.0:
+        ulp = _EPS * max(abs(high), abs(low), _EPS * abs(run.tau))
+        if abs(high - low) <= 2.0 * ulp or f_best == 0.0:
             break
         middle = low + 0.5 * (high - low)
         if k % 3 < 2:
             secant = high - f_high * ((high - low) / (f_high - f_low))
-            if min(low, high) < secant < max(low, high):
+            secant = min(max(secant, min(low, high) + ulp), max(low, high) - ulp)
+            if secant == secant:
                 middle = secant
         f = probe(quantity, step, switching, rate, run, t, middle, x, carry, p, dx, trial)
         if not abs(f) < math.inf:
@@ -128,6 +143,8 @@ def first_crossing(step, switching, rate, run, t, h, height_end, rate_end, x, ca
                 _HEIGHT, 0.0, h, height, height_end, step, switching, rate, run, t, x, carry, p, dx, trial
             )
             return _FOUND if run.hit == run.hit else _FAILED
+        if min(height, height_end) > 2.0 * max(-run.rate, rate_end) * abs(h):
+            return _NONE  # it turns too far from the surface to have met it
     elif height_end > 0.0 or rate_end >= 0.0:
         return _NONE
     turn = root(_RATE, 0.0, h, run.rate, rate_end, step, switching, rate, run, t, x, carry, p, dx, trial)

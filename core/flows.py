@@ -23,6 +23,7 @@ _TAYLOR_DEGREE = 20  # 2⁻²⁰/20! = 4e-25: below the last extended digit for 
 _LAURENT_TERMS = 36  # remainder 7e-24: the nearest pole is at least 2.6 scaled units away
 _LAURENT_REACH = 1.2  # scaled time |t|·max(|g₂|^¼, |g₃|^⅙) up to which the series is summed
 _SATURATION = 80.0  # scaled time: longer than any passage by a saddle that round-off can tell from a stay
+_NEWTON_STEPS = 6  # from within a sixth of the root
 _POLISH_STEPS = 3  # Newton squares the error: 1e-8 at worst from elliprf, then 1e-16, then round-off
 
 
@@ -224,6 +225,12 @@ class _Orbit:
     @cached_property
     def roots(self) -> Extended | NDArray[np.clongdouble]:
         """Roots of 4X³ − g₂X − g₃: the largest real one first, the other two after it, real or conjugate."""
+        saddle = np.sqrt(np.maximum(self.g2, 0) / 12)
+        above = self.y**2 - 4 * (self.x - saddle) ** 2 * (
+            self.x + 2 * saddle
+        )  # Y² less that of the separatrix
+        if 0 < np.abs(above) < saddle**3 / 10:
+            return _nearly_double_roots(saddle, above)
         e1 = _largest_root(self.g2, self.g3)
         gap = self.g2 - 3 * e1**2  # (e2 − e3)²
         half = np.sqrt(gap) if gap >= 0 else 1j * np.sqrt(-gap)
@@ -233,6 +240,10 @@ class _Orbit:
     def is_oval(self) -> bool:
         e = self.roots
         return not np.iscomplexobj(e) and bool(2 * self.x < e[0].real + e[1].real)
+
+    @property
+    def is_equilibrium(self) -> bool:
+        return bool(self.y == 0 and 6 * self.x**2 == self.g2 / 2)
 
     @cached_property
     def period(self) -> np.longdouble:
@@ -244,8 +255,8 @@ class _Orbit:
         for _ in range(_POLISH_STEPS if period < np.inf else 0):
             after = self._move(np.array([period]))[0]
             change = self._time_between(after[0], after[1], self.x, self.y)
-            # false at an equilibrium, and near a separatrix, where the guess is as good as it gets
-            period += change if np.abs(change) < period / 100 else 0
+            # a larger change is not elliprf's round-off: close to a separatrix coming back is ill-conditioned
+            period += change if np.abs(change) < 1e-14 * period else 0
         return period
 
     @cached_property
@@ -257,17 +268,15 @@ class _Orbit:
     def life(self) -> np.longdouble:
         """Time to the pole ahead: R_F (DLMF 19.25.35) once the orbit has left all roots behind, polished."""
         never = np.longdouble(np.inf)
-        if self.is_oval or (self.y == 0 and 6 * self.x**2 == self.g2 / 2):
+        if self.is_oval or self.is_equilibrium:
             return never
         # less than any half period: a move of half of it cannot pass a pole
         reach = _LAURENT_REACH / self.inverse_time if self.inverse_time > 0 else never
         x, y, elapsed = self.x, self.y, np.longdouble(0)
-        while not elapsed > _SATURATION / self.inverse_time:
+        while elapsed * self.inverse_time < _SATURATION:
             left = self._time_to_pole(x, y) if y > 0 else never
-            if left <= reach:
+            if left <= reach or reach == never:  # never: g₂ = g₃ = 0, where X' = ±2 X^{3/2}
                 return elapsed + left
-            if reach == never:  # X' = −2 X^{3/2}: the cusp, approached for ever
-                return never
             ((x, y),) = self._at_once(np.array([x]), np.array([y]), np.array([reach / 2]))
             elapsed += reach / 2
         return never
@@ -285,6 +294,8 @@ class _Orbit:
                 f"the orbit is finite only for elapsed times in ({behind:.17g}, {ahead:.17g}); "
                 f"asked for {t.min():.17g} … {t.max():.17g}"
             )
+        if self.is_equilibrium:
+            return self._move(np.zeros_like(t))
         if self.period < np.inf:
             return self._move(np.fmod(t, self.period))
         limit = _SATURATION / self.inverse_time if self.inverse_time > 0 else np.longdouble(np.inf)
@@ -293,15 +304,15 @@ class _Orbit:
     def _move(self, t: Extended) -> Extended:
         """Points (n, 2) after the times t, in equal moves within reach of the Laurent series.
 
-        One long move would be as exact, but magnifies round-off as a passage of the saddle does, whether or not
-        the orbit passes there.
+        One long move would be as exact, but magnifies round-off as a passage of the saddle does, whether or
+        not the orbit passes there.
         """
         moves = np.maximum(np.ceil(np.abs(t) * self.inverse_time / _LAURENT_REACH), 1).astype(int)
         points = np.tile(np.array([self.x, self.y]), (len(t), 1))
         moves[np.abs(t) < np.finfo(float).tiny ** 0.25] = 0  # 1/t³ stays finite
         for done in range(int(moves.max(initial=0))):
             more = moves > done
-            points[more] = self._at_once(*points[more].T, t[more] / moves[more])
+            points[more] = self._at_once(points[more, 0], points[more, 1], t[more] / moves[more])
         return points
 
     def _at_once(self, x: Extended, y: Extended, t: Extended) -> Extended:
@@ -331,7 +342,7 @@ _orbit = lru_cache(maxsize=256)(_Orbit)
 
 
 def weierstrass_p(t: Extended, g2: np.longdouble, g3: np.longdouble) -> tuple[Extended, Extended]:
-    """℘(t) and ℘'(t) (n,) of the invariants g2, g3 by their Laurent series (DLMF 23.9.2), t ≠ 0 in its reach."""
+    """℘(t) and ℘'(t), (n,), by their Laurent series (DLMF 23.9.2); t (n,) not 0 and within reach."""
     p, q, square = np.zeros_like(t), np.zeros_like(t), t * t
     for k, c in reversed(list(enumerate(_laurent(g2, g3)))):
         p = p * square + c
@@ -360,18 +371,30 @@ def _add(x: Extended, y: Extended, p: Extended, q: Extended, g2: np.longdouble) 
     xa, ya = np.where(swap, p, x), np.where(swap, q, y)
     xb, yb = np.where(swap, x, p), np.where(swap, y, q)
     dx, dy = xb - xa, yb - ya
+    bend, extent = 6 * xa**2 - g2 / 2, np.abs(xa) + np.abs(xb)
     with np.errstate(divide="ignore", invalid="ignore"):
         chord = dy / dx
-        numerator = 4 * (xa**2 + xa * xb + xb**2) - g2
-        tangent = numerator / (ya + yb)
-        height, terms = np.abs(ya) + np.abs(yb), 4 * (xa**2 + np.abs(xa * xb) + xb**2) + np.abs(g2)
-        chord_error = (height + np.abs(chord) * (np.abs(xa) + np.abs(xb))) / np.abs(dx)
-        tangent_error = (terms + np.abs(tangent) * height) / np.abs(ya + yb)
+        by_chord = (bend * dx - ya * dy) / dx / dx / 2
+        chord_error = np.abs(bend / dx) + np.abs(ya * chord / dx) + np.abs(by_chord / dx) * extent
+        tangent = (4 * (xa**2 + xa * xb + xb**2) - g2) / (ya + yb)
+        terms = 4 * extent**2 + np.abs(g2) + np.abs(tangent) * (np.abs(ya) + np.abs(yb))
+        tangent_error = np.abs(tangent) * terms / np.abs(ya + yb) + extent
         meet = ~(chord_error <= tangent_error)
-        by_chord = ((6 * xa**2 - g2 / 2) * dx - ya * dy) / dx / dx / 2
     slope = np.where(meet, tangent, chord)
     change = np.where(meet, tangent**2 / 4 - 2 * xa - xb, by_chord)
     return np.stack([xa + change, -(ya + slope * change)], axis=-1)
+
+
+def _nearly_double_roots(saddle: np.longdouble, above: np.longdouble) -> Extended | NDArray[np.clongdouble]:
+    """Roots of 4(X − s)²(X + 2s) + a, s = `saddle`, a = `above` small, as in `_Orbit.roots`.
+
+    Newton's method for z = X − s from ±√(−a/12s): their distance 2z keeps the digits that g₃ has lost.
+    """
+    z = np.sqrt(np.array([-above / (12 * saddle)], dtype=np.clongdouble)) * np.array([1, -1])
+    for _ in range(_NEWTON_STEPS):
+        z = z - (z**2 * (z + 3 * saddle) + above / 4) / (3 * z * (z + 2 * saddle))
+    pair, third = saddle + z, -(2 * saddle + z.sum())
+    return np.append(pair.real, third.real) if above < 0 else np.insert(pair, 0, third.real)
 
 
 def _largest_root(g2: np.longdouble, g3: np.longdouble) -> np.longdouble:

@@ -15,7 +15,7 @@ import numba
 from numba import njit, types
 
 from core import crossing, signatures, state, trajectory
-from core.crossing import RUNNING, take_step, two_sum
+from core.crossing import BOUND, RUNNING, is_plain, take_step, two_sum
 from core.trajectory import Status
 
 __all__ = ["compiled_march"]
@@ -72,12 +72,26 @@ def compiled_march() -> Callable[..., int]:
             last = abs(h) <= abs(run.tau) * _STRETCH
             if not last:
                 h = run.tau
-            status = take_step(
-                step_minus, step_plus, switching, rate, jump, p, run, h, x, carry, dx, trial, spare, turned,
-                hits, hits_x, hits_after,
-            )  # fmt: skip
-            if status != RUNNING:
-                return status
+            # Nearly every step is plain, and taken right here: a call with so many arrays costs more than the step.
+            step = step_plus if run.side > 0 else step_minus
+            t = run.t + run.t_carry
+            count = step(t, h, x, carry, p, dx)
+            bounded = count >= 0
+            for i in range(x.size):
+                trial[i] = x[i] + (carry[i] + dx[i])
+                bounded = bounded and abs(trial[i]) < BOUND
+            height, climb = run.side * switching(t + h, trial, p), run.side * rate(run.side, t + h, trial, p)
+            if bounded and is_plain(run, height, climb):
+                run.evaluations += count
+                for i in range(x.size):
+                    x[i], carry[i] = two_sum(x[i], carry[i] + dx[i])
+            else:
+                status = take_step(
+                    step_minus, step_plus, switching, rate, jump, p, run, h, x, carry, dx, trial, spare, turned,
+                    hits, hits_x, hits_after,
+                )  # fmt: skip
+                if status != RUNNING:
+                    return status
             run.steps += 1
             run.t, low = two_sum(run.t, h + run.t_carry)
             run.t_carry = low
@@ -87,7 +101,8 @@ def compiled_march() -> Callable[..., int]:
                 rows[run.rows].t = run.t
                 rows[run.rows].side = run.side
                 rows[run.rows].segment = run.crossings
-                rows_x[run.rows, :] = x
+                for i in range(x.size):
+                    rows_x[run.rows, i] = x[i]
                 run.rows += 1
             if last:
                 return _COMPLETED
