@@ -2,6 +2,8 @@
 
 from core.integrate import integrate
 from core.methods import METHODS, Method
+from core.oracles import reference_solution
+from core.studies.order import OrderStudy, order_study
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE
 from core.trajectory import Crossings, Status, Trajectory
@@ -11,9 +13,12 @@ __all__ = [
     "METHODS",
     "Crossings",
     "Method",
+    "OrderStudy",
     "Parameter",
     "PiecewiseSystem",
     "Status",
     "Trajectory",
     "integrate",
+    "order_study",
+    "reference_solution",
 ]

@@ -130,7 +130,7 @@ class ReferenceSolution:
         if self.stop.t >= until:
             return False
         raise ValueError(
-            f"the solution ends at t = {self.stop.t:.17g}, x = {self.stop.x}: {self.stop.reason}"
+            f"the solution ends at t = {self.stop.t:.16g}, x = {self.stop.x}: {self.stop.reason}"
         )
 
     def _obstacle(self, arc: Arc, t: Time, x: State) -> str | None:
@@ -324,8 +324,8 @@ class _ExactArc:
     def _search(self, elapsed: Extended) -> None:
         """Look at further elapsed times (n,) and keep the first crossing among them."""
         samples = [self._last, *map(_Sample, elapsed, *self._look(elapsed))]
-        self.steepest = max(self.steepest, *(float(np.abs(s.rate)) for s in samples))
         for a, b in pairwise(samples):
+            self.steepest = max(self.steepest, float(np.abs(a.rate)))
             when = _first_zero(self._watch, a, b)
             if when is not None:
                 self._found = self.t + when, self._at(when)
@@ -393,8 +393,8 @@ class _PeerArc:
         samples = [
             self._last, *(_Sample(u, *self._look(u, path(u))) for u in inner), _Sample(t, *self._look(t, x))
         ]  # fmt: skip
-        self.steepest = max(self.steepest, *(abs(float(s.rate)) for s in samples))
         for a, b in pairwise(samples):
+            self.steepest = max(self.steepest, abs(float(a.rate)))
             when = _first_zero(self._watch, a, b)
             if when is not None:
                 self._found = float(when), self.state(float(when))

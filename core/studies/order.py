@@ -1,0 +1,163 @@
+"""Order across the interface: errors of state and crossing time against step size, and their slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.integrate import checked_method, checked_settings, checked_start
+from core.laws import Floats
+from core.methods import Method
+from core.oracles import reference_solution
+from core.reference import ReferenceSolution
+from core.runner import Runner, Settings
+from core.system import PiecewiseSystem
+from core.trajectory import Status
+
+__all__ = ["OrderStudy", "order_study"]
+
+#: A slope is fitted to errors between this many round-off levels and this fraction of the size of the state.
+_ABOVE_FLOOR, _BELOW_SIZE = 30.0, 0.05
+#: Round-off of state and oracle together, in units of eps times the size of the state.
+_ROUND_OFF = 64.0
+_MAX_TAUS = 64
+
+
+@dataclass(frozen=True)
+class OrderStudy:
+    """Errors over step sizes (paper: fig:harmonic_timeError, fig:harmonic_transition and their elliptic twins)."""
+
+    method: str
+    taus: Floats
+    """(m,) step sizes, as given."""
+    crossings: tuple[int, ...]
+    """(k,) which crossings were looked at."""
+    times: Floats
+    """(1 + k,) when the state was compared: halfway to the first crossing, and halfway from each to the next."""
+    time_error: Floats
+    """(k, m) |t* − t̂| of those crossings; nan where a run did not get there."""
+    state_error: Floats
+    """(1 + k, m) ‖x − x*‖ at `times`: row 0 before the first crossing."""
+    time_slope: Floats
+    """(k,) fitted orders; nan where fewer than three step sizes lie in the window."""
+    state_slope: Floats
+    """(1 + k,)."""
+    time_window: Floats
+    """(k, 2) least and greatest step size of each fit."""
+    window: Floats
+    """(1 + k, 2) the same of the state."""
+    floor: float
+    """Error below which nothing but round-off is seen."""
+    reference: str
+    """What the errors were measured against."""
+
+
+def order_study(
+    system: PiecewiseSystem,
+    taus: Iterable[float],
+    x0: Iterable[float] | None = None,
+    method: str = "dmm2",
+    crossings: Sequence[int] = (10, 20, 30),
+    perturbation_order: int | None = None,
+    perturbation_scale: float = 1.0,
+    transition: str = "mannshardt",
+    t0: float = 0.0,
+    cancel: Callable[[], bool] | None = None,
+) -> OrderStudy:
+    """Measure the order of a method before the first crossing and after later ones.
+
+    Against exact crossing times and states where the system has a closed form (see `reference_solution`).
+
+    Parameters
+    ----------
+    taus
+        Step sizes, 2 to 64 of them.
+    crossings
+        Numbers of the crossings to look at, increasing, from 1.
+    perturbation_order, perturbation_scale, transition, cancel
+        As in `integrate`.
+
+    Raises
+    ------
+    ValueError
+        On arguments that make no sense, and where the trajectory has fewer crossings than asked for.
+    """
+    chosen = checked_method(system, method)
+    start = checked_start(system, t0, x0)
+    steps = _checked_taus(taus)
+    numbers = _checked_crossings(crossings)
+    options = (transition, perturbation_order, perturbation_scale)
+    settings = [checked_settings(tau, *options, cancel=cancel) for tau in steps]
+    exact = reference_solution(system, start, t0)
+    times, states, crossing_times = _targets(exact, t0, numbers)
+    time_error = np.full((len(numbers), len(steps)), np.nan)
+    state_error = np.full((1 + len(numbers), len(steps)), np.nan)
+    for j, setting in enumerate(settings):
+        if cancel is not None and cancel():
+            break
+        t_hat, found = _run(system, chosen, t0, start, setting, times, numbers)
+        time_error[:, j] = np.abs(t_hat - crossing_times)
+        state_error[:, j] = np.linalg.norm(found - states, axis=1)
+    size = float(np.abs(states).max())
+    floor = _ROUND_OFF * np.finfo(float).eps * size
+    time_slope, time_window = _fits(steps, time_error, floor, max(size, 1.0))
+    state_slope, window = _fits(steps, state_error, floor, size)
+    return OrderStudy(
+        method, steps, numbers, times, time_error, state_error, time_slope, state_slope, time_window, window,
+        floor, exact.name,
+    )  # fmt: skip
+
+
+def _checked_taus(taus: Iterable[float]) -> Floats:
+    steps = np.array([float(tau) for tau in taus])
+    if not 2 <= len(steps) <= _MAX_TAUS:
+        raise ValueError(f"taus has {len(steps)} step sizes: 2 to {_MAX_TAUS} are possible")
+    return steps
+
+
+def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
+    numbers = tuple(int(k) for k in crossings)
+    if not numbers or numbers[0] < 1 or any(b <= a for a, b in zip(numbers, numbers[1:], strict=False)):
+        raise ValueError(f"crossings = {crossings!r}: increasing numbers from 1 are needed, as in (10, 20, 30)")
+    return numbers
+
+
+def _targets(exact: ReferenceSolution, t0: float, numbers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
+    """Times at which to compare, the exact states there, and the exact times of the crossings asked for."""
+    t_star = [t0, *(exact.crossing(k)[0] for k in range(1, numbers[-1] + 2))]
+    halfway = [(t_star[k] + t_star[k + 1]) / 2 for k in (0, *numbers)]
+    states = np.array([exact.state(t) for t in halfway])
+    return np.array(halfway), states, np.array([t_star[k] for k in numbers])
+
+
+def _run(
+    system: PiecewiseSystem,
+    method: Method,
+    t0: float,
+    x0: tuple[float, ...],
+    settings: Settings,
+    times: Floats,
+    numbers: tuple[int, ...],
+) -> tuple[Floats, Floats]:
+    """Crossing times and states of one run at the moments wanted; nothing else is recorded."""
+    runner = Runner(system, method, t0, x0, settings)
+    states = np.full((len(times), system.dimension), np.nan)
+    for row, t in enumerate(times):
+        if runner.advance(float(t)) is not Status.COMPLETED:
+            break
+        states[row] = runner.x
+    t_hat = runner.crossings().t
+    return np.array([t_hat[k - 1] if k <= len(t_hat) else np.nan for k in numbers]), states
+
+
+def _fits(taus: Floats, errors: Floats, floor: float, size: float) -> tuple[Floats, Floats]:
+    """Least-squares slopes of log error over log τ, a row at a time, and the window of step sizes used."""
+    slopes, windows = np.full(len(errors), np.nan), np.full((len(errors), 2), np.nan)
+    for k, row in enumerate(errors):
+        used = (row > _ABOVE_FLOOR * floor) & (row < _BELOW_SIZE * size)
+        if used.sum() >= 3:
+            slopes[k] = np.polyfit(np.log(taus[used]), np.log(row[used]), 1)[0]
+            windows[k] = taus[used].min(), taus[used].max()
+    return slopes, windows
