@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -132,6 +133,12 @@ class Runner:
         if self.status is Status.NO_CONVERGENCE and self._runs_away():
             self.status = Status.ESCAPED
         return self.status
+
+    def glance(self, t: float) -> Floats | None:
+        """State at time t, of a copy that goes on to there: this run itself stays on its grid. None if it stops."""
+        ahead = copy.copy(self)
+        ahead._run, ahead._x, ahead._carry = self._run.copy(), self._x.copy(), self._carry.copy()
+        return ahead.x if ahead.advance(t) is Status.COMPLETED else None
 
     def crossings(self) -> Crossings:
         """Every crossing kept so far."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -126,7 +127,13 @@ def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
 
 def _targets(exact: ReferenceSolution, t0: float, numbers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
     """Times at which to compare, the exact states there, and the exact times of the crossings asked for."""
-    t_star = [t0, *(exact.crossing(k)[0] for k in range(1, numbers[-1] + 2))]
+    t_star = [t0]
+    for k in range(1, numbers[-1] + 2):
+        try:
+            t_star.append(exact.crossing(k)[0])
+        except ValueError as why:
+            needed = f"crossings = {numbers} need {numbers[-1] + 1} crossings, the trajectory has {k - 1}"
+            raise ValueError(f"{needed}: {why}. Ask for earlier crossings, or start elsewhere") from None
     halfway = [(t_star[k] + t_star[k + 1]) / 2 for k in (0, *numbers)]
     states = np.array([exact.state(t) for t in halfway])
     return np.array(halfway), states, np.array([t_star[k] for k in numbers])
@@ -145,9 +152,11 @@ def _run(
     runner = Runner(system, method, t0, x0, settings)
     states = np.full((len(times), system.dimension), np.nan)
     for row, t in enumerate(times):
-        if runner.advance(float(t)) is not Status.COMPLETED:
+        grid = t0 + math.floor((t - t0) / settings.tau) * settings.tau
+        if runner.advance(grid) is not Status.COMPLETED or (state := runner.glance(float(t))) is None:
             break
-        states[row] = runner.x
+        states[row] = state
+    runner.advance(float(times[-1]))
     t_hat = runner.crossings().t
     return np.array([t_hat[k - 1] if k <= len(t_hat) else np.nan for k in numbers]), states
 

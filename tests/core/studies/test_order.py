@@ -1,0 +1,87 @@
+"""The order study: the slopes that the theorem promises, against exact solutions."""
+
+import numpy as np
+import pytest
+
+import core
+
+SYSTEMS = [core.CATALOGUE["harmonic_oscillator"], core.CATALOGUE["elliptic_curve"]]
+by_name = pytest.mark.parametrize("system", SYSTEMS, ids=lambda s: s.name)
+
+# Errors from about 1e-2 down to 1e-9 and above: far from round-off (1e-13) and, with p = 1, from the method's own.
+WINDOWS = {None: (3e-2, 1e-4), 1: (3e-3, 1e-5), 2: (3e-2, 1e-4), 3: (3e-2, 1e-4)}
+ORDERS = {None: 2.0, 1: 1.0, 2: 2.0, 3: 2.0}
+
+
+@by_name
+@pytest.mark.parametrize("p", ORDERS)
+def test_order_two_survives_thirty_crossings_unless_the_crossing_time_is_worse(system, p):
+    study = core.order_study(system, np.geomspace(*WINDOWS[p], 9), perturbation_order=p)
+    assert study.time_slope == pytest.approx([ORDERS[p]] * 3, abs=0.1)
+    assert study.state_slope[1:] == pytest.approx([ORDERS[p]] * 3, abs=0.1)
+    assert study.state_slope[0] == pytest.approx(2.0, abs=0.1)  # before the first crossing, p changes nothing
+    assert "exact" in study.reference
+    assert study.window[1:, 0] == pytest.approx([study.taus.min()] * 3)
+
+
+def test_fourth_order_survives_too():
+    study = core.order_study(SYSTEMS[0], np.geomspace(1e-1, 5e-3, 8), method="rk4")
+    assert study.state_slope == pytest.approx([4.0] * 4, abs=0.1)
+
+
+@by_name
+def test_without_a_transition_the_order_falls_to_one(system):
+    # Irregular, as it depends on where in the step the surface lies: the mean over many step sizes is of order 1.
+    study = core.order_study(system, np.geomspace(1e-2, 3e-5, 24), method="rk4", transition="none")
+    assert study.state_slope[1:] == pytest.approx([1.0] * 3, abs=0.35)
+
+
+def test_study_agrees_with_runs_of_integrate():
+    system, tau = SYSTEMS[1], 2e-3
+    study = core.order_study(system, [tau, tau / 2], crossings=(10,))
+    run = core.integrate(system, (0.0, 12.0), tau=tau)
+    assert study.time_error[0, 0] == pytest.approx(abs(run.crossings.t[9] - 9.190964308338805836), abs=1e-12)
+
+
+def test_shapes_are_as_documented():
+    study = core.order_study(SYSTEMS[0], [1e-2, 5e-3, 2e-3], crossings=(1, 2))
+    assert study.time_error.shape == (2, 3)
+    assert study.state_error.shape == (3, 3)
+    assert study.time_slope.shape == (2,)
+    assert study.state_slope.shape == (3,)
+    assert study.window.shape == (3, 2)
+
+
+def test_a_typed_system_with_a_closed_form_is_measured_exactly():
+    system = core.PiecewiseSystem("Typed", ("q", "v"), ("v", "-2*q"), ("v", "-q/2"), "q - 0.1",
+                                  ("v**2 + 2*q**2",), ("2*v**2 + q**2",), x0=(1.0, 0.0))  # fmt: skip
+    study = core.order_study(system, np.geomspace(1e-2, 1e-3, 5), crossings=(4,))
+    assert "exact" in study.reference
+    assert study.state_slope == pytest.approx([2.0, 2.0], abs=0.1)
+
+
+def test_any_other_system_is_measured_against_scipy():
+    system = core.PiecewiseSystem("Pendulum", ("q", "v"), ("v", "-sin(q)"), ("v", "-2*sin(q)"), "q",
+                                  ("v**2/2 - cos(q)",), ("v**2/2 - 2*cos(q)",), x0=(1.0, 0.0))  # fmt: skip
+    study = core.order_study(system, np.geomspace(3e-2, 3e-3, 5), crossings=(5,))
+    assert "SciPy" in study.reference
+    assert study.state_slope == pytest.approx([2.0, 2.0], abs=0.1)
+    assert study.time_slope == pytest.approx([2.0], abs=0.1)
+
+
+def test_trajectories_with_too_few_crossings_are_refused_in_words():
+    with pytest.raises(ValueError, match="the trajectory has 0"):
+        core.order_study(SYSTEMS[1], [1e-2, 1e-3], x0=(2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    "change", [{"taus": [1e-2]}, {"taus": [1e-2, -1e-3]}, {"crossings": ()}, {"crossings": (3, 2)}, {"method": "x"}]
+)
+def test_arguments_that_make_no_sense_are_refused(change):
+    with pytest.raises(ValueError, match=r"."):
+        core.order_study(**{"system": SYSTEMS[0], "taus": [1e-2, 1e-3], **change})
+
+
+def test_cancelling_leaves_the_rest_out():
+    study = core.order_study(SYSTEMS[0], [1e-2, 1e-3], cancel=lambda: True)
+    assert np.isnan(study.state_error).all()

@@ -1,0 +1,79 @@
+"""Compiled functions: kept, shared, and never recompiled when a slider moves."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+
+import core
+from core import compiled
+from core.march import compiled_march
+
+ELLIPTIC = core.CATALOGUE["elliptic_curve"]
+
+_SECOND_PROCESS = """
+import core, numba
+from core.march import compiled_march
+run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 5.0))
+steps = core.compiled.compile_steps(core.CATALOGUE["elliptic_curve"].laws, core.METHODS["dmm2"])
+for function in (compiled_march(), *steps):
+    print(sum(function.stats.cache_hits.values()), sum(function.stats.cache_misses.values()))
+"""
+
+
+def test_changing_parameters_compiles_nothing():
+    core.integrate(ELLIPTIC, (0.0, 1.0))
+    before = compiled.compile_steps.cache_info().misses
+    for a in np.linspace(-3, -1, 5):
+        core.integrate(ELLIPTIC.with_parameters(a_plus=a, radius=1 + a / 10), (0.0, 1.0), tau=0.01 - a / 1000)
+    assert compiled.compile_steps.cache_info().misses == before
+
+
+def test_one_loop_serves_every_system_and_method():
+    for system in core.CATALOGUE.values():
+        for method in core.METHODS:
+            core.integrate(system, (0.0, 1.0), method=method)
+    assert len(compiled_march().signatures) == 1
+
+
+def test_a_second_process_loads_instead_of_compiling(tmp_path):
+    environment = {**os.environ, "PWSVIZ_CACHE": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
+    (tmp_path / "numba").mkdir()
+    printed = [
+        subprocess.run(
+            [sys.executable, "-c", _SECOND_PROCESS], env=environment, check=True, capture_output=True, text=True
+        ).stdout.split()
+        for _ in range(2)
+    ]
+    assert printed[0] == ["0", "1"] * 3
+    assert printed[1] == ["1", "0"] * 3
+
+
+def test_a_tampered_cache_file_is_not_run(tmp_path, monkeypatch):
+    monkeypatch.setenv("PWSVIZ_CACHE", str(tmp_path))
+    compiled._folder.cache_clear()
+    text = "VALUE = 1\n"
+    assert compiled._load(text).VALUE == 1
+    (path,) = tmp_path.glob("pws_*.py")
+    path.write_text("VALUE = 2\n")
+    assert compiled._load(text).VALUE == 1
+    compiled._folder.cache_clear()
+
+
+def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, monkeypatch):
+    tmp_path.chmod(0o777)
+    monkeypatch.setenv("PWSVIZ_CACHE", str(tmp_path))
+    compiled._folder.cache_clear()
+    assert compiled._folder() != tmp_path
+    compiled._folder.cache_clear()
+
+
+def test_the_cache_on_disk_is_bounded(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled, "MAX_FILES", 3)
+    for k in range(6):
+        path = tmp_path / f"pws_{k}.py"
+        path.write_text("")
+        os.utime(path, (k, k))
+    compiled._prune(tmp_path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["pws_3.py", "pws_4.py", "pws_5.py"]

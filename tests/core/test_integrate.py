@@ -1,0 +1,323 @@
+"""integrate(): contract, oracles and honest stops."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import core
+from core import Status
+
+OSCILLATOR, ELLIPTIC = core.CATALOGUE["harmonic_oscillator"], core.CATALOGUE["elliptic_curve"]
+EPS = np.finfo(float).eps
+
+# reference_values: closed forms, not of this project's making
+OSCILLATOR_T = np.cumsum([math.pi / 4, *([math.pi / math.sqrt(3), math.pi] * 20)])
+T_IN, T_OUT, T_1 = 0.64180734567849246, 1.25168416780647347, 0.97519090872044963
+ELLIPTIC_T = np.cumsum([T_1, *([T_IN, T_OUT] * 30)])
+X_STAR = (-0.44504186791262880857780512899, 0.89550976309855955275748939745)
+
+
+def one_law(name="one law", f=("y", "-x"), g="x-2", psi=("x**2+y**2",), **more):
+    """A system with the same law on both sides."""
+    return core.PiecewiseSystem(name, ("x", "y"), f, f, g, psi, psi, **more)
+
+
+# The paper's two systems ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("system", "levels", "bound"),
+    [(OSCILLATOR, {1: 1.0, -1: 3.0}, 16), (ELLIPTIC, {1: 0.0, -1: X_STAR[0]}, 16)],
+    ids=["oscillator", "elliptic"],
+)
+def test_dmm2_keeps_the_exact_level_of_each_side_to_round_off(system, levels, bound):
+    # Evaluating psi rounds by about 2 eps of its largest term (3 for both systems), landing on S by as much again.
+    run = core.integrate(system, (0.0, 100.0), tau=1e-3)
+    for side, level in levels.items():
+        psi = system.conserved(side, run.t[run.side == side], run.x[run.side == side])
+        assert np.abs(psi - level).max() <= bound * EPS * 3
+
+
+@pytest.mark.parametrize(("system", "least"), [(OSCILLATOR, 1e-9), (ELLIPTIC, 1e-8)], ids=["oscillator", "elliptic"])
+def test_rk2_drifts_off_its_level_as_the_paper_shows(system, least):
+    error = np.abs(core.integrate(system, (0.0, 100.0), tau=1e-3, method="rk2").conserved_error())
+    assert least < np.nanmax(error) < 1e-5
+
+
+def test_oscillator_crossing_times_converge_to_the_exact_ones():
+    run = core.integrate(OSCILLATOR, (0.0, 80.0), tau=1e-2, method="rk4", record="crossings")
+    exact = OSCILLATOR_T[OSCILLATOR_T < 80.0]
+    assert len(run.crossings) == len(exact)
+    assert np.abs(run.crossings.t - exact).max() < 1e-6  # tau**4 times a factor of 80
+
+
+def test_elliptic_crossing_points_are_exact_whatever_the_step_size():
+    # With d - 1 conserved quantities the orbit is exact: the error is in time only (paper, lem:geometricLemma).
+    for tau in (1e-2, 1e-1, 0.3):
+        x = core.integrate(ELLIPTIC, (0.0, 50.0), tau=tau).crossings.x
+        expected = np.array([(X_STAR[0], X_STAR[1] * (1 if k % 2 == 0 else -1)) for k in range(len(x))])
+        # Each landing rounds psi's level by an ulp or so: 40 of them, each worth at most 2 eps.
+        assert len(x) > 20
+        assert np.abs(x - expected).max() <= 80 * EPS
+
+
+def test_rk4_agrees_with_scipy_restarted_at_the_crossing():
+    inside = solve_ivp(lambda t, x: OSCILLATOR.field(1, t, x), (0, math.pi / 4), (1, 1), rtol=1e-12, atol=1e-12)
+    after = solve_ivp(
+        lambda t, x: OSCILLATOR.field(-1, t, x), (math.pi / 4, 2.0), inside.y[:, -1], rtol=1e-12, atol=1e-12
+    )
+    run = core.integrate(OSCILLATOR, (0.0, 2.0), tau=1e-3, method="rk4", record="end")
+    assert np.abs(run.x[-1] - after.y[:, -1]).max() < 1e-10
+
+
+def test_spiral_without_invariants_reaches_the_exact_end():
+    system = core.PiecewiseSystem(
+        "Spiral", ("x", "y"), ("x + w*y", "y - w*x"), ("x - w*y", "y + w*x"), "x**2 + y**2 - 1",
+        parameters={"w": -2 * math.pi}, x0=(1 / math.e, 0.0),
+    )  # fmt: skip
+    run = core.integrate(system, (0.0, 1.7), tau=1e-3, method="rk4")
+    radius, angle = math.exp(0.7), 2 * math.pi * 0.7
+    assert run.crossings.t == pytest.approx([1.0], abs=1e-9)
+    assert run.x[-1] == pytest.approx([radius * math.cos(angle), -radius * math.sin(angle)], abs=1e-8)
+
+
+def test_moving_surface_is_met_where_it_is():
+    system = one_law("moving", ("1", "0"), "x - sin(t)/2 - 1", ("y",), x0=(0.0, 0.0))
+    run = core.integrate(system, (0.0, 3.0), tau=0.1, method="dmm2")
+    assert len(run.crossings) == 1
+    t = run.crossings.t[0]
+    assert t - math.sin(t) / 2 - 1 == pytest.approx(0.0, abs=4 * EPS)
+
+
+def test_time_dependent_conserved_quantity_is_kept():
+    system = core.PiecewiseSystem(
+        "Damped", ("x", "v"), ("v", "-c*v - k*x"), ("v", "-k*x"), "x",
+        ("(v**2 + c*x*v + k*x**2)*exp(c*t)/2",), ("(v**2 + k*x**2)/2",), {"c": 0.1, "k": 2.0}, (1.0, 0.0),
+    )  # fmt: skip
+    run = core.integrate(system, (0.0, 50.0), tau=1e-2)
+    assert len(run.crossings) > 20
+    # exp(c t) = 148 at the end multiplies the round-off of the state.
+    assert np.nanmax(np.abs(run.conserved_error())) < 16 * EPS * math.exp(5)
+
+
+# Crossings -----------------------------------------------------------------------------------------------------------
+
+
+def test_crossings_alternate_sides_and_lie_on_the_surface():
+    run = core.integrate(ELLIPTIC, (0.0, 60.0), tau=1e-2)
+    assert run.crossings.side.tolist() == [-1, 1] * (len(run.crossings) // 2) + [-1] * (len(run.crossings) % 2)
+    assert np.abs(run.crossings.g).max() <= 4 * EPS  # the rounding of x**2 + y**2 - 1 itself
+    assert set(run.crossings.kind) == {"transversal"}
+    assert (run.crossings.rate_before * run.crossings.rate_after > 0).all()
+
+
+@pytest.mark.parametrize("delta", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14])
+def test_grazing_ladder_finds_all_twenty_crossings(delta):
+    system = one_law("ladder", g="x - c", parameters={"c": 1 - delta}, x0=(0.0, 1.0))
+    run = core.integrate(system, (0.0, 20 * math.pi), tau=0.3)
+    assert (len(run.crossings), run.status) == (20, Status.COMPLETED)
+
+
+@pytest.mark.parametrize("method", list(core.METHODS))
+def test_several_crossings_within_one_step_are_all_made(method):
+    system = core.PiecewiseSystem("fast", ("x", "y"), ("1", "0"), ("1", "0"), "(x - 0.3)*(x - 0.31)",
+                                  ("y",), ("y",), x0=(0.0, 0.5))  # fmt: skip
+    run = core.integrate(system, (0.0, 1.0), tau=1.0, method=method)
+    assert run.crossings.t == pytest.approx([0.3, 0.31], abs=8 * EPS)
+    assert run.steps == 1
+
+
+def test_start_on_the_surface_takes_the_side_the_fields_lead_to():
+    run = core.integrate(OSCILLATOR, (0.0, 1.0), x0=(1.0, 0.0), tau=0.1)
+    assert (run.side == -1).all()
+    assert len(run.crossings) == 0
+
+
+def test_end_on_the_surface_completes():
+    system = one_law("end", ("1", "0"), "x - 1", ("y",), x0=(0.0, 0.0))
+    run = core.integrate(system, (0.0, 1.0), tau=0.25)
+    assert (run.status, len(run.crossings), run.t[-1]) == (Status.COMPLETED, 1, 1.0)
+    again = core.integrate(system, (1.0, 2.0), x0=run.x[-1], tau=0.25)
+    assert len(again.crossings) == 0
+
+
+def test_without_transition_the_order_is_lost_but_the_run_completes():
+    exact = core.reference_solution(OSCILLATOR).state(10.0)
+    taus = np.array([1e-2, 1e-3, 1e-4])
+    errors = [
+        np.abs(core.integrate(OSCILLATOR, (0.0, 10.0), tau=tau, method="rk4", transition="none", record="end").x[-1]
+               - exact).max()
+        for tau in taus
+    ]  # fmt: skip
+    assert errors[-1] > 1e-6  # fourth order would be at round-off
+
+
+@pytest.mark.parametrize("scale", [1.0, -1.0, 10.0])
+def test_perturbed_crossing_time_is_moved_even_beyond_the_step(scale):
+    tau = 1e-2
+    plain = core.integrate(ELLIPTIC, (0.0, 3.0), tau=tau, max_crossings=1)
+    moved = core.integrate(
+        ELLIPTIC, (0.0, 3.0), tau=tau, max_crossings=1, perturbation_order=1, perturbation_scale=scale
+    )
+    assert moved.crossings.t[0] - plain.crossings.t[0] == pytest.approx(scale * tau, rel=1e-12)
+    done = core.integrate(ELLIPTIC, (0.0, 3.0), tau=tau, perturbation_order=1, perturbation_scale=scale)
+    assert (done.status, len(done.crossings)) == (Status.COMPLETED, 3)
+
+
+def test_running_back_undoes_running_forward():
+    forward = core.integrate(ELLIPTIC, (0.0, 30.0), tau=1e-2)
+    back = core.integrate(ELLIPTIC, (30.0, 0.0), x0=forward.x[-1], tau=1e-2)
+    # Symmetric scheme, but 31 crossings break the step sequence: what is left is their O(tau**2) difference in time.
+    assert np.abs(back.x[-1] - (-1, -1)).max() < 1e-3
+    assert len(back.crossings) == len(forward.crossings)
+
+
+def test_a_symmetric_method_returns_to_the_bit_without_crossings():
+    system = one_law(x0=(1.0, 0.5), g="x - 5")
+    forward = core.integrate(system, (0.0, 64.0), tau=0.125)
+    back = core.integrate(system, (64.0, 0.0), x0=forward.x[-1], tau=0.125)
+    assert np.abs(back.x[-1] - (1.0, 0.5)).max() <= 16 * EPS
+
+
+# Stops ---------------------------------------------------------------------------------------------------------------
+
+
+def test_coulomb_friction_sticks_at_four_pi():
+    system = core.PiecewiseSystem("Friction", ("y", "v"), ("v", "-y + 0.4"), ("v", "-y - 0.4"), "v",
+                                  ("v**2 + (y - 0.4)**2",), ("v**2 + (y + 0.4)**2",), x0=(3.0, 0.0))  # fmt: skip
+    run = core.integrate(system, (0.0, 20.0), tau=1e-3)
+    assert run.status is Status.SLIDING
+    assert run.crossings.x[:, 0] == pytest.approx([-2.2, 1.4, -0.6, -0.2], abs=1e-14)
+    assert run.t[-1] == pytest.approx(4 * math.pi, abs=1e-5)
+    assert run.crossings.kind[-1] == "sliding"
+    assert "slides along" in run.message
+
+
+def test_bouncing_ball_stops_at_its_accumulation_point():
+    system = core.PiecewiseSystem("Ball", ("y", "v"), ("v", "-9.8"), ("v", "-9.8"), "y", ("v**2/2 + 9.8*y",),
+                                  ("v**2/2 + 9.8*y",), x0=(1.0, 0.0), jump=("0", "-v/2"))  # fmt: skip
+    run = core.integrate(system, (0.0, 3.0), tau=1e-3)
+    assert run.status is Status.ZENO
+    assert run.t[-1] == pytest.approx(1.3552618543578767, abs=1e-13)
+    assert set(run.crossings.kind) == {"jump"}
+    assert run.crossings.x_after[:, 1] == pytest.approx(-run.crossings.x[:, 1] / 2)
+
+
+@pytest.mark.parametrize(
+    ("minus", "plus", "x0", "status"),
+    [
+        ("1", "-1", (-0.5, 0.0), Status.SLIDING),
+        ("1", "-1", (0.0, 0.0), Status.SLIDING),
+        ("-1", "1", (0.0, 0.0), Status.REPELLING),
+        ("0", "0", (0.0, 0.0), Status.GRAZING),
+    ],
+)
+def test_surfaces_that_cannot_be_crossed_are_reported_never_integrated_through(minus, plus, x0, status):
+    system = core.PiecewiseSystem("wall", ("x", "y"), (minus, "0"), (plus, "0"), "x", x0=x0)
+    for transition, beyond in (("mannshardt", 1e-12), ("none", 0.01)):  # without a transition, a step beyond
+        run = core.integrate(system, (0.0, 5.0), tau=0.01, method="rk4", transition=transition)
+        assert run.status is status
+        assert run.x[-1] == pytest.approx([0.0, 0.0], abs=beyond)
+        assert run.status.reason in run.message
+        assert run.status.advice in run.message
+
+
+@pytest.mark.parametrize("method", list(core.METHODS))
+def test_a_pole_is_an_escape_with_everything_before_it_kept(method):
+    run = core.integrate(ELLIPTIC, (0.0, 10.0), x0=(2.0, 3.0), tau=1e-2, method=method)
+    assert run.status is Status.ESCAPED
+    assert np.isfinite(run.x).all()
+    assert 0.6 < run.t[-1] < 0.9  # the pole is at 0.69
+
+
+def test_a_step_that_has_no_solution_is_no_convergence():
+    system = one_law("stiff", ("y", "-sin(1000*x)*1000"), "x - 9", ("y**2/2 - cos(1000*x)",), x0=(1.0, 0.0))
+    run = core.integrate(system, (0.0, 10.0), tau=5.0)
+    assert run.status in (Status.NO_CONVERGENCE, Status.COMPLETED)
+    assert np.isfinite(run.x).all()
+
+
+def test_leaving_the_domain_of_the_field_is_reported():
+    system = one_law("root", ("-1", "sqrt(x)"), "y - 9", (), x0=(1.0, 0.0))
+    run = core.integrate(system, (0.0, 3.0), tau=0.1, method="rk4")
+    assert run.status is Status.ESCAPED or run.status is Status.NO_CONVERGENCE
+    assert run.t[-1] <= 1.0 + 1e-12
+    assert np.isfinite(run.x).all()
+
+
+def test_limits_stop_a_run_where_they_say():
+    assert core.integrate(ELLIPTIC, (0, 10), tau=0.01, max_steps=50).steps == 50
+    limited = core.integrate(ELLIPTIC, (0, 100), tau=0.01, max_crossings=5)
+    assert (limited.status, len(limited.crossings)) == (Status.CROSSING_LIMIT, 5)
+    assert limited.t[-1] == limited.crossings.t[-1]
+
+
+def test_cancelling_keeps_what_was_computed():
+    asked = []
+    run = core.integrate(ELLIPTIC, (0, 1e4), tau=1e-3, cancel=lambda: asked.append(1) or len(asked) > 2)
+    assert run.status is Status.CANCELLED
+    assert 0 < run.steps < 10**6
+    assert len(run.t) == run.steps + 1
+
+
+# What is recorded ----------------------------------------------------------------------------------------------------
+
+
+def test_records_agree_on_the_end_and_keep_what_they_promise():
+    runs = {r: core.integrate(ELLIPTIC, (0, 20.005), tau=0.01, record=r) for r in ("steps", "crossings", "end")}
+    assert [len(r.t) for r in runs.values()] == [2002, 2, 2]
+    assert [len(r.crossings) for r in runs.values()] == [21, 21, 0]
+    assert {r.crossing_count for r in runs.values()} == {21}
+    for run in runs.values():
+        assert run.t[0] == 0.0
+        assert run.t[-1] == 20.005
+        assert (run.x[-1] == runs["steps"].x[-1]).all()
+        assert np.nanmax(np.abs(run.conserved_error())) < 16 * EPS
+
+
+def test_steps_lie_on_the_grid_across_crossings():
+    run = core.integrate(ELLIPTIC, (0.0, 5.0), tau=0.1)
+    assert np.abs(run.t - np.arange(51) * 0.1).max() <= EPS * 5
+
+
+def test_an_empty_time_span_is_the_initial_state():
+    run = core.integrate(ELLIPTIC, (1.0, 1.0))
+    assert (run.status, run.t.tolist(), run.steps) == (Status.COMPLETED, [1.0], 0)
+
+
+# Arguments -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"tau": 0.0}, "tau = 0.0"),
+        ({"tau": -1e-3}, "positive"),
+        ({"tau": math.nan}, "tau = nan"),
+        ({"tau": "fast"}, "'fast'"),
+        ({"method": "euler"}, "known are dmm2"),
+        ({"transition": "jump"}, "mannshardt"),
+        ({"record": "all"}, "'all'"),
+        ({"x0": (1.0,)}, "2 are needed"),
+        ({"x0": (1.0, math.inf)}, "finite"),
+        ({"x0": (0.0, 0.0)}, "gradient of g vanishes"),
+        ({"t_span": (0.0, math.nan)}, "end time"),
+        ({"t_span": 3.0}, "start and an end"),
+        ({"perturbation_order": 0}, "perturbation_order"),
+        ({"perturbation_scale": math.inf, "perturbation_order": 1}, "perturbation_scale"),
+        ({"max_steps": 0}, "max_steps"),
+        ({"max_crossings": 1.5}, "whole number"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_refused_with_the_value(change, words):
+    arguments = {"t_span": (0.0, 1.0), **change}
+    with pytest.raises(ValueError, match=words.replace("(", r"\(")):
+        core.integrate(ELLIPTIC, **arguments)
+
+
+def test_conservative_methods_say_so_where_nothing_is_conserved():
+    system = one_law("none", psi=(), x0=(1.0, 0.0))
+    with pytest.raises(ValueError, match="use rk2 or rk4"):
+        core.integrate(system, (0.0, 1.0), method="dmm2")
