@@ -34,13 +34,13 @@ _STAGNATION = 1e-10
 class _Printer(PythonCodePrinter):  # type: ignore[misc]  # sympy's printers are untyped
     """Python text in floating point: whole numbers and ratios as floats, roots as square roots."""
 
-    def _print_Integer(self, expr: Any) -> str:  # noqa: N802 - the name is sympy's
+    def _print_Integer(self, expr: Any) -> str:
         return repr(float(expr))
 
     _print_Rational = _print_Half = _print_One = _print_Zero = _print_NegativeOne = _print_Integer
     _print_Pi = _print_Exp1 = _print_Integer
 
-    def _print_Pow(self, expr: Any, rational: bool = False) -> str:  # noqa: N802
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
         base, exponent = self.parenthesize(expr.base, sympy.printing.precedence.PRECEDENCE["Pow"]), expr.exp
         if expr.base.is_Symbol and exponent in (2, 3):  # half the compile time of the general power
             return f"({'*'.join([base] * int(exponent))})"
@@ -52,7 +52,7 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]  # sympy's printers are
             return f"(1.0/{self._print_Pow(sympy.Pow(expr.base, -exponent, evaluate=False))})"
         return f"{base}**({self._print(exponent)})"
 
-    def _print_Function(self, expr: Any) -> str:  # noqa: N802
+    def _print_Function(self, expr: Any) -> str:
         if isinstance(expr, DividedDifference | SecondDifference):
             return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
         return str(super()._print_Function(expr))

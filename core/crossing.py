@@ -10,12 +10,13 @@ there), and a *rate* is dσ/dt counted along the run: negative while it approach
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 from numba import njit
 
 from core.trajectory import CROSSING_KINDS, Status
 
-__all__ = ["BOUND", "RUNNING", "is_plain", "take_step", "two_sum"]
+__all__ = ["BOUND", "RUNNING", "Log", "Scheme", "is_plain", "take_step", "two_sum"]
 
 _inline = njit(error_model="numpy")
 
@@ -31,6 +32,28 @@ _MAX_CROSSINGS_A_STEP = 64
 _MAX_PROBES = 200
 _NONE, _FOUND, _TOUCH, _FAILED = 0, 1, 2, 3
 _HEIGHT, _RATE = 0, 1
+
+
+class Scheme(NamedTuple):
+    """One side's scheme at the start of a step: the compiled functions, the run, and scratch for a trial step."""
+
+    step: Any
+    switching: Any
+    rate: Any
+    run: Any
+    x: Any
+    carry: Any
+    p: Any
+    dx: Any
+    trial: Any
+
+
+class Log(NamedTuple):
+    """Where crossings are written."""
+
+    hits: Any
+    x: Any
+    after: Any
 
 
 @_inline
@@ -83,20 +106,21 @@ def outward_rate(run, rate, side, t, x, p):
 
 
 @_inline
-def probe(quantity, step, switching, rate, run, t, h, x, carry, p, dx, trial):
+def probe(quantity, scheme, t, h):
     """Height or rate after a step of length h, on the scheme itself; nan where there is none."""
-    count = step(t, h, x, carry, p, dx)
+    run, trial = scheme.run, scheme.trial
+    count = scheme.step(t, h, scheme.x, scheme.carry, scheme.p, scheme.dx)
     if count < 0:
         return math.nan
     run.evaluations += count
-    advance(x, carry, dx, trial)
+    advance(scheme.x, scheme.carry, scheme.dx, trial)
     if quantity == _HEIGHT:
-        return run.side * switching(t + h, trial, p)
-    return outward_rate(run, rate, run.side, t + h, trial, p)
+        return run.side * scheme.switching(t + h, trial, scheme.p)
+    return outward_rate(run, scheme.rate, run.side, t + h, trial, scheme.p)
 
 
 @_inline
-def root(quantity, low, high, f_low, f_high, step, switching, rate, run, t, x, carry, p, dx, trial):
+def root(quantity, scheme, t, low, high, f_low, f_high):
     """Step length in [low, high] where a height or a rate changes sign, to the last digit.
 
     Regula falsi (Illinois) with a bisection every third probe: superlinear, and never more than 3 × 104 probes. A
@@ -105,7 +129,7 @@ def root(quantity, low, high, f_low, f_high, step, switching, rate, run, t, x, c
     """
     best, f_best = (low, f_low) if abs(f_low) < abs(f_high) else (high, f_high)
     for k in range(_MAX_PROBES):
-        ulp = _EPS * max(abs(high), abs(low), _EPS * abs(run.tau))
+        ulp = _EPS * max(abs(high), abs(low), _EPS * abs(scheme.run.tau))
         if abs(high - low) <= 2.0 * ulp or f_best == 0.0:
             break
         middle = low + 0.5 * (high - low)
@@ -114,7 +138,7 @@ def root(quantity, low, high, f_low, f_high, step, switching, rate, run, t, x, c
             secant = min(max(secant, min(low, high) + ulp), max(low, high) - ulp)
             if secant == secant:
                 middle = secant
-        f = probe(quantity, step, switching, rate, run, t, middle, x, carry, p, dx, trial)
+        f = probe(quantity, scheme, t, middle)
         if not abs(f) < math.inf:
             return math.nan
         if abs(f) < abs(f_best):
@@ -127,40 +151,40 @@ def root(quantity, low, high, f_low, f_high, step, switching, rate, run, t, x, c
 
 
 @_inline
-def first_crossing(step, switching, rate, run, t, h, height_end, rate_end, x, carry, p, dx, trial):
+def first_crossing(scheme, t, h, height_end, rate_end):
     """Look for the first crossing in a step of length h; its place goes to run.hit.
 
     A change of sign shows itself. Two crossings in a step do not, but the extremum between them does, by the signs
     of the rate at the two ends; and a state that is leaving the surface has to turn back before it can cross again.
     """
-    height = 0.0
+    run, height = scheme.run, 0.0
     if run.leaving == 0:
         if height_end > 0.0 and not (run.rate < 0.0 and rate_end > 0.0):
             return _NONE
-        height = run.side * switching(t, x, p)
+        height = run.side * scheme.switching(t, scheme.x, scheme.p)
         if height_end <= 0.0:
-            run.hit = root(
-                _HEIGHT, 0.0, h, height, height_end, step, switching, rate, run, t, x, carry, p, dx, trial
-            )
-            return _FOUND if run.hit == run.hit else _FAILED
+            return settle(scheme, t, 0.0, h, height, height_end)
         if min(height, height_end) > 2.0 * max(-run.rate, rate_end) * abs(h):
             return _NONE  # it turns too far from the surface to have met it
     elif height_end > 0.0 or rate_end >= 0.0:
         return _NONE
-    turn = root(_RATE, 0.0, h, run.rate, rate_end, step, switching, rate, run, t, x, carry, p, dx, trial)
-    height_turn = probe(_HEIGHT, step, switching, rate, run, t, turn, x, carry, p, dx, trial)
+    turn = root(_RATE, scheme, t, 0.0, h, run.rate, rate_end)
+    height_turn = probe(_HEIGHT, scheme, t, turn)
     if not abs(height_turn) < math.inf:
         return _FAILED
-    if run.leaving == 0 and height_turn > 0.0:
-        return _NONE
-    if run.leaving == 1 and height_turn <= 0.0:
-        run.hit = turn
-        return _TOUCH
-    low, f_low, high, f_high = (0.0, height, turn, height_turn)
-    if run.leaving == 1:
-        low, f_low, high, f_high = (turn, height_turn, h, height_end)
-    run.hit = root(_HEIGHT, low, high, f_low, f_high, step, switching, rate, run, t, x, carry, p, dx, trial)
-    return _FOUND if run.hit == run.hit else _FAILED
+    if run.leaving == 0:
+        return settle(scheme, t, 0.0, turn, height, height_turn) if height_turn <= 0.0 else _NONE
+    if height_turn > 0.0:
+        return settle(scheme, t, turn, h, height_turn, height_end)
+    run.hit = turn
+    return _TOUCH
+
+
+@_inline
+def settle(scheme, t, low, high, f_low, f_high):
+    """Locate the crossing between low and high."""
+    scheme.run.hit = root(_HEIGHT, scheme, t, low, high, f_low, f_high)
+    return _FOUND if scheme.run.hit == scheme.run.hit else _FAILED
 
 
 @_inline
@@ -181,27 +205,31 @@ def classify(run, before, into_minus, into_plus):
 
 
 @_inline
-def switch_side(switching, rate, jump, run, t, before, x, carry, p, trial, hits, hits_x, hits_after):
+def switch_side(scheme, jump, log, t, before):
     """At the surface: jump, classify, take the other side, write the crossing down."""
+    run, x, p = scheme.run, scheme.x, scheme.p
     k = run.hits
-    hits_x[k, :] = x
-    hits[k].t = t
-    hits[k].g = switching(t, x, p)
-    hits[k].rate_before = rate(run.side, t, x, p)
+    hit = log.hits[k]
+    hit.t = t
+    hit.g = scheme.switching(t, x, p)
+    hit.rate_before = scheme.rate(run.side, t, x, p)
+    for i in range(x.size):
+        log.x[k, i] = x[i]
     if run.has_jump == 1:
-        jump(t, x, p, trial)
-        x[:] = trial
-        carry[:] = 0.0
-    hits_after[k, :] = x
-    into_minus = outward_rate(run, rate, -1, t, x, p)
-    into_plus = outward_rate(run, rate, 1, t, x, p)
+        jump(t, x, p, scheme.trial)
+        for i in range(x.size):
+            x[i], scheme.carry[i] = scheme.trial[i], 0.0
+    for i in range(x.size):
+        log.after[k, i] = x[i]
+    into_minus = outward_rate(run, scheme.rate, -1, t, x, p)
+    into_plus = outward_rate(run, scheme.rate, 1, t, x, p)
     status, kind = classify(run, before, into_minus, into_plus)
     entered = -run.side
     if run.has_jump == 1:
         entered = 1 if into_plus > 0.0 else -1
-    hits[k].rate_after = rate(entered, t, x, p)
-    hits[k].kind = kind
-    hits[k].side = entered if status == RUNNING else 0
+    hit.rate_after = scheme.rate(entered, t, x, p)
+    hit.kind = kind
+    hit.side = entered if status == RUNNING else 0
     run.hits = k + 1
     run.crossings += 1
     if status != RUNNING:
@@ -212,84 +240,77 @@ def switch_side(switching, rate, jump, run, t, before, x, carry, p, trial, hits,
 
 
 @_inline
-def land(step, switching, rate, run, t, x, carry, p, dx, trial):
+def land(scheme, t):
     """Move the state to the crossing found, or by the perturbation beyond it; returns its rate on arrival, or nan.
 
     Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ and x̂ anew there.
     """
-    before = probe(_RATE, step, switching, rate, run, t, run.hit, x, carry, p, dx, trial)
+    run = scheme.run
+    before = probe(_RATE, scheme, t, run.hit)
     if run.shift != 0.0:
         run.hit += run.shift
-        if not abs(probe(_HEIGHT, step, switching, rate, run, t, run.hit, x, carry, p, dx, trial)) < math.inf:
+        if not abs(probe(_HEIGHT, scheme, t, run.hit)) < math.inf:
             return math.nan
-    accept(x, carry, dx)
+    accept(scheme.x, scheme.carry, scheme.dx)
     return before
 
 
 @_inline
-def stop_at(run, t):
+def stop_at(run, t, status):
     """Leave the run where it stopped."""
     run.t, run.t_carry = t, 0.0
+    return status
 
 
 @_inline
-def take_step(
-    step_minus, step_plus, switching, rate, jump, p, run, h, x, carry, dx, trial, spare, turned, hits, hits_x, hits_after
-):
+def step_over(scheme, jump, log, t, height_end, rate_end):
+    """Without a transition: the step stands, and only then is the side looked at."""
+    run = scheme.run
+    accept(scheme.x, scheme.carry, scheme.dx)
+    run.rate = rate_end
+    if height_end > 0.0:
+        run.leaving = 0
+        return RUNNING
+    status = switch_side(scheme, jump, log, t, rate_end)
+    return status if status == RUNNING else stop_at(run, t, status)
+
+
+@_inline
+def take_step(step_minus, step_plus, jump, frame, log, h):
     """One step of length h, with as many crossings as lie in it (Algorithm 1)."""
-    done = 0.0
+    run, done = frame.run, 0.0
     for _ in range(_MAX_CROSSINGS_A_STEP):
         step = step_plus if run.side > 0 else step_minus
+        scheme = Scheme(
+            step, frame.switching, frame.rate, run, frame.x, frame.carry, frame.p, frame.dx, frame.trial
+        )
         t, left = run.t + (run.t_carry + done), h - done
-        count = step(t, left, x, carry, p, dx)
-        if count < 0:
-            stop_at(run, t)
-            return _NO_CONVERGENCE
-        run.evaluations += count
-        advance(x, carry, dx, trial)
-        if is_lost(trial):
-            stop_at(run, t)
-            return _ESCAPED
-        height_end = run.side * switching(t + left, trial, p)
-        rate_end = outward_rate(run, rate, run.side, t + left, trial, p)
+        height_end = probe(_HEIGHT, scheme, t, left)
+        if is_lost(scheme.trial):
+            return stop_at(run, t, _ESCAPED if height_end == height_end else _NO_CONVERGENCE)
+        rate_end = outward_rate(run, scheme.rate, run.side, t + left, scheme.trial, scheme.p)
         if not abs(height_end) < math.inf or not abs(rate_end) < math.inf:
-            stop_at(run, t)
-            return _NO_CONVERGENCE
+            return stop_at(run, t, _NO_CONVERGENCE)
+        if run.follow == 0:
+            return step_over(scheme, jump, log, t + left, height_end, rate_end)
         # A perturbed crossing may lie beyond the end of the step; going back from there is no motion to be watched.
-        found = _NONE
-        if run.follow == 1 and left * run.tau > 0.0:
-            found = first_crossing(
-                step, switching, rate, run, t, left, height_end, rate_end, x, carry, p, spare, turned
-            )
+        found = first_crossing(scheme, t, left, height_end, rate_end) if left * run.tau > 0.0 else _NONE
         if found == _NONE:
-            accept(x, carry, dx)
+            probe(_HEIGHT, scheme, t, left)  # looking for a crossing may have moved the increment
+            accept(scheme.x, scheme.carry, scheme.dx)
             run.rate = rate_end
             if height_end > 0.0:
                 run.leaving = 0
-            if run.follow == 1 or height_end > 0.0:
-                return RUNNING
-            status = switch_side(
-                switching, rate, jump, run, t + left, rate_end, x, carry, p, trial, hits, hits_x, hits_after
-            )
-            if status != RUNNING:
-                stop_at(run, t + left)
-            return status
-        before = math.nan
-        if found != _FAILED:  # a touch has no rate of arrival
-            before = land(step, switching, rate, run, t, x, carry, p, spare, turned)
+            return RUNNING
+        before = land(scheme, t) if found != _FAILED else math.nan
         if before != before:
-            stop_at(run, t)
-            return _NO_CONVERGENCE
-        if found == _TOUCH:
-            before = 0.0
+            return stop_at(run, t, _NO_CONVERGENCE)
         done += run.hit
         t = run.t + (run.t_carry + done)
-        status = switch_side(switching, rate, jump, run, t, before, x, carry, p, trial, hits, hits_x, hits_after)
+        status = switch_side(scheme, jump, log, t, before if found == _FOUND else 0.0)  # a touch does not arrive
         if status != RUNNING:
-            stop_at(run, t)
-            return status
+            return stop_at(run, t, status)
         run.leaving = 1
         if done == h:
             return RUNNING
-    stop_at(run, run.t + (run.t_carry + done))
-    return _ZENO
+    return stop_at(run, run.t + (run.t_carry + done), _ZENO)

@@ -13,7 +13,7 @@ from numba import njit
 
 _inline = njit(error_model="numpy")
 
-#: Below this distance (relative to the size of b) φ[a, b, b] is taken from φ'' at (a + 2b)/3, whose error is of
+#: Below this distance (in units of the length over which φ'' changes) φ[a, b, b] is taken from φ'' at (a + 2b)/3, whose error is of
 #: second order in the distance; above, from the quotient of differences, whose round-off is its inverse.
 _NEAR = 1e-4
 
@@ -43,7 +43,7 @@ def sin_slope(a, b):  # type: ignore[no-untyped-def]
 
 @_inline
 def sin_slope_b(a, b):  # type: ignore[no-untyped-def]
-    return _second(math.cos(b), sin_slope(a, b), -math.sin((a + 2.0 * b) / 3.0), a, b, 1.0 + abs(b))
+    return _second(math.cos(b), sin_slope(a, b), -math.sin((a + 2.0 * b) / 3.0), a, b, 1.0)
 
 
 @_inline
@@ -53,7 +53,7 @@ def cos_slope(a, b):  # type: ignore[no-untyped-def]
 
 @_inline
 def cos_slope_b(a, b):  # type: ignore[no-untyped-def]
-    return _second(-math.sin(b), cos_slope(a, b), -math.cos((a + 2.0 * b) / 3.0), a, b, 1.0 + abs(b))
+    return _second(-math.sin(b), cos_slope(a, b), -math.cos((a + 2.0 * b) / 3.0), a, b, 1.0)
 
 
 @_inline
@@ -65,7 +65,7 @@ def tan_slope(a, b):  # type: ignore[no-untyped-def]
 def tan_slope_b(a, b):  # type: ignore[no-untyped-def]
     u = (a + 2.0 * b) / 3.0
     first = 1.0 / math.cos(b) ** 2
-    return _second(first, tan_slope(a, b), 2.0 * math.tan(u) / math.cos(u) ** 2, a, b, 1.0 + abs(b))
+    return _second(first, tan_slope(a, b), 2.0 * math.tan(u) / math.cos(u) ** 2, a, b, abs(math.cos(b)))
 
 
 @_inline
@@ -127,11 +127,12 @@ def tanh_slope(a, b):  # type: ignore[no-untyped-def]
     gap = abs(b - a)
     relative = -math.expm1(-2.0 * gap) / (2.0 * gap) if gap != 0.0 else 1.0
     tails = (1.0 + math.exp(-2.0 * abs(a))) * (1.0 + math.exp(-2.0 * abs(b)))
-    return 4.0 * math.exp(gap - abs(a) - abs(b)) * relative / tails
+    same = -2.0 * min(abs(a), abs(b)) if (a > 0.0) == (b > 0.0) else 0.0
+    return 4.0 * math.exp(same) * relative / tails
 
 
 @_inline
 def tanh_slope_b(a, b):  # type: ignore[no-untyped-def]
-    u = math.tanh((a + 2.0 * b) / 3.0)
-    first = 1.0 - math.tanh(b) ** 2
-    return _second(first, tanh_slope(a, b), -2.0 * u * (1.0 - u * u), a, b, 1.0)
+    u = (a + 2.0 * b) / 3.0
+    first = 1.0 / math.cosh(b) ** 2
+    return _second(first, tanh_slope(a, b), -2.0 * math.tanh(u) / math.cosh(u) ** 2, a, b, 1.0)

@@ -8,8 +8,10 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from typing import Any
 
 import sympy
+from sympy.printing.str import StrPrinter
 
 __all__ = ["FUNCTIONS", "TIME", "check_name", "parse", "to_text"]
 
@@ -36,8 +38,11 @@ MAX_DEPTH = 40  #: nested operations
 MAX_NODES = 400  #: operations and names
 MAX_EXPONENT = 64  #: size of a number used as an exponent
 MAX_DIGITS = 40  #: digits of one number
+MAX_BITS = 8000  #: of an exact constant on the way
 _SMALLEST, _LARGEST = 1e-300, 1e300
+_CANCELS = 1e-12  #: a sum of constants smaller than this part of its terms is round-off
 
+_NOT_REAL = "it contains a constant that is not a finite real number"
 _ALLOWED = "numbers, the system's variables and parameters, t, pi, e, + - * / **, and " + " ".join(FUNCTIONS)
 
 
@@ -81,7 +86,10 @@ def parse(text: str | float | sympy.Expr, names: Iterable[str], what: str = "exp
     ValueError
         Naming the text, what is wrong with it and what would do.
     """
-    source = to_text(text) if isinstance(text, sympy.Basic) else str(text)
+    try:
+        source = to_text(text) if isinstance(text, sympy.Basic) else str(text)
+    except RecursionError:
+        raise ValueError(f"{what} is nested deeper than {MAX_DEPTH}") from None
     if len(source) > MAX_LENGTH:
         raise ValueError(f"{what} is {len(source)} characters long: {MAX_LENGTH} at most")
     symbols = {name: sympy.Symbol(name) for name in names} | {"t": TIME}
@@ -90,8 +98,35 @@ def parse(text: str | float | sympy.Expr, names: Iterable[str], what: str = "exp
 
 def to_text(expression: sympy.Expr) -> str:
     """Text that `parse` reads back as the same expression."""
-    text = str(sympy.sstr(expression, full_prec=False))
-    return re.sub(r"\bE\b", "e", text)
+    return str(_Text().doprint(expression))
+
+
+class _Text(StrPrinter):  # type: ignore[misc]  # sympy's printers are untyped
+    """Numbers as `parse` reads them: floats to the last digit, no row of zeros longer than it takes."""
+
+    def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 - the name is sympy's
+        return repr(float(expr))
+
+    def _print_Integer(self, expr: sympy.Integer) -> str:  # noqa: N802
+        if abs(expr.p) < 10**MAX_DIGITS:
+            return str(expr.p)
+        digits = str(sympy.sstr(expr))
+        short = digits.rstrip("0")
+        return f"{short}e{len(digits) - len(short)}"
+
+    def _print_Rational(self, expr: sympy.Rational) -> str:  # noqa: N802
+        return "/".join(self._print_Integer(sympy.Integer(n)) for n in (expr.p, expr.q))
+
+    def _print_Exp1(self, expr: sympy.Expr) -> str:  # noqa: N802
+        return "e"
+
+    def _print_ImaginaryUnit(self, expr: sympy.Expr) -> str:  # noqa: N802 - for `parse` to refuse; I may be a variable
+        return "sqrt(-1)"
+
+    def _print_Infinity(self, expr: sympy.Expr) -> str:  # noqa: N802
+        return "(1/0)"
+
+    _print_NegativeInfinity = _print_ComplexInfinity = _print_NaN = _print_Infinity
 
 
 class _Reader:
@@ -118,9 +153,7 @@ class _Reader:
             hint = "write powers as **" if "^" in self.source else "write products with *, powers with **"
             raise self.fail(f"this is no expression; {hint}") from None
         expression, _ = self.visit(tree.body, 0)
-        # sympy rewrites tan(pi/2 - x) as cot(x), which is no function of ours.
-        expression = expression.replace(sympy.cot, lambda u: 1 / sympy.tan(u))
-        self.check_powers(expression)
+        self.check_whole(expression)
         return expression
 
     def visit(self, node: ast.expr, depth: int) -> tuple[sympy.Expr, float | None]:
@@ -138,7 +171,9 @@ class _Reader:
                 inner, value = self.visit(operand, depth + 1)
                 return (inner, value) if isinstance(node.op, ast.UAdd) else (-inner, None if value is None else -value)
             case ast.BinOp(op=op, left=left, right=right) if type(op) in _OPERATIONS:
-                return self.combine(_OPERATIONS[type(op)], self.visit(left, depth + 1), self.visit(right, depth + 1))
+                chain = type(op) is not ast.Pow  # a + b + c + …: a long sum is not a deep one
+                first = self.visit(left, depth if chain else depth + 1)
+                return self.combine(_OPERATIONS[type(op)], first, self.visit(right, depth + 1))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
                 if len(args) != 1 or isinstance(args[0], ast.Starred):
                     raise self.fail(f"{name} takes one argument, here it has {len(args)}")
@@ -155,7 +190,9 @@ class _Reader:
         if not re.fullmatch(r"[0-9.]+(e[+-]?[0-9]+)?", digits.lower()):
             raise self.fail(f"the number {digits} is not written in decimals, as 16 or 1.6e1")
         value = float(digits)
-        if value and not _SMALLEST <= abs(value) <= _LARGEST:
+        if not re.search("[1-9]", digits.lower().partition("e")[0]):
+            return sympy.Integer(0), 0.0
+        if not _SMALLEST <= value <= _LARGEST:  # before it is written out: 1e-99999999
             raise self.fail(f"the number {digits} is outside {_SMALLEST:g} … {_LARGEST:g}")
         exact = Fraction(digits)
         return sympy.Rational(exact.numerator, exact.denominator), value
@@ -178,38 +215,53 @@ class _Reader:
         """Apply `operation`; where every operand is a number, in floating point first, so that none can explode."""
         exact, real = operation
         if exact is _power:
-            self.check_exponent(*operands)
-        value: float | None = None
+            self.check_power(*operands)
         if all(v is not None for _, v in operands):
-            try:
-                value = real(*(v for _, v in operands))
-            except (ArithmeticError, ValueError):
-                value = math.nan
-            if isinstance(value, complex) or not abs(value) <= _LARGEST:
-                raise self.fail("it contains a constant that is not a finite real number")
+            self.check_value(_attempt(real, *(v for _, v in operands)))
         expression = exact(*(e for e, _ in operands))
         if expression.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo, sympy.I):
-            raise self.fail("it contains a constant that is not a finite real number")
-        if value is not None and abs(value) < _SMALLEST and not expression.is_zero:
-            raise self.fail(f"it contains a constant smaller than {_SMALLEST:g}")
+            raise self.fail(_NOT_REAL)
+        # sympy rewrites tan(pi/2 - x) as cot(x), which is no function of ours.
+        expression = expression.replace(sympy.cot, lambda u: 1 / sympy.tan(u))
+        for term in sympy.Add.make_args(expression):
+            if _bits(term) > MAX_BITS:
+                raise self.fail("it contains a constant with too many digits")
+        if expression.free_symbols:
+            return expression, None
+        value = _value(expression)  # anew: x - x + 3 is a constant too
+        self.check_value(value, expression)
         return expression, value
 
-    def check_exponent(
-        self, base: tuple[sympy.Expr, float | None], exponent: tuple[sympy.Expr, float | None]
-    ) -> None:
+    def check_power(self, base: tuple[sympy.Expr, float | None], exponent: tuple[sympy.Expr, float | None]) -> None:
         """Refuse large powers before sympy works them out: 1.000000001**64, and so on, nested."""
         if exponent[1] is None:
+            if base[1] is not None and base[1] <= 0:
+                raise self.fail("the base of a power is negative or zero where its exponent is no number")
             return
         if abs(exponent[1]) > MAX_EXPONENT and (base[1] is None or base[0].is_Rational):
             raise self.fail(f"the exponent {exponent[1]:g} is beyond ±{MAX_EXPONENT}")
-        if base[0].is_Rational and abs(exponent[1]) * max(int(base[0].p).bit_length(), base[0].q.bit_length()) > 8000:
+        if abs(exponent[1]) * _bits(base[0]) > MAX_BITS:
             raise self.fail("it contains a constant with too many digits")
 
-    def check_powers(self, expression: sympy.Expr) -> None:
-        """Refuse exponents that sympy multiplied up, as in ((x**9)**9)**9."""
-        for power in expression.atoms(sympy.Pow):
-            if power.exp.is_number and abs(power.exp) > MAX_EXPONENT:
-                raise self.fail(f"the exponent {power.exp} is beyond ±{MAX_EXPONENT}")
+    def check_value(self, value: float, expression: sympy.Expr | None = None) -> None:
+        """Refuse a constant that is no finite real number or, if given as an expression, too small to tell from 0."""
+        if not abs(value) <= _LARGEST:
+            raise self.fail(_NOT_REAL)
+        if expression is not None and abs(value) < _SMALLEST and expression != 0:
+            raise self.fail(f"it contains a constant smaller than {_SMALLEST:g}, or lost in round-off")
+
+    def check_whole(self, expression: sympy.Expr) -> None:
+        """Refuse what sympy gathered from several places: ((x**9)**9)**9, x*1e200*1e200, exp(600)*x*exp(600)."""
+        nodes = sympy.preorder_traversal(expression)
+        for node in nodes:
+            if not node.free_symbols:
+                self.check_value(_value(node), node)
+                nodes.skip()
+            elif node.is_Pow and not node.exp.free_symbols and abs(_value(node.exp)) > MAX_EXPONENT:
+                raise self.fail(f"the exponent {node.exp} is beyond ±{MAX_EXPONENT}")
+            elif node.is_Mul:
+                coefficient = node.as_independent(*node.free_symbols)[0]
+                self.check_value(_value(coefficient), coefficient)
 
 
 def _nesting(text: str) -> int:
@@ -219,6 +271,38 @@ def _nesting(text: str) -> int:
         depth += (character == "(") - (character == ")")
         deepest = max(deepest, depth)
     return deepest
+
+
+def _attempt(real: Callable[..., float], *values: Any) -> float:
+    """`real` of the values, nan where it has none."""
+    try:
+        value = real(*values)
+    except (ArithmeticError, ValueError):
+        return math.nan
+    return math.nan if isinstance(value, complex) else value
+
+
+def _value(constant: sympy.Expr) -> float:
+    """Value of an expression without symbols; nan where it has none, or where a sum cancels but for round-off."""
+    if constant.is_Rational:
+        return _attempt(lambda: constant.p / constant.q)
+    if constant.is_NumberSymbol:
+        return float(constant)
+    arguments = [_value(a) for a in constant.args]
+    if constant.is_Mul:
+        return math.prod(arguments)
+    if constant.is_Pow:
+        return _attempt(_OPERATIONS[ast.Pow][1], *arguments)
+    if constant.is_Add:
+        total = math.fsum(arguments)
+        return total if abs(total) > _CANCELS * math.fsum(map(abs, arguments)) else math.nan
+    return _attempt(FUNCTIONS[type(constant).__name__][1], *arguments)
+
+
+def _bits(term: sympy.Expr) -> int:
+    """Length of a term's rational factor."""
+    factor = term.as_coeff_Mul()[0]
+    return max(factor.p.bit_length(), factor.q.bit_length()) if factor.is_Rational else 0
 
 
 def _power(base: sympy.Expr, exponent: sympy.Expr) -> sympy.Expr:

@@ -226,9 +226,7 @@ class _Orbit:
     def roots(self) -> Extended | NDArray[np.clongdouble]:
         """Roots of 4X³ − g₂X − g₃: the largest real one first, the other two after it, real or conjugate."""
         saddle = np.sqrt(np.maximum(self.g2, 0) / 12)
-        above = self.y**2 - 4 * (self.x - saddle) ** 2 * (
-            self.x + 2 * saddle
-        )  # Y² less that of the separatrix
+        above = self.y**2 - 4 * (self.x - saddle) ** 2 * (self.x + 2 * saddle)  # Y² less that of the separatrix
         if 0 < np.abs(above) < saddle**3 / 10:
             return _nearly_double_roots(saddle, above)
         e1 = _largest_root(self.g2, self.g3)
@@ -275,7 +273,7 @@ class _Orbit:
         x, y, elapsed = self.x, self.y, np.longdouble(0)
         while elapsed * self.inverse_time < _SATURATION:
             left = self._time_to_pole(x, y) if y > 0 else never
-            if left <= reach or reach == never:  # never: g₂ = g₃ = 0, where X' = ±2 X^{3/2}
+            if left <= reach:  # at once if g₂ = g₃ = 0: the reach is infinite
                 return elapsed + left
             ((x, y),) = self._at_once(np.array([x]), np.array([y]), np.array([reach / 2]))
             elapsed += reach / 2

@@ -15,7 +15,7 @@ import numba
 from numba import njit, types
 
 from core import crossing, signatures, state, trajectory
-from core.crossing import BOUND, RUNNING, is_plain, take_step, two_sum
+from core.crossing import BOUND, RUNNING, Log, Scheme, is_plain, take_step, two_sum
 from core.trajectory import Status
 
 __all__ = ["compiled_march"]
@@ -47,7 +47,7 @@ def compiled_march() -> Callable[..., int]:
     march(step_minus, step_plus, switching, rate, jump, p, run, x, carry, work, budget, rows, rows_x, hits, hits_x,
     hits_after) -> Status as int
         Takes up to `budget` steps from the state it is given, and leaves that state ready to go on: RUNNING means
-        that the budget or a buffer is used up. x and carry are (d,), work is (4, d) scratch; see `state` for the
+        that the budget or a buffer is used up. x and carry are (d,), work is (2, d) scratch; see `state` for the
         records.
     """
     # numba looks for changes in this file only. The loop inlines others: a hash of them, being a closed-over
@@ -62,7 +62,7 @@ def compiled_march() -> Callable[..., int]:
     ):  # fmt: skip
         inlined  # noqa: B018 - see above
         run = state[0]
-        dx, trial, spare, turned = work[0], work[1], work[2], work[3]
+        dx, trial = work[0], work[1]
         run.rows = 0
         run.hits = 0
         for _ in range(budget):
@@ -86,10 +86,8 @@ def compiled_march() -> Callable[..., int]:
                 for i in range(x.size):
                     x[i], carry[i] = two_sum(x[i], carry[i] + dx[i])
             else:
-                status = take_step(
-                    step_minus, step_plus, switching, rate, jump, p, run, h, x, carry, dx, trial, spare, turned,
-                    hits, hits_x, hits_after,
-                )  # fmt: skip
+                scheme = Scheme(step, switching, rate, run, x, carry, p, dx, trial)
+                status = take_step(step_minus, step_plus, jump, scheme, Log(hits, hits_x, hits_after), h)
                 if status != RUNNING:
                     return status
             run.steps += 1

@@ -129,9 +129,7 @@ class ReferenceSolution:
             self.stop = Stop(float(t), x.astype(float), reason)
         if self.stop.t >= until:
             return False
-        raise ValueError(
-            f"the solution ends at t = {self.stop.t:.16g}, x = {self.stop.x}: {self.stop.reason}"
-        )
+        raise ValueError(f"the solution ends at t = {self.stop.t:.16g}, x = {self.stop.x}: {self.stop.reason}")
 
     def _obstacle(self, arc: Arc, t: Time, x: State) -> str | None:
         """Why the solution cannot cross at (t, x), or None if it crosses transversally."""
@@ -246,17 +244,13 @@ def _first_arc(
     raise ValueError(f"x0 = {x.astype(float)} is on the surface, which there {kind}: no side to start on")
 
 
-def _extended_function(
-    expression: sympy.Expr, variables: tuple[sympy.Symbol, ...]
-) -> Callable[[Extended], Extended]:
+def _extended_function(expression: sympy.Expr, variables: tuple[sympy.Symbol, ...]) -> Callable[[Extended], Extended]:
     """Function of states (n, d) -> (n,) in extended precision, its constants included."""
     exact = exact_numbers(expression)
     inexact = [c for c in exact.atoms(sympy.Number, sympy.NumberSymbol) if not c.is_Integer]
     names = [sympy.Dummy() for _ in inexact]
     values = [extended_number(c) for c in inexact]
-    compiled = sympy.lambdify(
-        [*variables, *names], exact.xreplace(dict(zip(inexact, names, strict=True))), "numpy"
-    )
+    compiled = sympy.lambdify([*variables, *names], exact.xreplace(dict(zip(inexact, names, strict=True))), "numpy")
 
     def evaluate(x: Extended) -> Extended:
         return np.broadcast_to(np.asarray(compiled(*x.T, *values), dtype=np.longdouble), x.shape[:1])
@@ -296,9 +290,7 @@ class _ExactArc:
             elif until < np.inf:
                 return None
             else:
-                raise ValueError(
-                    f"the solution never reaches the surface after t = {self.t:.17g}: {self._fate()}"
-                )
+                raise ValueError(f"the solution never reaches the surface after t = {self.t:.17g}: {self._fate()}")
         return self._found
 
     def state(self, t: float) -> State:
@@ -433,9 +425,7 @@ def _first_zero(watch: Watch, a: _Sample, b: _Sample) -> Time | None:
     if b.depth <= 0:  # and a is on the surface: left and met again between two looks
         top = _extremum(watch, a.t, b.t) if a.rate > 0 > b.rate else a.t
         if watch(top)[0] <= 0:
-            raise ValueError(
-                f"the solution leaves the surface tangentially; it is back after {b.t - a.t:.3g}"
-            )
+            raise ValueError(f"the solution leaves the surface tangentially; it is back after {b.t - a.t:.3g}")
         return _newton(watch, top, b.t)
     return None
 

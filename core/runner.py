@@ -72,7 +72,7 @@ class Runner:
         self._functions = (*compile_steps(system.laws, method), *surface)
         self._p = system.parameter_array
         self._x, self._carry = np.array(x0, dtype=float), np.zeros(system.dimension)
-        self._work = np.empty((4, system.dimension))
+        self._work = np.empty((2, system.dimension))
         self._hit_chunks: list[tuple[NDArray[Any], Floats, Floats]] = []
         self._size0 = float(np.abs(self._x).max())
         self.rows = Rows([], [], [], [])

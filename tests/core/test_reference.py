@@ -84,9 +84,7 @@ def test_elliptic_gaps_agree_with_carlson_integrals() -> None:
     # the half period (e3, 0) takes the oval to the unbounded branch, where R_F is the time to the pole (DLMF
     # 19.25.35): so from x* to e3, and from x* to e2 the half period less that.  Each arc goes there and back.
     def to_lowest_root(a: float, psi: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
-        e1, e2, e3 = sorted(
-            map(mp.re, mp.polyroots([1, 0, a, psi], maxsteps=200, extraprec=200)), reverse=True
-        )
+        e1, e2, e3 = sorted(map(mp.re, mp.polyroots([1, 0, a, psi], maxsteps=200, extraprec=200)), reverse=True)
         moved = e3 + (e3 - e1) * (e3 - e2) / (X_STAR - e3)
         return mp.elliprf(moved - e1, moved - e2, moved - e3), mp.elliprf(0, e1 - e2, e1 - e3)
 
@@ -316,9 +314,7 @@ def test_ballistic_arc_is_exact_from_metres_to_light_years() -> None:
         assert abs(x[0]) <= ULP * height
 
 
-@pytest.mark.parametrize(
-    ("plus", "g"), [((Y, -sympy.sin(X)), Y), ((Y, -X), Y - T), ((Y, -X + T), Y), ((Y, -Z * X), Y)]
-)
+@pytest.mark.parametrize(("plus", "g"), [((Y, -sympy.sin(X)), Y), ((Y, -X), Y - T), ((Y, -X + T), Y), ((Y, -Z * X), Y)])
 def test_no_exact_solution_without_a_closed_form(plus: tuple[sympy.Expr, ...], g: sympy.Expr) -> None:
     assert exact_solution((Y, -X), plus, g, (X, Y), 0.0, (1.0, 1.0)) is None
 
@@ -372,8 +368,6 @@ def test_peer_stops_on_a_sliding_surface_and_at_a_blow_up() -> None:
     slides = peer_solution(lambda s, t, x: [1, -s], lambda t, x: x[1], lambda s, t, x: -s, 0.0, (0.0, 1.0))
     with pytest.raises(ValueError, match=r"ends at t = (1|0\.99999).*slides along the surface"):
         slides.crossing(1)
-    bursts = peer_solution(
-        lambda s, t, x: [x[0] ** 2], lambda t, x: x[0], lambda s, t, x: x[0] ** 2, 0.0, (1.0,)
-    )
+    bursts = peer_solution(lambda s, t, x: [x[0] ** 2], lambda t, x: x[0], lambda s, t, x: x[0] ** 2, 0.0, (1.0,))
     with pytest.raises(ValueError, match=r"integrator stops at t = 0\.99|integrator stops at t = 1"):
         bursts.crossing(1)
