@@ -2,7 +2,7 @@
 
 from core.integrate import integrate
 from core.methods import METHODS, Method
-from core.oracles import reference_solution
+from core.reference import reference_solution
 from core.studies.order import OrderStudy, order_study
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE

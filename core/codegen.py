@@ -31,7 +31,7 @@ _MAX_CORRECTIONS = 30
 _STAGNATION = 1e-10
 
 
-class _Printer(PythonCodePrinter):  # type: ignore[misc]  # sympy's printers are untyped
+class _Printer(PythonCodePrinter):
     """Python text in floating point: whole numbers and ratios as floats, roots as square roots."""
 
     def _print_Integer(self, expr: Any) -> str:
@@ -160,7 +160,9 @@ class StepCode:
         d = len(self.x)
         unknowns = [*self.increment, *multipliers]
         # The end of the step moves with the increment: y = x + d.
-        moving = [[r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals]
+        moving = [
+            [r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals
+        ]
         n = len(unknowns)
         entries = [f"j{i}_{k}" for i in range(n) for k in range(n)]
         inner = [f"y{k} = x{k} + (c{k} + d{k})" for k in range(d)]

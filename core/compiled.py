@@ -101,7 +101,8 @@ def _load(text: str) -> ModuleType:
         partial.replace(path)
         _prune(path.parent)
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None and spec.loader is not None  # noqa: S101 - for mypy: the file has just been written
+    if spec is None or spec.loader is None:
+        raise ImportError(f"cannot load {path}")
     module = importlib.util.module_from_spec(spec)
     sys.modules[path.stem] = module  # where numba looks for a cached function's globals
     try:

@@ -81,10 +81,10 @@ def accept(x, carry, dx):
 @_inline
 def is_lost(x):
     """Whether a state is beyond any bound, or none at all."""
+    largest = 0.0
     for i in range(x.size):
-        if not abs(x[i]) < BOUND:
-            return True
-    return False
+        largest = max(largest, abs(x[i])) if x[i] == x[i] else math.inf
+    return not largest < BOUND
 
 
 @_inline
@@ -281,9 +281,7 @@ def take_step(step_minus, step_plus, jump, frame, log, h):
     run, done = frame.run, 0.0
     for _ in range(_MAX_CROSSINGS_A_STEP):
         step = step_plus if run.side > 0 else step_minus
-        scheme = Scheme(
-            step, frame.switching, frame.rate, run, frame.x, frame.carry, frame.p, frame.dx, frame.trial
-        )
+        scheme = Scheme(step, frame.switching, frame.rate, run, frame.x, frame.carry, frame.p, frame.dx, frame.trial)
         t, left = run.t + (run.t_carry + done), h - done
         height_end = probe(_HEIGHT, scheme, t, left)
         if is_lost(scheme.trial):

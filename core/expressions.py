@@ -101,7 +101,7 @@ def to_text(expression: sympy.Expr) -> str:
     return str(_Text().doprint(expression))
 
 
-class _Text(StrPrinter):  # type: ignore[misc]  # sympy's printers are untyped
+class _Text(StrPrinter):
     """Numbers as `parse` reads them: floats to the last digit, no row of zeros longer than it takes."""
 
     def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 - the name is sympy's

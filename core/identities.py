@@ -34,9 +34,7 @@ def is_zero(expression: sympy.Expr, ranges: Mapping[sympy.Symbol, tuple[float, f
     return all(abs(mpmath.fsum(v)) <= mpmath.mpf(10) ** (10 - _DIGITS) * mpmath.fsum(map(abs, v)) for v in values)
 
 
-def independent(
-    rows: sympy.Matrix, ranges: Mapping[sympy.Symbol, tuple[float, float]] | None = None
-) -> bool:
+def independent(rows: sympy.Matrix, ranges: Mapping[sympy.Symbol, tuple[float, float]] | None = None) -> bool:
     """Whether the rows of a matrix of expressions are linearly independent at a random point."""
     for values in _sample(tuple(rows), rows.free_symbols, ranges or {}):
         if values is not None:

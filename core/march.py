@@ -33,9 +33,7 @@ def _signature() -> Any:
     functions = [pointer(signatures.STEP)] * 2 + [
         pointer(s) for s in (signatures.SWITCHING, signatures.RATE, signatures.JUMP)
     ]
-    return types.int64(
-        *functions, vector, run, vector, vector, matrix, types.int64, row, matrix, hit, matrix, matrix
-    )  # fmt: skip
+    return types.int64(*functions, vector, run, vector, vector, matrix, types.int64, row, matrix, hit, matrix, matrix)
 
 
 @lru_cache(maxsize=1)
@@ -58,7 +56,8 @@ def compiled_march() -> Callable[..., int]:
 
     @njit(_signature(), cache=True, nogil=True, error_model="numpy")
     def march(
-        step_minus, step_plus, switching, rate, jump, p, state, x, carry, work, budget, rows, rows_x, hits, hits_x, hits_after
+        step_minus, step_plus, switching, rate, jump, p, state, x, carry, work, budget,
+        rows, rows_x, hits, hits_x, hits_after,
     ):  # fmt: skip
         inlined  # noqa: B018 - see above
         run = state[0]

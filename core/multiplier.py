@@ -36,12 +36,14 @@ class DividedDifference(sympy.Function):
 
     @classmethod
     def eval(cls, a: Expr, b: Expr) -> Expr | None:
+        """At equal ends it is the derivative."""
         if a == b:
             u = sympy.Dummy()
             return cls.phi(u).diff(u).subs(u, a)
         return None
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Differentiate in one end: φ[a, b, b], and by symmetry φ[b, a, a]."""
         a, b = self.args if argindex == 2 else reversed(self.args)
         return SECOND[type(self)](a, b)
 
@@ -99,10 +101,12 @@ class Endpoints:
 
     @property
     def at_start(self) -> dict[Symbol, Expr]:
+        """Variables and time -> their values at the start."""
         return {**dict(zip(self.variables, self.start, strict=True)), TIME: self.times[0]}
 
     @property
     def at_end(self) -> dict[Symbol, Expr]:
+        """Variables and time -> their values at the end."""
         return {**dict(zip(self.variables, self.end, strict=True)), TIME: self.times[1]}
 
     @property
@@ -208,18 +212,18 @@ class DiscreteField:
     ends: Endpoints
 
     @cached_property
-    def all_slopes(self) -> tuple[tuple[Expr, ...], ...]:
+    def _all_slopes(self) -> tuple[tuple[Expr, ...], ...]:
         return tuple(slopes(psi, self.ends) for psi in self.conserved)
 
     @property
     def gradient(self) -> sympy.Matrix:
         """Λᵗ, the discrete gradient: (m, d) with Λᵗ (x₁ − x₀) = ψ(x₁) − ψ(x₀) at equal times."""
-        return sympy.Matrix(len(self.conserved), len(self.field), [s for row in self.all_slopes for s in row[:-1]])
+        return sympy.Matrix(len(self.conserved), len(self.field), [s for row in self._all_slopes for s in row[:-1]])
 
     @property
     def time_slope(self) -> sympy.Matrix:
         """s_t, (m, 1): zero where ψ does not name t."""
-        return sympy.Matrix(len(self.conserved), 1, [row[-1] for row in self.all_slopes])
+        return sympy.Matrix(len(self.conserved), 1, [row[-1] for row in self._all_slopes])
 
     @property
     def mean_field(self) -> sympy.Matrix:

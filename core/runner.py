@@ -86,26 +86,32 @@ class Runner:
 
     @property
     def t(self) -> float:
+        """Time."""
         return float(self._run["t"][0])
 
     @property
     def x(self) -> Floats:
+        """State (d,), a copy."""
         return self._x.copy()
 
     @property
     def side(self) -> int:
+        """Side occupied; 0 before the first step."""
         return int(self._run["side"][0])
 
     @property
     def steps(self) -> int:
+        """Steps taken."""
         return int(self._run["steps"][0])
 
     @property
     def evaluations(self) -> int:
+        """Evaluations of the (discrete) field."""
         return int(self._run["evaluations"][0])
 
     @property
     def crossing_count(self) -> int:
+        """Crossings made, kept or not."""
         return int(self._run["crossings"][0])
 
     @property
@@ -145,10 +151,8 @@ class Runner:
         d = self.system.dimension
         empty = (np.empty(0, dtype=HIT), np.empty((0, d)), np.empty((0, d)))
         hits, x, after = (np.concatenate(parts) for parts in zip(empty, *self._hit_chunks, strict=True))
-        kinds = np.array(CROSSING_KINDS)[hits["kind"]]
-        columns = (np.ascontiguousarray(hits[name]) for name in ("side", "g"))
-        rates = (np.ascontiguousarray(hits[name]) for name in ("rate_before", "rate_after"))
-        return Crossings(np.ascontiguousarray(hits["t"]), x, after, *columns, kinds, *rates)
+        columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "side", "rate_before", "rate_after")}
+        return Crossings(x=x, x_after=after, kind=np.array(CROSSING_KINDS)[hits["kind"]], **columns)
 
     def _enter(self, sign: float) -> Status:
         """Find the side of the initial value: by the sign of g, on the surface by where the fields lead."""
@@ -198,8 +202,10 @@ class Runner:
             self.rows.segment.append(rows["segment"][:n])
 
     def _runs_away(self) -> bool:
-        """Whether a step failed because the state is on its way to infinity: grown a thousandfold, and about to
-        change by a good part of itself within one step more."""
+        """Whether a step failed because the state is on its way to infinity.
+
+        That is: grown a thousandfold, and about to change by a good part of itself within one step more.
+        """
         size = float(np.abs(self._x).max())
         change = self.settings.tau * float(np.abs(self.system.field(self.side or 1, self.t, self._x)).max())
         return size > _RUNAWAY * max(self._size0, 1.0) and not change < size / 4

@@ -258,9 +258,7 @@ class PiecewiseSystem:
             if not is_zero(rate, ranges):
                 shown = sympy.simplify(rate) if sympy.count_ops(rate) < 80 else rate
                 text = f"psi_{word}[{k}] = {getattr(self, f'psi_{word}')[k]!r}"
-                raise ValueError(
-                    f"{text} is not conserved by f_{word}: its time derivative is {to_text(shown)}, not 0"
-                )
+                raise ValueError(f"{text} is not conserved by f_{word}: its time derivative is {to_text(shown)}, not 0")
         rows = sympy.Matrix([[psi.diff(v) for v in (*side.variables, TIME)] for psi in side.conserved])
         if side.conserved and not independent(rows, ranges):
             raise ValueError(
@@ -295,5 +293,3 @@ def _latex_name(name: str) -> str:
         if name.endswith(word):
             return rf"{sympy.latex(sympy.Symbol(name.removesuffix(word)))}_{{{sign}}}"
     return str(sympy.latex(sympy.Symbol(name)))
-
-

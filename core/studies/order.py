@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from core.integrate import checked_method, checked_settings, checked_start
 from core.laws import Floats
 from core.methods import Method
-from core.oracles import reference_solution
-from core.reference import ReferenceSolution
+from core.reference import ReferenceSolution, reference_solution
 from core.runner import Runner, Settings
 from core.system import PiecewiseSystem
 from core.trajectory import Status
@@ -120,7 +120,7 @@ def _checked_taus(taus: Iterable[float]) -> Floats:
 
 def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
     numbers = tuple(int(k) for k in crossings)
-    if not numbers or numbers[0] < 1 or any(b <= a for a, b in zip(numbers, numbers[1:], strict=False)):
+    if not numbers or numbers[0] < 1 or any(b <= a for a, b in pairwise(numbers)):
         raise ValueError(f"crossings = {crossings!r}: increasing numbers from 1 are needed, as in (10, 20, 30)")
     return numbers
 

@@ -9,7 +9,7 @@ import sympy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from core.flows import Flow, LinearFlow, WeierstrassFlow, recognise
+from core.reference.flows import Flow, LinearFlow, WeierstrassFlow, recognise
 
 mp.mp.dps = 50
 X, Y, Z, T = sympy.symbols("x y z t")

@@ -8,7 +8,9 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from core.reference import ReferenceSolution, exact_solution, peer_solution
+from core.reference.exact import exact_solution
+from core.reference.peer import peer_solution
+from core.reference.solution import ReferenceSolution
 from core.system import PiecewiseSystem
 
 __all__ = ["reference_solution"]
