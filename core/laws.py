@@ -11,11 +11,15 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Symbol
+from sympy.codegen.rewriting import create_expand_pow_optimization
 
 from core.expressions import TIME, parse
 from core.multiplier import DiscreteField, Endpoints
 
 __all__ = ["Laws", "Side", "derive"]
+
+#: numpy works out x*x*x ten times as fast as x**3.
+_POWERS_AS_PRODUCTS = create_expand_pow_optimization(4)
 
 Floats = NDArray[np.float64]
 
@@ -90,8 +94,9 @@ class Laws:
         (..., len(expressions)); nan or inf where there is no value, without a warning.
         """
         if key not in self._functions:
-            symbols = [TIME, *self.x, *self.p]
-            self._functions[key] = sympy.lambdify(symbols, list(expressions), "numpy", cse=True, dummify=True)
+            names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
+            products = [_POWERS_AS_PRODUCTS(e.xreplace(names)) for e in expressions]
+            self._functions[key] = sympy.lambdify(list(names.values()), products, "numpy")
         states = np.asarray(x, dtype=float)
         shape = np.broadcast_shapes(np.shape(t), states.shape[:-1])
         result = np.empty((*shape, len(expressions)))
