@@ -29,6 +29,10 @@ from core.signatures import JUMP, RATE, STEP, SWITCHING
 #: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
 _MAX_CORRECTIONS = 30
 _STAGNATION = 1e-10
+#: A pivot of so many parts of its column is round-off.
+_DEPENDENT = 4 * 2.0**-52
+#: And so many parts of gradient times state are what ψ may change by when its multiplier has none.
+_KEPT = 16 * 2.0**-52
 
 
 class _Printer(PythonCodePrinter):
@@ -171,11 +175,11 @@ class StepCode:
             [*residuals, *(e for row in moving for e in row)],
             self._temporaries,
         )
-        inner += _elimination(n)
+        inner += _elimination(n, d)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
         self._lines += [f"c{k} = carry[{k}]" for k in range(d)]
         self._lines += ["t1 = t + h", *(f"{u} = 0.0" for u in unknowns), "last = math.inf", "corrections = 0"]
-        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(d)))]
+        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(n, d)))]
         self._evaluations.append("corrections")
         return list(self.increment)
 
@@ -187,17 +191,27 @@ class StepCode:
         return function_text(name, "STEP", "t, h, x, carry, p, dx", lines)
 
 
-def _verdict(d: int) -> list[str]:
+def _verdict(n: int, d: int) -> list[str]:
     """Lines that end Newton's loop: solved, or not to be solved."""
+    state = ", ".join(f"abs(x{k})" for k in range(d))
+    kept = ""
+    check = []
+    if n - d > 1:  # a ψ that has been left alone must be kept all the same
+        check.append(
+            f"kept = {' and '.join(f'j{k}_{k} != 0.0' for k in range(d, n))} or excess <= "
+            f"{_KEPT} * max({', '.join(f's{k}' for k in range(d, n))}) * max(whole, {state})"
+        )
+        kept = "kept and "
     return [
         f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
         f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
         "corrections += 1",
         "if not size < math.inf:",
         "    return -1",
-        "if size == 0.0 or (corrections > 1 and size * size * size < 1e-17 * whole * last * last):",
+        *check,
+        f"if {kept}(size == 0.0 or (corrections > 1 and size * size * size < 1e-17 * whole * last * last)):",
         "    break",
-        f"if size >= last and size <= {_STAGNATION} * max(whole, {', '.join(f'abs(x{k})' for k in range(d))}):",
+        f"if {kept}size >= last and size <= {_STAGNATION} * max(whole, {state}):",
         "    break",
         f"if corrections >= {_MAX_CORRECTIONS}:",
         "    return -1",
@@ -205,18 +219,26 @@ def _verdict(d: int) -> list[str]:
     ]
 
 
-def _elimination(n: int) -> list[str]:
+def _elimination(n: int, d: int) -> list[str]:
     """Lines that solve the n × n system j·e = r by Gaussian elimination with partial pivoting, e left in r.
 
-    A pivot of exactly zero leaves its unknown alone: gradients that vanish, as at an equilibrium, bind nothing.
+    The unknowns from d on are multipliers of gradients. A pivot of zero leaves its unknown alone: gradients that
+    vanish, as at an equilibrium, bind nothing. So does one that depends on the others but for round-off: the pivot is
+    the square of its sine, and to that order its ψ is kept by keeping theirs.
     """
+    several = n - d > 1
     lines = []
+    if several:
+        lines += [f"s{k} = max({', '.join(f'abs(j{i}_{k})' for i in range(d))})" for k in range(d, n)]
+        lines.append(f"unit = {_DEPENDENT} * min(1.0, {', '.join(f's{k}' for k in range(d, n))})")
+        lines.append(f"excess = max({', '.join(f'abs(r{k})' for k in range(d, n))})")
     for k in range(n):
         for i in range(k + 1, n):
             row, pivot = ([f"j{m}_{c}" for c in range(k, n)] + [f"r{m}"] for m in (i, k))
             swap = f"{', '.join(row + pivot)} = {', '.join(pivot + row)}"
             lines += [f"if abs(j{i}_{k}) > abs(j{k}_{k}):", f"    {swap}"]
-        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0")
+        least = f"unit * s{k}" if several and k >= d else "0.0"
+        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if not abs(j{k}_{k}) <= {least} else 0.0")
         for i in range(k + 1, n):
             lines.append(f"q = j{i}_{k} * j{k}_{k}")
             lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, n)]

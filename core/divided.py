@@ -13,8 +13,9 @@ from numba import njit
 
 _inline = njit(error_model="numpy")
 
-#: Below this distance (in units of the length over which φ'' changes) φ[a, b, b] is taken from φ'' at (a + 2b)/3, whose error is of
-#: second order in the distance; above, from the quotient of differences, whose round-off is its inverse.
+#: Below this distance (in units of the length over which φ'' changes) φ[a, b, b] is taken from φ'' at (a + 2b)/3,
+#: whose error is of second order in the distance; above, from the quotient of differences, whose round-off is its
+#: inverse.
 _NEAR = 1e-4
 
 

@@ -126,7 +126,7 @@ class _Text(StrPrinter):
     def _print_Infinity(self, expr: sympy.Expr) -> str:  # noqa: N802
         return "(1/0)"
 
-    _print_NegativeInfinity = _print_ComplexInfinity = _print_NaN = _print_Infinity
+    _print_NegativeInfinity = _print_ComplexInfinity = _print_NaN = _print_Infinity  # noqa: N815
 
 
 class _Reader:

@@ -63,7 +63,8 @@ class Laws:
             )
             for sign, word in ((-1, "minus"), (1, "plus"))
         }
-        self.verified = False  # set by the system that has checked the surface and the conserved quantities
+        #: Bounds of parameters for which a system has checked the surface and the conserved quantities.
+        self.verified: set[object] = set()
         self._functions: dict[object, Callable[..., Floats]] = {}
 
     def _side(self, sign: int, field: tuple[Expr, ...], conserved: tuple[Expr, ...]) -> Side:

@@ -39,6 +39,8 @@ class Parameter:
     def __post_init__(self) -> None:
         check_name(self.name, "parameter")
         if self.bounds is not None:
+            if not isinstance(self.bounds, Sequence) or len(self.bounds) != 2:
+                raise ValueError(f"bounds of parameter {self.name} are {self.bounds!r}: two numbers are needed")
             low, high = (_finite(b, f"bound of parameter {self.name}") for b in self.bounds)
             if not low < high:
                 raise ValueError(f"bounds of parameter {self.name} are {self.bounds}: the first must be the smaller")
@@ -113,12 +115,14 @@ class PiecewiseSystem:
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
         self._check_dimensions()
-        set_(self, "x0", self.check_state(self.x0 if len(self.x0) else (0.0,) * self.dimension))
-        if not self.laws.verified:  # once a declaration, not again for every value of a parameter
+        start = self.check_state((0.0,) * self.dimension if isinstance(self.x0, tuple) and not self.x0 else self.x0)
+        set_(self, "x0", start)
+        bounds = tuple(q.bounds for q in self.parameters)  # where ψ is checked
+        if bounds not in self.laws.verified:  # once a declaration, not again for every value of a parameter
             self._check_surface()
             for side in self.laws.sides.values():
                 self._check_conserved(side)
-            self.laws.verified = True
+            self.laws.verified.add(bounds)
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = [getattr(self, f.name) for f in fields(self)]
@@ -220,7 +224,9 @@ class PiecewiseSystem:
         given: Any = self.parameters
         if isinstance(given, Mapping):
             given = [q if isinstance(q, Parameter) else Parameter(name, q) for name, q in given.items()]
-        for q in given:
+            if renamed := [name for name, q in zip(self.parameters, given, strict=True) if name != q.name]:
+                raise ValueError(f"parameters: {renamed[0]!r} is given a Parameter of another name; names must agree")
+        for q in given if isinstance(given, Iterable) else [given]:
             if not isinstance(q, Parameter):
                 raise ValueError(f"parameters: {q!r} is no Parameter; give name: value or Parameter(name, default)")
         names = [*self.variables, *(q.name for q in given)]

@@ -49,9 +49,11 @@ class Bounded:
 
     @classmethod
     def of(cls, u: Any) -> Bounded:
+        """A number, taken as exact, or what is bounded already."""
         return u if isinstance(u, cls) else cls(mp.mpf(u.numerator) / u.denominator if hasattr(u, "numerator") else u)
 
     def rounded(self) -> Bounded:
+        """With one rounding more."""
         self.bound += abs(self.value)
         return self
 

@@ -1,0 +1,92 @@
+"""A cache that remembers a bounded amount, and in which no two threads compute the same thing twice."""
+
+from __future__ import annotations
+
+from collections import Counter, OrderedDict
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future
+from dataclasses import fields, is_dataclass
+from threading import Lock
+from typing import Any, TypeVar
+
+import numpy as np
+
+Value = TypeVar("Value")
+
+
+class Cancelled(Exception):  # noqa: N818  (not an error: the person has moved on)
+    """A computation was given up because nobody waits for it any more."""
+
+
+class Cache:
+    """Least recently used values go first once the arrays held exceed `max_bytes`.
+
+    Parameters
+    ----------
+    max_bytes : int
+        Bound on the bytes of all arrays held. One value larger than this is returned but not kept.
+    """
+
+    def __init__(self, max_bytes: int = 256_000_000) -> None:
+        self.max_bytes = max_bytes
+        self.computed: Counter[str] = Counter()
+        """How often a value of each kind was really computed."""
+        self._lock = Lock()
+        self._futures: OrderedDict[Hashable, Future[Any]] = OrderedDict()
+        self._sizes: dict[Hashable, int] = {}
+
+    def get(self, kind: str, inputs: Hashable, compute: Callable[[], Value]) -> Value:
+        """Return the value for (`kind`, `inputs`), computing it unless it is there or under way.
+
+        Whoever waits for another thread's computation that is then cancelled takes it over.
+        """
+        key = (kind, inputs)
+        while True:
+            with self._lock:
+                future = self._futures.get(key)
+                mine = future is None
+                if future is None:
+                    future = self._futures[key] = Future()
+                    self.computed[kind] += 1
+                else:
+                    self._futures.move_to_end(key)
+            if mine:
+                return self._fill(key, future, compute)
+            try:
+                value: Value = future.result()
+            except Cancelled:
+                continue
+            return value
+
+    def _fill(self, key: Hashable, future: Future[Any], compute: Callable[[], Value]) -> Value:
+        try:
+            value = compute()
+        except BaseException as reason:
+            with self._lock:
+                del self._futures[key]
+            future.set_exception(reason)
+            raise
+        future.set_result(value)
+        with self._lock:
+            self._sizes[key] = nbytes(value)
+            self._shrink()
+        return value
+
+    def _shrink(self) -> None:
+        total = sum(self._sizes.values())
+        for key in [key for key in self._futures if key in self._sizes]:
+            if total <= self.max_bytes:
+                return
+            total -= self._sizes.pop(key)
+            del self._futures[key]
+
+
+def nbytes(value: object) -> int:
+    """Bytes of the arrays in a dataclass, a sequence or an array, nested ones included."""
+    if isinstance(value, np.ndarray):
+        return value.nbytes
+    if isinstance(value, list | tuple):
+        return sum(nbytes(item) for item in value)
+    if is_dataclass(value):
+        return sum(nbytes(getattr(value, field.name)) for field in fields(value))
+    return 0

@@ -1,0 +1,91 @@
+"""A number to type, with a slider where it has bounds, and what is wrong with it beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+SLIDER_DIGITS = 3
+
+
+class NumberField(pn.viewable.Viewer):
+    """Text entry and optional slider for one number of the scene.
+
+    Parameters
+    ----------
+    label : str
+        Name shown.
+    read : callable
+        Returns the number as the scene has it.
+    accept : callable
+        Takes over a number or a text; raises ValueError with a message for the person.
+    bounds : pair of float, optional
+        Ends of the slider; without them there is none.
+    logarithmic : bool
+        Whether the slider moves through powers of ten.
+    """
+
+    def __init__(
+        self,
+        label: str,
+        read: Callable[[], float],
+        accept: Callable[[object], None],
+        bounds: tuple[float, float] | None = None,
+        logarithmic: bool = False,
+        description: str = "",
+    ) -> None:
+        super().__init__()
+        self._read, self._accept = read, accept
+        self._log = logarithmic
+        self._syncing = False
+        self.text = pmui.TextInput(
+            label=label, size="small", margin=(6, 0, 2, 0), sizing_mode="stretch_width", description=description
+        )
+        self.slider = None if bounds is None else self._make_slider(bounds)
+        self.sync()
+        self.text.param.watch(lambda event: self._take(event.new), "value")
+        if self.slider is not None:
+            self.slider.param.watch(lambda event: self._take(self._from_slider(event.new)), "value")
+
+    def _make_slider(self, bounds: tuple[float, float]) -> Any:
+        low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
+        return pmui.FloatSlider(
+            start=low, end=high, value=low, step=(high - low) / 400, label="", show_value=False, tooltips=False,
+            size="small", margin=(0, 10, 0, 10), sizing_mode="stretch_width",
+        )  # fmt: skip
+
+    def _from_slider(self, place: float) -> float:
+        value = 10.0**place if self._log else place
+        return float(f"{value:.{SLIDER_DIGITS}g}")
+
+    def _take(self, value: object) -> None:
+        if self._syncing:
+            return
+        try:
+            self._accept(value)
+        except ValueError as reason:
+            self.text.param.update(error_state=True, helper_text=str(reason))
+        else:
+            self.sync()
+
+    def sync(self) -> None:
+        """Show the number the scene has."""
+        value = self._read()
+        self._syncing = True
+        try:
+            self.text.param.update(value=repr(value), error_state=False, helper_text="")
+            if self.slider is not None:
+                place = math.log10(value) if self._log else value
+                if self._from_slider(self.slider.value) != value:
+                    self.slider.value = min(max(place, self.slider.start), self.slider.end)
+        finally:
+            self._syncing = False
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Text above, slider below."""
+        parts = [self.text] if self.slider is None else [self.text, self.slider]
+        return pn.Column(*parts, margin=0, sizing_mode="stretch_width")

@@ -1,0 +1,200 @@
+"""What lies under the curves of a phase portrait: sides, surface, field and level sets, on a window of the plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from contourpy import FillType, LineType, contour_generator
+from numpy.typing import NDArray
+
+import core
+from pwsviz.curves import Floats, simplify
+
+GRID = 160
+"""Points across the longer side of the grid on which surfaces and level sets are traced."""
+
+ARROWS = 24
+"""Arrows across the longer side."""
+
+LEVELS = 7
+"""Level sets a side, besides those through the orbits."""
+
+
+class Window(NamedTuple):
+    """A rectangle of the plane."""
+
+    x_low: float
+    x_high: float
+    y_low: float
+    y_high: float
+
+    @property
+    def width(self) -> float:
+        """Extent in x."""
+        return self.x_high - self.x_low
+
+    @property
+    def height(self) -> float:
+        """Extent in y."""
+        return self.y_high - self.y_low
+
+    def scaled(self, factor: float) -> Window:
+        """Return the window grown about its middle."""
+        x, y = (self.x_low + self.x_high) / 2, (self.y_low + self.y_high) / 2
+        w, h = factor * self.width / 2, factor * self.height / 2
+        return Window(x - w, x + w, y - h, y + h)
+
+    def covers(self, other: Window) -> bool:
+        """Whether `other` lies within."""
+        across = self.x_low <= other.x_low and other.x_high <= self.x_high
+        return across and self.y_low <= other.y_low and other.y_high <= self.y_high
+
+    def shows_well(self, other: Window) -> bool:
+        """Whether `other`, drawn on this window, is covered and not much smaller."""
+        return self.covers(other) and max(self.width / other.width, self.height / other.height) <= 4.0
+
+
+@dataclass(frozen=True)
+class Backdrop:
+    """The ground of a portrait; every line is a (k, 2) array with rows of NaN between pieces."""
+
+    window: Window
+    surface: Floats
+    minus_outer: list[NDArray[np.float64]]
+    minus_holes: list[list[NDArray[np.float64]]]
+    arrows: dict[int, Floats]
+    levels: dict[int, Floats]
+    orbit_levels: dict[int, Floats]
+
+
+def backdrop(
+    system: core.PiecewiseSystem, window: Window, anchor: tuple[float, ...], orbits: dict[int, tuple[float, ...]]
+) -> Backdrop:
+    """Trace everything that depends on the system and the window alone.
+
+    Parameters
+    ----------
+    system : core.PiecewiseSystem
+        Its first two variables span the plane.
+    window : Window
+        The part of the plane to cover.
+    anchor : tuple of float
+        A state; in higher dimension the plane is the one through it.
+    orbits : dict
+        For each side the values of ψ that the visible orbits have there.
+    """
+    plane = _Plane(system, window, anchor)
+    inside = contour_generator(plane.x, plane.y, plane.g, fill_type=FillType.OuterOffset)
+    filled: Any = inside.filled(-np.inf, 0.0)
+    pieces, offsets = filled
+    rings = [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(pieces, offsets, strict=True)]
+    return Backdrop(
+        window=window,
+        surface=_joined(plane.contour(plane.g, 0.0)),
+        minus_outer=[ring[0] for ring in rings],
+        minus_holes=[ring[1:] for ring in rings],
+        arrows={side: plane.arrows(side) for side in (-1, 1)},
+        levels={side: plane.level_sets(side, plane.usual_levels(side)) for side in (-1, 1)},
+        orbit_levels={side: plane.level_sets(side, orbits.get(side, ())) for side in (-1, 1)},
+    )
+
+
+class _Plane:
+    """A grid on the window, with the system's functions on it."""
+
+    def __init__(self, system: core.PiecewiseSystem, window: Window, anchor: tuple[float, ...]) -> None:
+        self.system = system
+        self.window = window
+        self.anchor = np.array(anchor, dtype=float)
+        self.x, self.y = self._axes(GRID)
+        self.g = self._switching(*np.meshgrid(self.x, self.y))
+        self.psi = {side: self._conserved(side) for side in (-1, 1)}
+
+    def _axes(self, count: int) -> tuple[Floats, Floats]:
+        """Square cells, `count` of them along the longer side."""
+        w = self.window
+        cell = max(w.width, w.height) / count
+        nx, ny = max(2, round(w.width / cell)), max(2, round(w.height / cell))
+        return np.linspace(w.x_low, w.x_high, nx + 1), np.linspace(w.y_low, w.y_high, ny + 1)
+
+    def _states(self, x: Floats, y: Floats) -> Floats:
+        states = np.broadcast_to(self.anchor, (*x.shape, len(self.anchor))).copy()
+        states[..., 0], states[..., 1] = x, y
+        return states
+
+    def _switching(self, x: Floats, y: Floats) -> Floats:
+        return np.asarray(self.system.switching(0.0, self._states(x, y)), dtype=float)
+
+    def _conserved(self, side: int) -> Floats | None:
+        """Return ψ on the grid, its first component where there are several, None where there is none."""
+        with np.errstate(all="ignore"):
+            psi = np.asarray(self.system.conserved(side, 0.0, self._states(*np.meshgrid(self.x, self.y))))
+        return np.ma.masked_invalid(psi[..., 0]) if psi.shape[-1] else None
+
+    def contour(self, values: Floats, level: float) -> list[Floats]:
+        """Lines of one level, thinned to what the grid resolves."""
+        lines: Any = contour_generator(self.x, self.y, values, line_type=LineType.Separate).lines(level)
+        tolerance = max(self.window.width, self.window.height) / 4000
+        return [line[simplify(line, tolerance)] for line in lines]
+
+    def usual_levels(self, side: int) -> tuple[float, ...]:
+        """Levels that part the visible ground of a side into strips of equal area."""
+        psi = self.psi[side]
+        if psi is None:
+            return ()
+        there = np.ma.compressed(psi[self.g * side > 0])
+        return tuple(np.quantile(there, (np.arange(LEVELS) + 0.5) / LEVELS)) if there.size else ()
+
+    def level_sets(self, side: int, levels: tuple[float, ...]) -> Floats:
+        """Trace level sets of ψ, cut off at the surface."""
+        psi = self.psi[side]
+        if psi is None:
+            return _joined([])
+        lines = [line for level in levels for line in self.contour(psi, level)]
+        return _joined([piece for line in lines for piece in self._cut(line, side)])
+
+    def _cut(self, line: Floats, side: int) -> list[Floats]:
+        """Split a line into the pieces on one side, ending on the surface (linearly between vertices)."""
+        g = side * self._switching(line[:, 0], line[:, 1])
+        change = np.flatnonzero(g[:-1] * g[1:] < 0)
+        share = g[change] / (g[change] - g[change + 1])
+        ends = line[change] + share[:, None] * (line[change + 1] - line[change])
+        line = np.insert(line, change + 1, ends, axis=0)
+        g = np.insert(g, change + 1, 0.0)
+        cuts = change + 1 + np.arange(len(change))
+        bounds = [0, *cuts, len(line) - 1]
+        pieces = [line[a : b + 1] for a, b in pairwise(bounds) if g[a : b + 1].sum() > 0]
+        return [piece for piece in pieces if len(piece) > 1]
+
+    def arrows(self, side: int) -> Floats:
+        """Directions of the field of one side, as open arrows of equal length."""
+        x, y = (values.ravel() for values in np.meshgrid(*self._axes(ARROWS)))
+        there = self._switching(x, y) * side > 0
+        x, y = x[there], y[there]
+        with np.errstate(all="ignore"):
+            field = np.asarray(self.system.field(side, 0.0, self._states(x, y)))
+            u, v = (field[:, :2] / np.linalg.norm(field[:, :2], axis=1, keepdims=True)).T
+        flows = np.isfinite(u) & np.isfinite(v)
+        return _arrow_lines(x[flows], y[flows], u[flows], v[flows], self._arrow_length())
+
+    def _arrow_length(self) -> float:
+        return 0.5 * max(self.window.width, self.window.height) / ARROWS
+
+
+def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> Floats:
+    """One row per vertex: tail, tip, barb, tip, barb, and a gap."""
+    forward = 0.5 * length * np.column_stack([u, v])
+    sideways = 0.28 * np.column_stack([-forward[:, 1], forward[:, 0]])
+    middle = np.column_stack([x, y])
+    tip, neck = middle + forward, middle + 0.4 * forward
+    gap = np.full_like(middle, np.nan)
+    return np.stack([middle - forward, tip, neck + sideways, tip, neck - sideways, gap], axis=1).reshape(-1, 2)
+
+
+def _joined(lines: list[Floats]) -> Floats:
+    """One array of all lines, each followed by a gap."""
+    gap = np.full((1, 2), np.nan)
+    return np.concatenate([part for line in lines for part in (line, gap)] or [gap])

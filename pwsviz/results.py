@@ -1,0 +1,255 @@
+"""From a scene to arrays: only what the visible view needs, each thing once, and given up when nobody waits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+import core
+from pwsviz.cache import Cache, Cancelled
+from pwsviz.curves import Floats, distinct_pixels, envelope, screen_path
+from pwsviz.inputs import Ground, RunInputs, Scheme, StudyInputs
+from pwsviz.plane import Backdrop, Window, backdrop
+from pwsviz.scene import MAX_STEPS
+
+Cancel = Callable[[], bool]
+Levels = tuple[tuple[int, tuple[float, ...]], ...]
+"""Values of ψ for each side."""
+
+STUDY_CROSSINGS = (10, 20, 30)
+STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
+"""Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
+
+SEVERAL_LEVELS = 6
+"""At most so many level sets through an orbit on each side."""
+
+
+def never() -> bool:
+    """Answer the question whether to give up with no."""
+    return False
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """One trajectory as the portrait draws it."""
+
+    method: str
+    path: Floats
+    crossings: Floats
+    kinds: tuple[str, ...]
+    x0: tuple[float, ...]
+    levels: Levels
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One run in figures, for the line of text below the plots."""
+
+    method: str
+    steps: int
+    crossings: int
+    seconds: float
+    worst_error: float
+    completed: bool
+    message: str
+
+
+@dataclass(frozen=True)
+class ErrorCurve:
+    """Change of ψ that the integrator made up to each instant, at screen resolution."""
+
+    method: str
+    t: Floats
+    error: Floats
+    t_end: float
+    crossings: Floats
+    first_side: int
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """All that is drawn of one scene, the order study apart."""
+
+    inputs: tuple[RunInputs, ...]
+    orbits: list[Orbit]
+    summaries: list[Summary]
+    errors: list[ErrorCurve] | None
+
+
+class Results:
+    """Computes on demand and remembers; shared by all sessions of a server.
+
+    Attributes
+    ----------
+    computed : Counter
+        How often each kind of thing was really computed: ``"run"``, ``"orbit"``, ``"error"``, ``"curve"``,
+        ``"backdrop"``, ``"study"``.
+    """
+
+    def __init__(self, max_bytes: int = 256_000_000) -> None:
+        self._cache = Cache(max_bytes)
+        self.computed = self._cache.computed
+
+    def pictures(self, inputs: tuple[RunInputs, ...], with_errors: bool, cancel: Cancel = never) -> Pictures:
+        """Everything the portrait, the status lines and (if visible) the conserved quantity need."""
+        return Pictures(
+            inputs=inputs,
+            orbits=[self.orbit(one, cancel) for one in inputs],
+            summaries=[self.summary(one, cancel) for one in inputs],
+            errors=[self.error_curve(one, cancel) for one in inputs] if with_errors else None,
+        )
+
+    def run(self, inputs: RunInputs, cancel: Cancel = never) -> core.Trajectory:
+        """Integrate."""
+        return self._cache.get("run", inputs, partial(_run, inputs, cancel))
+
+    def orbit(self, inputs: RunInputs, cancel: Cancel = never) -> Orbit:
+        """Return the trajectory for the portrait."""
+        return self._cache.get("orbit", inputs, lambda: _orbit(inputs, self.run(inputs, cancel)))
+
+    def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
+        """Return |change of ψ| at every step of a run."""
+        return self._cache.get("error", inputs, lambda: accumulated_error(self.run(inputs, cancel)))
+
+    def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
+        """Return the error for the plot against time."""
+        return self._cache.get(
+            "curve", inputs, lambda: _curve(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+        )
+
+    def summary(self, inputs: RunInputs, cancel: Cancel = never) -> Summary:
+        """Return the run in figures."""
+        return self._cache.get(
+            "summary", inputs, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+        )
+
+    def backdrop(self, ground: Ground, window: Window, levels: Levels) -> Backdrop:
+        """Return the ground of the portrait on a window, with the level sets named besides the usual ones."""
+        anchor = ground.x0 if len(ground.x0) > 2 else (0.0, 0.0)
+        still = replace(ground, x0=anchor)
+        return self._cache.get(
+            "backdrop", (still, window, levels), lambda: backdrop(ground.build(), window, anchor, dict(levels))
+        )
+
+    def study(self, inputs: StudyInputs, cancel: Cancel = never) -> core.OrderStudy:
+        """Measure the order."""
+        return self._cache.get("study", inputs, partial(_study, inputs, cancel))
+
+
+def accumulated_error(run: core.Trajectory) -> Floats:
+    """Change of ψ that the integrator made, added up over the visits to both sides.
+
+    At a crossing ψ changes its meaning and its value, which is no error; so each visit is measured from where the side
+    was entered, and what the visit lost by its end is carried on. Of several conserved quantities the worst is taken.
+
+    Returns
+    -------
+    (n,) array
+        Absolute values; NaN where no conserved quantity is known.
+    """
+    within = run.conserved_error()
+    if within.shape[1] == 0:
+        return np.full(len(within), np.nan)
+    visits = len(run.entered_t) - 1
+    sides = np.concatenate([run.side[:1], run.crossings.side])[:visits]
+    lost = np.zeros((visits + 1, within.shape[1]))
+    for side in (-1, 1):
+        number = np.flatnonzero(sides == side)
+        at_end = run.system.conserved(side, run.crossings.t[number], run.crossings.x[number])
+        at_entry = run.system.conserved(side, run.entered_t[number], run.entered_x[number])
+        lost[number + 1, : at_end.shape[1]] = at_end - at_entry
+    total = np.abs(within + np.cumsum(lost, axis=0)[run.segment])
+    worst: Floats = np.fmax.reduce(total, axis=1)
+    return worst
+
+
+def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
+    run = core.integrate(
+        inputs.ground.build(),
+        (0.0, inputs.t_end),
+        x0=inputs.ground.x0,
+        tau=inputs.tau,
+        cancel=cancel,
+        max_steps=MAX_STEPS,
+        **_scheme_arguments(inputs.scheme),
+    )
+    if cancel():
+        raise Cancelled
+    return run
+
+
+def _study(inputs: StudyInputs, cancel: Cancel) -> core.OrderStudy:
+    study = core.order_study(
+        inputs.ground.build(),
+        STUDY_TAUS,
+        x0=inputs.ground.x0,
+        crossings=STUDY_CROSSINGS,
+        cancel=cancel,
+        **_scheme_arguments(inputs.scheme),
+    )
+    if cancel():
+        raise Cancelled
+    return study
+
+
+def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
+    return {
+        "method": scheme.method,
+        "transition": scheme.transition,
+        "perturbation_order": scheme.perturbation_order,
+        "perturbation_scale": scheme.perturbation_scale,
+    }
+
+
+def _orbit(inputs: RunInputs, run: core.Trajectory) -> Orbit:
+    places = np.searchsorted(run.segment, np.arange(len(run.crossings.t)), side="right")
+    points = np.insert(run.x[:, :2], places, run.crossings.x[:, :2], axis=0)
+    kinks = np.zeros(len(points), dtype=bool)
+    kinks[places + np.arange(len(places))] = True
+    shown = distinct_pixels(run.crossings.x[:, :2])
+    return Orbit(
+        method=inputs.scheme.method,
+        path=screen_path(points, kinks),
+        crossings=run.crossings.x[shown, :2],
+        kinds=tuple(str(run.crossings.kind[k]) for k in shown),
+        x0=inputs.ground.x0,
+        levels=_levels(run),
+    )
+
+
+def _levels(run: core.Trajectory) -> Levels:
+    """Values of ψ on each side where the first few visits began.
+
+    Rounded to what can be told apart on a screen, so that round-off does not make another picture of them.
+    """
+    sides = np.concatenate([run.side[:1], run.crossings.side])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
+    values = {}
+    for side in (-1, 1):
+        number = np.flatnonzero(sides == side)
+        psi = run.system.conserved(side, run.entered_t[number], run.entered_x[number])
+        values[side] = psi[:, 0] if psi.shape[1] else np.zeros(0)
+    scale = float(np.abs(np.concatenate(list(values.values()))).max(initial=0.0)) or 1.0
+    digits = 4 - math.floor(math.log10(scale))
+    return tuple((side, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for side, psi in values.items())
+
+
+def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve:
+    t, reduced = envelope(run.t, error)
+    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), run.crossings.t, int(run.side[0]))
+
+
+def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
+    return Summary(
+        method=inputs.scheme.method,
+        steps=int(run.steps),
+        crossings=len(run.crossings.t),
+        seconds=float(run.seconds),
+        worst_error=float(np.fmax.reduce(error)),
+        completed=run.status is core.Status.COMPLETED,
+        message=str(run.message),
+    )

@@ -1,0 +1,158 @@
+"""What the person chose, and nothing else: no widgets, no arrays.
+
+Every setting is checked here, in the units and words of the person who typed it. `Scene.accept` either takes
+a value over or raises a ValueError whose text can stand beside the field; a scene is therefore valid at all times.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import param
+
+import core
+
+MAX_STEPS = 2_000_000
+"""The most steps the page asks of one run, so that a slip of the keyboard cannot keep it busy."""
+
+MAX_COORDINATE = 1e6
+VIEWS = {"conserved": "Conserved quantity", "order": "Order", "time": "Crossing time"}
+"""The views beside the portrait, one at a time: key and title, in display order."""
+
+PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8)
+
+
+class Scene(param.Parameterized):
+    """The settings of one page: a system, where it starts, and how it is integrated."""
+
+    system: Any = param.Selector(default="elliptic_curve", objects=list(core.CATALOGUE), doc="Key in `core.CATALOGUE`.")
+    values = param.Dict(default={}, doc="Value of each parameter of the system.")
+    x0 = param.ClassSelector(default=(), class_=tuple, doc="Initial state.")
+    methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
+    tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
+    t_end = param.Number(default=20.0, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
+    locate = param.Boolean(default=True, doc="Land on the surface at crossings (Mannshardt), or step over it.")
+    perturbation_order: Any = param.Selector(
+        default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the disturbance c·τᵖ of crossing times."
+    )
+    perturbation_scale = param.Number(default=1.0, bounds=(-100.0, 100.0), doc="Its factor c.")
+    view: Any = param.Selector(default="conserved", objects=list(VIEWS), doc="The view beside the portrait.")
+    study_method: Any = param.Selector(default="dmm2", objects=list(core.METHODS), doc="Integrator of the order study.")
+
+    def __init__(self, **params: Any) -> None:
+        super().__init__(**params)
+        chosen = core.CATALOGUE[self.system]
+        self._follow_methods()
+        missing = {"values": dict(chosen.values), "x0": tuple(chosen.x0)}
+        self.param.update(**{name: value for name, value in missing.items() if name not in params})
+
+    @param.depends("system", watch=True)
+    def _start_afresh(self) -> None:
+        chosen = core.CATALOGUE[self.system]
+        self.param.update(values=dict(chosen.values), x0=tuple(float(x) for x in chosen.x0))
+
+    @param.depends("methods", watch=True)
+    def _follow_methods(self) -> None:
+        self.param["study_method"].objects = list(self.methods)
+        if self.study_method not in self.methods:
+            self.study_method = self.methods[0]
+
+    def build(self) -> core.PiecewiseSystem:
+        """Return the chosen system at the chosen parameter values."""
+        return core.CATALOGUE[self.system].with_parameters(**self.values)
+
+    def accept(self, field: str, value: object) -> None:
+        """Take over one setting.
+
+        Parameters
+        ----------
+        field : str
+            ``"tau"``, ``"t_end"``, ``"perturbation_scale"``, ``"methods"``, ``"x0"``, ``"x0.<index>"`` or
+            ``"values.<name>"``.
+        value : object
+            A number, its text, a tuple of numbers for ``"x0"``, or a list of names for ``"methods"``.
+
+        Raises
+        ------
+        ValueError
+            Where the value makes no sense, in plain words; the scene is then unchanged.
+        """
+        name, _, part = field.partition(".")
+        checks: dict[str, Callable[[str, object], Any]] = {
+            "tau": self._checked_tau,
+            "t_end": self._checked_end,
+            "perturbation_scale": self._checked_scale,
+            "methods": self._checked_methods,
+            "x0": self._checked_x0,
+            "values": self._checked_values,
+        }
+        self.param.update(**{name: checks[name](part, value)})
+
+    def _checked_tau(self, _: str, value: object) -> float:
+        tau = number(value, "The step size", *self.param["tau"].bounds)
+        require_few_steps(self.t_end, tau)
+        return tau
+
+    def _checked_end(self, _: str, value: object) -> float:
+        t_end = number(value, "The end time", *self.param["t_end"].bounds)
+        require_few_steps(t_end, self.tau)
+        return t_end
+
+    def _checked_scale(self, _: str, value: object) -> float:
+        return number(value, "The factor", *self.param["perturbation_scale"].bounds)
+
+    def _checked_methods(self, _: str, value: object) -> list[str]:
+        if not isinstance(value, list) or not value:
+            raise ValueError("Choose at least one integrator.")
+        return [name for name in core.METHODS if name in value]
+
+    def _checked_x0(self, index: str, value: object) -> tuple[float, ...]:
+        wanted: list[Any] = list(self.x0)
+        if index:
+            wanted[int(index)] = value
+        else:
+            wanted = list(value) if isinstance(value, tuple) else []
+        names = core.CATALOGUE[self.system].variables
+        if len(wanted) != len(names):
+            raise ValueError(f"A start needs {len(names)} numbers: {', '.join(names)}.")
+        return tuple(number(x, name, -MAX_COORDINATE, MAX_COORDINATE) for name, x in zip(names, wanted, strict=True))
+
+    def _checked_values(self, name: str, value: object) -> dict[str, float]:
+        parameter = next(p for p in core.CATALOGUE[self.system].parameters if p.name == name)
+        low, high = parameter.bounds or (-MAX_COORDINATE, MAX_COORDINATE)
+        return {**self.values, name: number(value, name, low, high)}
+
+
+def number(value: object, subject: str, low: float, high: float) -> float:
+    """Read a number and check its range.
+
+    Raises
+    ------
+    ValueError
+        Naming the subject, the text and what would do.
+    """
+    try:
+        result = float(str(value).strip().replace("−", "-"))
+    except ValueError:
+        raise ValueError(f"“{value}” is not a number. Type one such as 0.01 or 1e-3.") from None
+    if not math.isfinite(result) or not low <= result <= high:
+        raise ValueError(f"{subject} has to lie between {low:g} and {high:g}.")
+    return result
+
+
+def require_few_steps(t_end: float, tau: float) -> None:
+    """Refuse a run longer than `MAX_STEPS`, saying what to change."""
+    steps = t_end / tau
+    if steps > MAX_STEPS * (1 + 1e-9):
+        raise ValueError(
+            f"{steps:,.0f} steps are more than this page runs ({MAX_STEPS:,}): "
+            f"take τ ≥ {_rounded_up(t_end / MAX_STEPS)} or an end time ≤ {tau * MAX_STEPS:g}."
+        )
+
+
+def _rounded_up(value: float) -> str:
+    """`value` with two digits, never less than itself."""
+    power = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.ceil(value / power * (1 - 1e-12)) * power:.2g}"

@@ -1,0 +1,149 @@
+"""Colours, dashes and the common look of the figures: calm, and readable without telling colours apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from bokeh.models import ColumnDataSource, CustomJSTickFormatter, DataRange1d, FixedTicker, LogAxis
+from bokeh.models.annotations import Legend, LegendItem, Span
+from bokeh.plotting import figure
+
+import core
+
+# The palette of Okabe and Ito, legible in the common kinds of colour blindness, on light and dark ground alike.
+BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
+GREY = "#808080"
+SAND = "#A89A80"
+
+SIDES = {-1: SKY, 1: SAND}
+MACHINE_EPSILON = 2.220446049250313e-16
+
+
+HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 720px)"
+"""Of a figure on the page: what the screen has left, within reason."""
+
+
+class Line(NamedTuple):
+    """How one curve is drawn."""
+
+    colour: str
+    dash: tuple[int, ...]
+    marker: str
+    width: float
+
+
+LINES = (
+    Line(BLUE, (), "circle", 4.5),
+    Line(VERMILION, (8, 6), "square", 1.6),
+    Line(GREEN, (3, 4), "triangle", 1.6),
+    Line(PURPLE, (10, 4, 2, 4), "diamond", 1.6),
+    Line(ORANGE, (2, 3), "inverted_triangle", 1.6),
+    Line(SKY, (14, 4), "hex", 1.6),
+)
+
+
+def line_of(method: str) -> Line:
+    """Return the look of an integrator, the same in every plot."""
+    return LINES[list(core.METHODS).index(method) % len(LINES)]
+
+
+def plain_figure(summary: str, **options: Any) -> figure:
+    """Make a figure with the common look.
+
+    Parameters
+    ----------
+    summary : str
+        What the figure shows, for those who cannot see it.
+    **options
+        Passed on to `bokeh.plotting.figure`.
+    """
+    settings: dict[str, Any] = {
+        "sizing_mode": "stretch_width",
+        "styles": {"height": HEIGHT, "flex": "none"},
+        "tools": "pan,wheel_zoom,box_zoom,reset,save",
+        "toolbar_location": "above",
+        "active_drag": None,
+        "output_backend": "canvas",
+        "min_border_right": 12,
+        "html_attributes": {"role": "img", "aria-label": summary},
+    }
+    plot = figure(**{**settings, **options})
+    plot.toolbar.logo = None
+    plot.toolbar.autohide = True
+    return plot
+
+
+@dataclass(frozen=True)
+class NamedLevels:
+    """Heights marked across a plot."""
+
+    ticker: FixedTicker
+    spans: list[Span]
+
+    def move(self, *levels: float) -> None:
+        """Put the marks at other heights."""
+        self.ticker.ticks = list(levels)
+        for span, level in zip(self.spans, levels, strict=True):
+            span.location = level
+
+
+def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
+    """Name heights of a logarithmic plot at its right edge, where no curve runs, each with a line across."""
+    ticker = FixedTicker(ticks=list(levels))
+    look: dict[str, Any] = {"line_color": GREY, "line_dash": "dotted", "line_width": 1.5}
+    spans = [Span(location=level, dimension="width", **look) for level in levels]
+    names = CustomJSTickFormatter(args={"names": list(levels.values())}, code="return names[index] ?? ''")
+    labels: dict[str, Any] = {"ticker": ticker, "formatter": names}
+    plot.add_layout(LogAxis(**labels), "right")
+    for span in spans:
+        plot.add_layout(span)
+    return NamedLevels(ticker, spans)
+
+
+def fit_to(plot: figure, renderer: Any) -> None:
+    """Let the ranges follow one renderer and no other."""
+    for axis in ranges(plot):
+        axis.renderers = [renderer]
+
+
+def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
+    """Return the ranges of a figure, which all follow data."""
+    across, up = plot.x_range, plot.y_range
+    if not (isinstance(across, DataRange1d) and isinstance(up, DataRange1d)):
+        raise TypeError("the ranges of a figure on this page follow its data")
+    return across, up
+
+
+def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> None:
+    """Put a legend under the plot, where it covers nothing.
+
+    Parameters
+    ----------
+    plot : figure
+        Gets the legend.
+    columns : int
+        Entries a row.
+    entries : list of (label, renderer)
+        A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
+    """
+    items = [LegendItem(label=label, renderers=[renderer]) for label, renderer in entries]
+    look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
+    plot.add_layout(Legend(items=items, location="center", **look), "below")
+
+
+def assign(source: ColumnDataSource, **columns: Any) -> None:
+    """Give a source of plain columns new data, unless they are what it has: what is not sent need not be painted."""
+    if any(not np.array_equal(source.data[name], values) for name, values in columns.items()):
+        source.data = columns
+
+
+def refit(plot: figure) -> None:
+    """Forget a zoom made by hand: the ranges follow their data again.
+
+    The browser resumes following whenever a setting of the range changes; the one touched here matters only for a
+    single point.
+    """
+    for axis in ranges(plot):
+        axis.default_span = 1.0 if axis.default_span == 2.0 else 2.0

@@ -1,0 +1,70 @@
+"""Words on the page. Whatever comes from a person or a system is shown as text, never taken for markup."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+from pwsviz.results import Summary
+from pwsviz.style import line_of
+from pwsviz.views.order import Row
+
+
+def as_text(words: str, kind: str = "") -> str:
+    """Return a paragraph in which nothing is markup."""
+    if not words:
+        return ""
+    role = ' role="alert"' if kind == "error" else ""
+    return f'<p class="{kind}"{role}>{escape(words)}</p>'
+
+
+def run_line(summary: Summary) -> str:
+    """Return one run in figures, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
+    figures = f"{plural(summary.steps, 'step')}, {plural(summary.crossings, 'crossing')}, {duration(summary.seconds)}"
+    if math.isfinite(summary.worst_error):
+        figures += f", |Δψ| ≤ {rounded_up(summary.worst_error)}"
+    line = f'<div class="run">{swatch(summary.method)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
+    return line if summary.completed else line + as_text(summary.message, "stopped")
+
+
+def swatch(method: str) -> str:
+    """Return a short piece of an integrator's line."""
+    line = line_of(method)
+    dashes = " ".join(map(str, line.dash))
+    return (
+        '<svg width="28" height="8" aria-hidden="true"><line x1="0" y1="4" x2="28" y2="4" '
+        f'stroke="{line.colour}" stroke-width="2.5" stroke-dasharray="{dashes}"/></svg>'
+    )
+
+
+def study_text(method: str, reference: str, rows: Sequence[Row]) -> str:
+    """Return the slopes of a study in words: the same as the plot shows, for those who cannot see it."""
+    slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
+    return as_text(f"{method}: {slopes}. Measured against: {reference}.")
+
+
+def plural(count: int, noun: str) -> str:
+    """Return count and noun: “1 step”, “2,000 steps”."""
+    return f"{count:,} {noun}" + ("" if count == 1 else "s")
+
+
+def duration(seconds: float) -> str:
+    """Return a time in the unit that suits it."""
+    return f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
+
+
+def rounded_up(value: float) -> str:
+    """Return a bound to one digit, never below the value."""
+    if value == 0:
+        return "0"
+    power = 10.0 ** math.floor(math.log10(value))
+    return f"{math.ceil(value / power * (1 - 1e-12)) * power:.0e}".replace("e-0", "e-").replace("e+0", "e+")
+
+
+def complaint(reason: Exception) -> str:
+    """Return what to tell the person about an exception: the message if an argument was bad, else a fair word."""
+    if isinstance(reason, ValueError):
+        return as_text(str(reason), "error")
+    words = f"The program failed here ({type(reason).__name__}: {reason}). The server's log has the details."
+    return as_text(words, "error")

@@ -1,0 +1,1 @@
+"""The figures. Each is built once; afterwards only its data changes."""

@@ -1,0 +1,103 @@
+"""Work off the event loop, where only the newest request counts."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from threading import Condition, Event, Thread
+from typing import Any
+
+from pwsviz.cache import Cancelled
+
+logger = logging.getLogger(__name__)
+
+Cancel = Callable[[], bool]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One request: what to compute, and whom to tell (a value, or the exception that came instead)."""
+
+    compute: Callable[[Cancel], Any]
+    deliver: Callable[[Any], None]
+    given_up: Event = field(default_factory=Event)
+
+
+class Lane:
+    """Runs one job at a time in a thread; a newer job replaces the one that waits.
+
+    Parameters
+    ----------
+    quiet : float
+        Seconds without a newer job before one is started: a dragged slider starts its work when it rests.
+    impatient : bool
+        Whether a newer job also cancels the one that runs. Without it, work as short as a frame is finished and
+        shown, so that the picture keeps moving under a dragged slider.
+    """
+
+    def __init__(self, quiet: float = 0.0, impatient: bool = False) -> None:
+        self.quiet = quiet
+        self.impatient = impatient
+        self._changed = Condition()
+        self._waiting: Job | None = None
+        self._running: Job | None = None
+        self._thread: Thread | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether a job waits or runs."""
+        with self._changed:
+            return self._waiting is not None or self._running is not None
+
+    def submit(self, job: Job) -> None:
+        """Ask for `job`, in place of any that still waits."""
+        with self._changed:
+            self._waiting = job
+            if self.impatient and self._running is not None:
+                self._running.given_up.set()
+            if self._thread is None:
+                self._thread = Thread(target=self._drain, name="pwsviz-lane", daemon=True)
+                self._thread.start()
+            self._changed.notify_all()
+
+    def cancel(self) -> None:
+        """Drop what waits and give up what runs."""
+        with self._changed:
+            self._waiting = None
+            if self._running is not None:
+                self._running.given_up.set()
+            self._changed.notify_all()
+
+    def join(self, timeout: float | None = None) -> bool:
+        """Wait until nothing is left to do; return whether that came true in time."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._thread is None, timeout)
+
+    def _drain(self) -> None:
+        while (job := self._next()) is not None:
+            try:
+                outcome = job.compute(job.given_up.is_set)
+            except Cancelled:
+                continue
+            except Exception as reason:  # whatever went wrong has to reach the person, not die with a thread
+                if not isinstance(reason, ValueError):
+                    logger.exception("A computation failed")
+                outcome = reason
+            job.deliver(outcome)
+
+    def _replaced(self, job: Job) -> bool:
+        return self._waiting is not job
+
+    def _next(self) -> Job | None:
+        with self._changed:
+            self._running = None
+            while self._waiting is not None:
+                candidate = self._waiting
+                if not self._changed.wait_for(partial(self._replaced, candidate), self.quiet):
+                    self._running, self._waiting = candidate, None
+                    return candidate
+            self._thread = None
+            self._changed.notify_all()
+            return None

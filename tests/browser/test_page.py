@@ -1,0 +1,147 @@
+"""What a visitor sees and does, in a real browser."""
+
+import re
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+COLOURS = """canvas => {
+    const {width, height} = canvas
+    const pixels = new Uint32Array(canvas.getContext("2d").getImageData(0, 0, width, height).data.buffer)
+    return new Set(pixels).size
+}"""
+
+
+def canvas(page, figure):
+    return page.get_by_role("img", name=re.compile(figure)).locator("canvas").first
+
+
+def await_painted(page, figure, colours=30):
+    """Wait until a figure has lines on it, told by the many shades that smooth lines bring."""
+    drawing = canvas(page, figure)
+    drawing.wait_for()
+    for _ in range(200):
+        if drawing.evaluate(COLOURS) >= colours:
+            return drawing
+        page.wait_for_timeout(50)
+    raise AssertionError(f"{figure}: nothing was painted")
+
+
+def picture(drawing):
+    return drawing.evaluate("canvas => canvas.toDataURL()")
+
+
+def await_other_picture(page, drawing, before):
+    for _ in range(200):
+        if picture(drawing) != before:
+            return
+        page.wait_for_timeout(50)
+    raise AssertionError("the picture did not change")
+
+
+def type_into(page, label, text):
+    entry = page.get_by_label(label)
+    entry.fill(text)
+    entry.press("Enter")
+
+
+def test_first_paint_shows_portrait_and_conserved_quantity(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_painted(page, "conserved quantity")
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    assert page.get_by_text("dmm2:").count() + page.get_by_text("dmm2").count() >= 2
+
+
+def test_typing_a_step_size_repaints_and_updates_the_status(visit):
+    page = visit()
+    drawing = await_painted(page, "conserved quantity")
+    page.get_by_text(re.compile("2,000 steps")).first.wait_for()
+    before = picture(drawing)
+    type_into(page, "Step size τ", "0.001")
+    page.get_by_text(re.compile("20,000 steps")).first.wait_for()
+    await_other_picture(page, drawing, before)
+
+
+def test_the_slider_moves_the_step_size(visit):
+    page = visit()
+    drawing = await_painted(page, "conserved quantity")
+    page.get_by_text(re.compile("2,000 steps")).first.wait_for()
+    before = picture(drawing)
+    slider = page.locator("input[type=range]").last
+    slider.focus()
+    for _ in range(20):
+        slider.press("ArrowLeft")
+    await_other_picture(page, drawing, before)
+    assert float(page.get_by_label("Step size τ").input_value()) < 0.01
+    page.get_by_text(re.compile(r"[2-9],\d{3} steps")).first.wait_for()
+
+
+def test_order_and_crossing_time_show_slopes_near_two(visit):
+    page = visit()
+    for tab, figure, count in (("Order", "state error", 4), ("Crossing time", "crossing time error", 3)):
+        page.get_by_role("tab", name=tab).click()
+        words = page.get_by_text(re.compile("Measured against")).locator("visible=true").first
+        words.wait_for()
+        slopes = [float(slope) for slope in re.findall(r"slope (\d+\.\d+)", words.inner_text())]
+        assert len(slopes) == count
+        assert all(1.9 < slope < 2.1 for slope in slopes)
+        await_painted(page, figure)
+
+
+def test_bad_input_is_told_and_the_picture_stays(visit):
+    page = visit()
+    drawing = await_painted(page, "Phase portrait")
+    page.get_by_text(re.compile("2,000 steps")).first.wait_for()
+    page.wait_for_timeout(500)
+    before = picture(drawing)
+    type_into(page, "Step size τ", "tiny")
+    page.get_by_text(re.compile("is not a number")).wait_for()
+    page.wait_for_timeout(300)
+    assert picture(drawing) == before
+    type_into(page, "Step size τ", "0.02")
+    page.get_by_text(re.compile("1,000 steps")).first.wait_for()
+    assert page.get_by_text(re.compile("is not a number")).count() == 0
+
+
+def test_a_click_places_the_start(visit):
+    page = visit()
+    drawing = await_painted(page, "Phase portrait")
+    box = drawing.bounding_box()
+    page.wait_for_timeout(300)
+    page.mouse.click(box["x"] + 0.35 * box["width"], box["y"] + 0.45 * box["height"])
+    for _ in range(100):
+        if page.get_by_label("x at start").input_value() != "-1.0":
+            break
+        page.wait_for_timeout(50)
+    assert page.get_by_label("x at start").input_value() != "-1.0"
+
+
+def test_another_system_can_be_chosen(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.get_by_role("combobox", name="System").click()
+    page.get_by_text("Harmonic oscillator", exact=True).click()
+    page.get_by_label("omega2_minus").wait_for()
+    page.get_by_text(re.compile("2,000 steps, (?!21 )")).first.wait_for()
+    await_painted(page, "Phase portrait")
+
+
+def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
+    page = visit(420, 800)
+    drawing = await_painted(page, "Phase portrait")
+    page.get_by_label("Open drawer").wait_for()
+    portrait = drawing.bounding_box()
+    tab = page.get_by_role("tab", name="Conserved quantity").bounding_box()
+    assert portrait["x"] >= 0
+    assert portrait["x"] + portrait["width"] <= 420
+    assert tab["y"] >= portrait["y"] + portrait["height"]
+
+
+def test_dark_mode_repaints_the_figures(visit):
+    page = visit()
+    drawing = await_painted(page, "Phase portrait")
+    before = picture(drawing)
+    page.get_by_label("Toggle theme").click()
+    await_other_picture(page, drawing, before)

@@ -1,0 +1,155 @@
+"""Curves shrink to what a screen shows, and by no more than promised."""
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from pwsviz.curves import RESOLUTION, distinct_pixels, envelope, first_visits, screen_path, simplify
+
+coordinates = st.floats(-100, 100, width=32)
+polylines = hnp.arrays(float, st.tuples(st.integers(2, 60), st.just(2)), elements=coordinates)
+
+
+def distance_to_path(points, path):
+    """Largest distance of any of the points to a polyline; rows of NaN part its pieces."""
+    a, b = path[:-1], path[1:]
+    whole = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
+    a, chord = a[whole], (b - a)[whole]
+    length2 = np.maximum((chord**2).sum(axis=1), 1e-300)
+    worst = 0.0
+    for block in np.array_split(points, 1 + len(points) // 500):
+        offset = block[:, None] - a
+        share = np.clip((offset * chord).sum(axis=2) / length2, 0, 1)
+        gap = np.linalg.norm(offset - share[..., None] * chord, axis=2)
+        worst = max(worst, gap.min(axis=1).max(initial=0.0))
+    return worst
+
+
+def circle(n, turns=1.0, drift=0.0):
+    t = np.linspace(0, 2 * np.pi * turns, n)
+    return np.column_stack([np.cos(t), np.sin(t)]) * (1 + drift * t)[:, None]
+
+
+@given(polylines, st.floats(0, 50))
+def test_simplified_curve_stays_within_tolerance(points, tolerance):
+    kept = simplify(points, tolerance)
+    assert distance_to_path(points, points[kept]) <= tolerance + 1e-9 * 200
+
+
+@given(polylines, st.data())
+def test_ends_and_pinned_vertices_are_kept(points, data):
+    pinned = data.draw(hnp.arrays(bool, len(points)))
+    kept = simplify(points, 1e9, pinned)
+    assert {0, len(points) - 1} | set(np.flatnonzero(pinned)) <= set(kept)
+    assert (np.diff(kept) > 0).all()
+
+
+def test_a_straight_line_needs_two_vertices():
+    t = np.linspace(0, 1, 1000)
+    assert len(simplify(np.column_stack([t, 2 * t]), 1e-9)) == 2
+
+
+def test_vertices_gather_where_the_curve_bends():
+    x = np.linspace(-1, 1, 5000)
+    kept = simplify(np.column_stack([x, np.tanh(40 * x)]), 1e-3)
+    assert np.mean(np.abs(x[kept]) < 0.15) > 0.7
+
+
+@pytest.mark.parametrize("turns", [1, 30, 3000])
+def test_a_closed_orbit_is_drawn_to_a_pixel_however_often_it_goes_round(turns):
+    points = circle(200_000, turns)
+    path = screen_path(points)
+    assert len(path) <= 4000
+    assert distance_to_path(points[::997], path) <= 2 * 2 / RESOLUTION
+
+
+@given(polylines, st.integers(8, 50))
+def test_no_path_exceeds_its_limit(points, limit):
+    assert len(screen_path(points, limit=limit)) <= limit
+
+
+def test_a_curve_that_fills_an_area_is_bounded_too():
+    rng = np.random.default_rng(1)
+    assert len(screen_path(rng.normal(size=(100_000, 2)))) <= 4000
+
+
+def test_no_edge_jumps_across_a_gap():
+    path = screen_path(circle(100_000, 1000.3, drift=1e-6))
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    assert np.nanmax(steps) < 0.3
+    assert np.isfinite(path[[0, -1]]).all()
+
+
+def test_kinks_are_kept():
+    points = circle(10_001)
+    kinks = np.zeros(len(points), dtype=bool)
+    kinks[[1234, 7777]] = True
+    path = screen_path(points, kinks)
+    for kink in points[kinks]:
+        assert (path == kink).all(axis=1).any()
+
+
+def test_states_that_are_not_finite_are_left_out():
+    points = np.array([[0.0, 0.0], [1.0, 1.0], [np.inf, 0.0], [np.nan, 1.0]])
+    assert np.array_equal(screen_path(points), [[0.0, 0.0], [1.0, 1.0]])
+
+
+def test_a_point_at_rest_is_one_vertex():
+    assert len(screen_path(np.ones((50, 2)))) == 1
+
+
+def test_first_visits_leaves_no_cell_empty_and_none_twice():
+    points = np.random.default_rng(0).uniform(size=(5000, 2))
+    cells = ((points - points.min(axis=0)) / 0.05).astype(int)
+    first = cells[first_visits(points, 0.05)]
+    assert len(np.unique(first, axis=0)) == len(first) == len(np.unique(cells, axis=0))
+
+
+def test_coinciding_marks_are_drawn_once():
+    marks = np.tile([[0.0, 1.0], [2.0, 3.0]], (500, 1))
+    assert list(distinct_pixels(marks)) == [0, 1]
+
+
+@given(hnp.arrays(float, st.integers(1, 400), elements=st.floats(-1e3, 1e3)), st.integers(2, 40))
+def test_envelope_holds_the_extremes_of_every_column(y, columns):
+    t = np.cumsum(np.linspace(0.5, 1.5, len(y)))
+    te, ye = envelope(t, y, columns)
+    assert len(te) == len(ye) <= max(2 * columns, 1)
+    assert ye.min() == y.min()
+    assert ye.max() == y.max()
+    assert (np.diff(te) >= 0).all()
+    if len(y) > 2 * columns:
+        for k, start in enumerate(te[::2]):
+            end = te[2 * k + 2] if 2 * k + 2 < len(te) else np.inf
+            here = y[(t >= start) & (t < end)]
+            assert (ye[2 * k], ye[2 * k + 1]) == (here.min(), here.max())
+
+
+def test_envelope_passes_over_missing_values():
+    y = np.full(1000, np.nan)
+    y[500] = 3.0
+    assert np.nanmax(envelope(np.arange(1000.0), y, 10)[1]) == 3.0
+
+
+@settings(deadline=None)
+@given(st.integers(1, 40))
+def test_short_series_are_not_touched(n):
+    t, _ = envelope(np.arange(float(n)), np.ones(n), 20)
+    assert len(t) == n
+
+
+def test_a_hundred_thousand_points_take_a_blink():
+    points = circle(100_000, 10)
+    screen_path(points)
+    best = min(_timed(points) for _ in range(5))
+    assert best < 0.15, "some 15 ms on the machine this was written on"
+
+
+def _timed(points):
+    start = time.perf_counter()
+    screen_path(points)
+    return time.perf_counter() - start

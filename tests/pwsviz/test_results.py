@@ -1,0 +1,137 @@
+"""Only what is visible is computed, nothing twice, and the arrays are what they say."""
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.cache import Cancelled
+from pwsviz.curves import RESOLUTION
+from pwsviz.inputs import Scheme, run_inputs, study_inputs
+from pwsviz.plane import Window
+from pwsviz.results import Results, accumulated_error
+from pwsviz.scene import Scene
+
+
+@pytest.fixture
+def results():
+    return Results()
+
+
+def test_portrait_alone_draws_no_error_curve(results):
+    pictures = results.pictures(run_inputs(Scene()), with_errors=False)
+    assert pictures.errors is None
+    assert results.computed["run"] == 2
+    assert results.computed["curve"] == results.computed["study"] == results.computed["backdrop"] == 0
+
+
+def test_portrait_and_error_share_one_run_for_each_method(results):
+    inputs = run_inputs(Scene())
+    results.pictures(inputs, with_errors=True)
+    results.pictures(inputs, with_errors=True)
+    assert dict(results.computed) == {"run": 2, "orbit": 2, "error": 2, "curve": 2, "summary": 2}
+
+
+def test_one_more_method_costs_one_more_run(results):
+    scene = Scene()
+    results.pictures(run_inputs(scene), with_errors=True)
+    scene.accept("methods", ["dmm2", "rk2", "rk4"])
+    results.pictures(run_inputs(scene), with_errors=True)
+    assert results.computed["run"] == 3
+
+
+def test_the_order_study_does_not_depend_on_step_size_and_end_time():
+    scene = Scene()
+    before = study_inputs(scene)
+    scene.param.update(tau=5e-3, t_end=3.0)
+    assert study_inputs(scene) == before
+    scene.accept("x0.0", -0.9)
+    assert study_inputs(scene) != before
+
+
+def test_settings_without_effect_do_not_make_another_run():
+    scene = Scene()
+    before = run_inputs(scene)
+    scene.accept("perturbation_scale", 3.0)
+    assert run_inputs(scene) == before
+    scene.perturbation_order = 2
+    assert run_inputs(scene) != before
+    scene.locate = False
+    assert run_inputs(scene)[0].scheme == Scheme("dmm2", locate=False)
+
+
+def test_a_run_given_up_is_not_taken_for_a_result(results):
+    inputs = run_inputs(Scene())[0]
+    with pytest.raises(Cancelled):
+        results.run(inputs, cancel=lambda: True)
+    assert results.run(inputs).status is core.Status.COMPLETED
+
+
+@pytest.mark.parametrize("system", list(core.CATALOGUE))
+@pytest.mark.parametrize("tau", [1e-4, 1e-2])
+def test_a_portrait_has_few_vertices_and_its_kinks_on_the_surface(results, system, tau):
+    scene = Scene(system=system, tau=tau)
+    orbit = results.orbit(run_inputs(scene)[0])
+    assert len(orbit.path) <= 4000
+    pixel = np.ptp(orbit.path, axis=0).max() / RESOLUTION
+    for crossing in orbit.crossings:
+        assert np.nanmin(np.linalg.norm(orbit.path - crossing, axis=1)) <= 3 * pixel
+    assert np.abs(scene.build().switching(0.0, orbit.crossings)).max() < 1e-12
+
+
+def test_error_curves_have_no_more_points_than_pixels(results):
+    curve = results.error_curve(run_inputs(Scene(tau=2e-5))[0])
+    assert len(curve.t) == len(curve.error) <= 2400
+
+
+@pytest.mark.parametrize("system", list(core.CATALOGUE))
+def test_accumulated_error_is_the_distance_from_the_exact_levels(results, system):
+    """Both systems of the paper return to the same level on each side, so the sum over visits telescopes."""
+    scene = Scene(system=system, methods=["rk2"])
+    run = results.run(run_inputs(scene)[0])
+    error = accumulated_error(run)
+    assert error[0] == 0.0
+    first = run.side == run.side[0]
+    psi = run.system.conserved(int(run.side[0]), 0.0, run.x)[:, 0]
+    drift = np.abs(psi - psi[0])
+    inner = first & (run.segment >= 4)
+    ratio = error[inner] / drift[inner]
+    assert 0.1 < np.median(ratio) < 10
+    assert error.max() > 1e-6
+
+
+def test_the_conservative_method_stays_at_round_off(results):
+    for system in core.CATALOGUE:
+        summary = results.summary(run_inputs(Scene(system=system, methods=["dmm2"]))[0])
+        assert summary.worst_error < 1e-13
+        assert summary.completed
+
+
+def test_the_backdrop_is_kept_for_another_start_on_the_same_levels(results):
+    scene, window = Scene(), Window(-2.0, 2.0, -2.0, 2.0)
+    ground = run_inputs(scene)[0].ground
+    levels = results.orbit(run_inputs(scene)[0]).levels
+    first = results.backdrop(ground, window, levels)
+    scene.accept("tau", 5e-3)
+    assert results.orbit(run_inputs(scene)[0]).levels == levels
+    assert results.backdrop(ground, window, levels) is first
+    g = scene.build().switching(0.0, first.surface[np.isfinite(first.surface).all(axis=1)])
+    assert np.abs(g).max() < 1e-2
+
+
+def test_level_sets_stay_on_their_side(results):
+    scene = Scene()
+    levels = results.orbit(run_inputs(scene)[0]).levels
+    ground = results.backdrop(run_inputs(scene)[0].ground, Window(-2.0, 2.0, -2.0, 2.0), levels)
+    for side in (-1, 1):
+        for lines in (ground.levels[side], ground.orbit_levels[side]):
+            points = lines[np.isfinite(lines).all(axis=1)]
+            assert len(points) > 10
+            assert (side * scene.build().switching(0.0, points) > -0.02).all()
+        tails = ground.arrows[side][0::6] / 2 + ground.arrows[side][1::6] / 2
+        assert (side * scene.build().switching(0.0, tails) > 0).all()
+
+
+def test_the_study_measures_slope_two(results):
+    study = results.study(study_inputs(Scene()))
+    assert np.abs(study.state_slope - 2).max() < 0.1
+    assert results.study(study_inputs(Scene(tau=1e-3))) is study

@@ -1,0 +1,116 @@
+"""A scene is valid at all times, and says in plain words why it refused something."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import core
+from pwsviz.scene import MAX_STEPS, Scene, number, require_few_steps
+
+
+def test_starts_with_the_defaults_of_its_system():
+    scene = Scene()
+    system = core.CATALOGUE[scene.system]
+    assert scene.x0 == tuple(system.x0)
+    assert scene.values == dict(system.values)
+
+
+def test_another_system_brings_its_own_parameters_and_start():
+    scene = Scene()
+    scene.system = next(key for key in core.CATALOGUE if key != scene.system)
+    assert scene.x0 == tuple(core.CATALOGUE[scene.system].x0)
+    assert scene.build().values == core.CATALOGUE[scene.system].values
+
+
+def test_settings_given_at_the_start_are_kept():
+    assert Scene(x0=(0.5, 0.25)).x0 == (0.5, 0.25)
+
+
+@pytest.mark.parametrize(("field", "text", "expected"), [("tau", "1e-3", 1e-3), ("t_end", " 7.5 ", 7.5)])
+def test_numbers_may_come_as_text(field, text, expected):
+    scene = Scene()
+    scene.accept(field, text)
+    assert getattr(scene, field) == expected
+
+
+def test_a_coordinate_and_a_parameter_are_set_by_themselves():
+    scene = Scene()
+    name = next(iter(scene.values))
+    scene.accept("x0.1", "−0.75")
+    scene.accept(f"values.{name}", 1.5)
+    assert scene.x0[1] == -0.75
+    assert scene.build().values[name] == 1.5
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("tau", "abc", "not a number"),
+        ("tau", "0", "between"),
+        ("tau", "-1", "between"),
+        ("tau", "nan", "between"),
+        ("tau", "", "not a number"),
+        ("t_end", "inf", "between"),
+        ("x0.0", "1e9", "between"),
+        ("x0", (1.0,), "needs 2 numbers"),
+        ("methods", [], "at least one"),
+        ("perturbation_scale", "1e5", "between"),
+    ],
+)
+def test_bad_input_is_refused_in_words_and_changes_nothing(field, value, words):
+    scene = Scene()
+    before = dict(scene.param.values())
+    with pytest.raises(ValueError, match=words):
+        scene.accept(field, value)
+    assert dict(scene.param.values()) == before
+
+
+def test_parameters_stay_within_their_bounds():
+    scene = Scene()
+    parameter = next(p for p in core.CATALOGUE[scene.system].parameters if p.bounds)
+    with pytest.raises(ValueError, match=parameter.name):
+        scene.accept(f"values.{parameter.name}", parameter.bounds[1] + 1)
+
+
+def test_a_run_too_long_is_refused_with_what_to_do():
+    scene = Scene(tau=1e-4, t_end=100.0)
+    with pytest.raises(ValueError, match=r"take τ ≥ .* or an end time ≤"):
+        scene.accept("t_end", 1e4)
+    with pytest.raises(ValueError, match="more than this page runs"):
+        scene.accept("tau", 1e-6)
+
+
+@given(st.floats(1e-3, 1e5), st.floats(1e-6, 1.0))
+def test_the_advice_on_long_runs_is_sound(t_end, tau):
+    try:
+        require_few_steps(t_end, tau)
+    except ValueError as reason:
+        advised = float(str(reason).split("τ ≥ ")[1].split(" ")[0])
+        require_few_steps(t_end, advised)
+    else:
+        assert t_end / tau <= MAX_STEPS * 1.001
+
+
+@given(st.floats(allow_nan=True, allow_infinity=True))
+def test_what_number_returns_is_finite_and_in_range(value):
+    try:
+        result = number(repr(value), "It", -5.0, 5.0)
+    except ValueError:
+        assert not (math.isfinite(value) and -5 <= value <= 5)
+    else:
+        assert result == value
+
+
+def test_methods_keep_the_order_of_the_table():
+    scene = Scene()
+    scene.accept("methods", ["rk2", "dmm2"])
+    assert scene.methods == [name for name in core.METHODS if name in ("rk2", "dmm2")]
+
+
+def test_the_order_study_follows_when_its_method_is_dropped():
+    scene = Scene()
+    scene.accept("methods", ["rk4"])
+    assert scene.study_method == "rk4"
+    assert scene.param["study_method"].objects == ["rk4"]

@@ -1,0 +1,51 @@
+"""Words on the page: exact figures, and never markup from outside."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pwsviz.results import Summary
+from pwsviz.text import as_text, complaint, duration, plural, rounded_up, run_line
+
+
+def summary(**changes):
+    values = {
+        "method": "dmm2", "steps": 60000, "crossings": 1, "seconds": 0.00481,
+        "worst_error": 8.2e-16, "completed": True, "message": "",
+    }  # fmt: skip
+    return Summary(**(values | changes))
+
+
+def test_a_run_in_one_line():
+    line = run_line(summary())
+    assert "60,000 steps, 1 crossing, 4.81 ms, |Δψ| ≤ 9e-16" in line
+
+
+def test_a_run_that_stopped_says_why():
+    assert "ran away &lt;b&gt;" in run_line(summary(completed=False, message="ran away <b>"))
+
+
+def test_without_a_conserved_quantity_there_is_no_bound():
+    assert "Δψ" not in run_line(summary(worst_error=math.nan))
+
+
+def test_nothing_is_taken_for_markup():
+    assert as_text("<script>alert(1)</script> & more") == (
+        '<p class="">&lt;script&gt;alert(1)&lt;/script&gt; &amp; more</p>'
+    )
+    assert "<img" not in complaint(ValueError("<img src=x>"))
+    assert "<img" not in complaint(RuntimeError("<img src=x>"))
+
+
+@given(st.floats(1e-300, 1e300))
+def test_a_bound_rounded_up_is_still_a_bound(value):
+    assert float(rounded_up(value)) >= value * (1 - 1e-11)
+    assert float(rounded_up(value)) <= 2.01 * value
+
+
+def test_words_for_counts_and_times():
+    assert plural(1, "step") == "1 step"
+    assert plural(2000, "step") == "2,000 steps"
+    assert duration(0.0048) == "4.8 ms"
+    assert duration(2.5) == "2.50 s"

@@ -1,0 +1,58 @@
+"""Only the newest request counts, and nothing that goes wrong is lost."""
+
+from threading import Event
+
+from pwsviz.cache import Cancelled
+from pwsviz.worker import Job, Lane
+
+
+def test_requests_that_were_overtaken_are_never_started():
+    lane, seen, gate = Lane(), [], Event()
+    lane.submit(Job(lambda _: gate.wait(5), seen.append))
+    while not lane.busy:
+        pass
+    for k in range(20):
+        lane.submit(Job(lambda _, k=k: k, seen.append))
+    gate.set()
+    assert lane.join(5)
+    assert seen[-1] == 19
+    assert len(seen) <= 3
+
+
+def test_an_impatient_lane_gives_up_what_runs():
+    lane, seen, started = Lane(impatient=True), [], Event()
+
+    def long(given_up):
+        started.set()
+        while not given_up():
+            pass
+        raise Cancelled
+
+    lane.submit(Job(long, seen.append))
+    assert started.wait(5)
+    lane.submit(Job(lambda _: "new", seen.append))
+    assert lane.join(5)
+    assert seen == ["new"]
+
+
+def test_a_quiet_lane_starts_when_requests_rest():
+    lane, started = Lane(quiet=0.05), []
+    for k in range(10):
+        lane.submit(Job(lambda _, k=k: started.append(k), lambda _: None))
+    assert lane.join(5)
+    assert started == [9]
+
+
+def test_exceptions_are_delivered():
+    lane, seen = Lane(), []
+    lane.submit(Job(lambda _: int("x"), seen.append))
+    assert lane.join(5)
+    assert isinstance(seen[0], ValueError)
+
+
+def test_cancel_drops_what_waits():
+    lane, seen = Lane(quiet=10.0), []
+    lane.submit(Job(lambda _: 1, seen.append))
+    lane.cancel()
+    assert lane.join(5)
+    assert seen == []

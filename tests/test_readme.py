@@ -1,0 +1,33 @@
+"""The README: what it tells people to type works, and what it says is so."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_example_runs_and_prints_what_is_shown():
+    code, shown = re.search(r"```python\n(.*?)```\n\n```\n(.*?)```", README, re.DOTALL).groups()
+    out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    numbers = [[float(n) for n in re.findall(r"\d+\.\d+(?:e-?\d+)?", text)] for text in (out, shown)]
+    assert out.startswith("t = 60: reached the end time.")
+    for printed, stated in zip(*numbers, strict=True):
+        assert abs(printed - stated) < 1e-6
+
+
+def test_the_example_is_about_ten_lines():
+    code = re.search(r"```python\n(.*?)```", README, re.DOTALL).group(1)
+    assert len([line for line in code.splitlines() if line.strip()]) <= 10
+
+
+def test_files_that_it_names_exist():
+    for name in re.findall(r"`((?:core|pwsviz)/[\w/]+\.py)`|\]\(([\w./]+)\)", README):
+        assert (ROOT / (name[0] or name[1])).exists(), name
+
+
+def test_ci_runs_the_command_that_people_are_told():
+    assert "<!-- tests:" in README
+    assert "README.md" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
