@@ -54,12 +54,11 @@ def compile_steps(laws: Laws, method: Method) -> Steps:
     """Compile a method's step for both sides."""
     with _lock:
         texts = []
-        for sign, name in ((-1, "step_minus"), (1, "step_plus")):
-            side = laws.sides[sign]
+        for side in (laws.sides[-1], laws.sides[1]):
             code = StepCode(laws, side)
-            texts.append(code.text(name, method.build(side, code)))
-        module = _load(module_text(texts))
-    return Steps(module.step_minus, module.step_plus)
+            texts.append(code.text("step", method.build(side, code)))
+        minus, plus = (_load(module_text([text])).step for text in texts)
+    return Steps(minus, plus)
 
 
 @lru_cache(maxsize=MAX_MODULES)
@@ -89,6 +88,7 @@ def _jump_text(laws: Laws) -> str:
     return function_text("jump", "JUMP", "t, x, p, after", lines)
 
 
+@lru_cache(maxsize=MAX_MODULES)
 def _load(text: str) -> ModuleType:
     """Import a module of generated text from the cache folder."""
     # numba looks at a function's own file only: what it inlines from elsewhere has to be part of the name.

@@ -50,6 +50,12 @@ def test_a_second_process_loads_instead_of_compiling(tmp_path):
     assert printed[1] == ["1", "0"] * 3
 
 
+def test_sides_of_the_same_law_are_compiled_once():
+    system = core.PiecewiseSystem("same", ("x", "y"), ("y", "-x"), ("y", "-x"), "y")
+    steps = compiled.compile_steps(system.laws, core.METHODS["rk2"])
+    assert steps.minus is steps.plus
+
+
 def test_a_tampered_cache_file_is_not_run(tmp_path, monkeypatch):
     monkeypatch.setenv("PWSVIZ_CACHE", str(tmp_path))
     compiled._folder.cache_clear()
@@ -57,6 +63,7 @@ def test_a_tampered_cache_file_is_not_run(tmp_path, monkeypatch):
     assert compiled._load(text).VALUE == 1
     (path,) = tmp_path.glob("pws_*.py")
     path.write_text("VALUE = 2\n")
+    compiled._load.cache_clear()
     assert compiled._load(text).VALUE == 1
     compiled._folder.cache_clear()
 

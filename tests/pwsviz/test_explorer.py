@@ -1,5 +1,6 @@
 """The page without a browser: what it computes when, and what it shows."""
 
+import numpy as np
 import pytest
 
 import core
@@ -127,6 +128,17 @@ def test_a_study_that_is_impossible_says_why(explorer):
     explorer.settle(20)
     assert 'class="error"' in explorer.studies["order"].words.object
     assert not explorer.studies["order"].busy
+
+
+def test_one_integrator_that_blows_up_does_not_spoil_the_view_of_another(explorer):
+    explorer.scene.param.update(system="harmonic_oscillator", tau=0.25, t_end=40_000.0)
+    explorer.settle(20)
+    assert "stopped" in explorer.status.object
+    frame = explorer.portrait.frame
+    assert max(frame.width, frame.height) < 10
+    for x in explorer.portrait.orbits.data["xs"]:
+        assert np.nanmax(np.abs(x)) < 100
+    assert len(explorer.portrait.orbits.data["xs"][1]) > 100
 
 
 def test_a_run_that_stops_early_says_why_and_shows_what_there_is(explorer):
