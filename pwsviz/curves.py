@@ -5,6 +5,8 @@ Everything here is vectorised NumPy on plain arrays, and every reduction comes w
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,7 +67,7 @@ def _gap(before: Complexes, vertex: Complexes, after: Complexes) -> Floats:
     return gap
 
 
-def screen_path(points: Floats, pinned: Mask | None = None, limit: int = 4000) -> Floats:
+def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None = None, limit: int = 4000) -> Floats:
     """Reduce a trajectory to at most `limit` vertices that draw the same picture.
 
     First by shape alone, to a quarter of a pixel. An orbit that goes round so often that this is not enough repeats
@@ -78,6 +80,8 @@ def screen_path(points: Floats, pinned: Mask | None = None, limit: int = 4000) -
         The trajectory; states that are not finite are left out.
     pinned : (n,) bool array, optional
         Vertices that carry a kink, such as crossings, kept unless already painted.
+    shown : (n,) bool array, optional
+        Vertices to draw at all; the others leave a gap.
     limit : int
         Bound on the rows returned.
 
@@ -86,49 +90,77 @@ def screen_path(points: Floats, pinned: Mask | None = None, limit: int = 4000) -
     (k, 2) array
         Vertices, pieces parted by a row of NaN.
     """
+    valid = np.isfinite(points).all(axis=1) if shown is None else shown & np.isfinite(points).all(axis=1)
     fixed = np.zeros(len(points), dtype=bool) if pinned is None else pinned
-    finite = np.isfinite(points).all(axis=1)
-    points, fixed = points[finite], fixed[finite]
-    pixel = float(np.ptp(points, axis=0).max(initial=0.0)) / RESOLUTION if len(points) else 0.0
+    curve = _Curve(points[valid], fixed[valid], np.diff(np.flatnonzero(valid)) > 1)
+    pixel = float(np.ptp(curve.points, axis=0).max(initial=0.0)) / RESOLUTION if valid.any() else 0.0
     if pixel == 0.0:
-        return points[:1]
-    points, fixed = _strided(points, fixed, pixel / 2)
-    part = len(points) // 8
-    if 8 * len(simplify(points[:part], pixel / 4)) <= 2 * limit:  # else the whole would only be looked at in vain
-        kept = simplify(points, pixel / 4, fixed)
-        if len(kept) <= limit:
-            return points[kept]
-    path = _unpainted(points, fixed, pixel)
-    while len(path) > limit:
+        return curve.points[:1]
+    curve = curve.strided(pixel / 2)
+    eighth = simplify(curve.points[: len(curve.points) // 8], pixel / 4)
+    if 8 * len(eighth) <= 2 * limit:  # else the whole would only be looked at in vain
+        path = curve.path(pixel / 4)
+        if len(path) <= limit:
+            return path
+    while len(path := curve.unpainted(pixel).path(pixel / 4)) > limit:
         pixel *= 1.5
-        path = _unpainted(points, fixed, pixel)
     return path
 
 
-def _strided(points: Floats, fixed: Mask, spacing: float) -> tuple[Floats, Mask]:
-    """Every k-th vertex, k such that these are at most about `spacing` apart: steps far finer than a pixel."""
-    longest = float(np.abs(np.diff(points, axis=0)).max(initial=0.0))
-    stride = int(spacing / longest) if longest > 0 else 1
-    if stride < 2:
-        return points, fixed
-    stays = fixed.copy()
-    stays[::stride] = stays[-1] = True
-    return points[stays], fixed[stays]
+@dataclass(frozen=True)
+class _Curve:
+    """A polyline with kinks to keep and gaps.
 
+    Attributes
+    ----------
+    points : (n, 2) array
+    fixed : (n,) bool array
+        Vertices to keep.
+    broken : (n - 1,) bool array
+        Edges not to draw.
+    """
 
-def _unpainted(points: Floats, fixed: Mask, cell: float) -> Floats:
-    """Only the pieces of the curve that enter a cell for the first time, with NaN between them."""
-    new = first_visits(points, cell)
-    touched = new.copy()
-    touched[1:] |= new[:-1]
-    touched[:-1] |= new[1:]
-    index = np.flatnonzero(touched)
-    apart = np.flatnonzero(np.diff(index) > 1)
-    ends = np.zeros(len(index), dtype=bool)
-    ends[apart] = ends[apart + 1] = True
-    kept = simplify(points[index], cell / 4, ends | (fixed & new)[index])
-    gaps = 1 + np.flatnonzero(np.diff(np.searchsorted(apart, kept)))
-    return np.insert(points[index[kept]], gaps, np.nan, axis=0)
+    points: Floats
+    fixed: Mask
+    broken: Mask
+
+    def path(self, tolerance: float) -> Floats:
+        """Vertices chosen by shape, with NaN in the gaps."""
+        ends = np.zeros(len(self.points), dtype=bool)
+        ends[:-1] |= self.broken
+        ends[1:] |= self.broken
+        kept = simplify(self.points, tolerance, self.fixed | ends)
+        return np.insert(self.points[kept], 1 + np.flatnonzero(self.broken[kept[:-1]]), np.nan, axis=0)
+
+    def only(self, stays: Mask, bridged: bool) -> _Curve:
+        """Some of the vertices; where others were left out there is an edge (`bridged`) or a gap."""
+        index = np.flatnonzero(stays)
+        gaps = np.concatenate([[0], np.cumsum(self.broken)])
+        broken = gaps[index[1:]] > gaps[index[:-1]]
+        if not bridged:
+            broken |= np.diff(index) > 1
+        return _Curve(self.points[stays], self.fixed[stays], broken)
+
+    def strided(self, spacing: float) -> _Curve:
+        """Every k-th vertex, k such that these are at most about `spacing` apart: for steps far finer than a pixel."""
+        lengths = np.abs(np.diff(self.points, axis=0)).max(axis=1)
+        longest = float(lengths[~self.broken].max(initial=0.0))
+        stride = int(spacing / longest) if longest > 0 else 1
+        if stride < 2:
+            return self
+        stays = self.fixed.copy()
+        stays[::stride] = stays[-1] = True
+        stays[:-1] |= self.broken
+        stays[1:] |= self.broken
+        return self.only(stays, bridged=True)
+
+    def unpainted(self, cell: float) -> _Curve:
+        """Only what enters a square of side `cell` for the first time, with the edges that lead there and away."""
+        new = first_visits(self.points, cell)
+        touched = new.copy()
+        touched[1:] |= new[:-1]
+        touched[:-1] |= new[1:]
+        return _Curve(self.points, self.fixed & new, self.broken).only(touched, bridged=False)
 
 
 def first_visits(points: Floats, cell: float) -> Mask:

@@ -41,6 +41,19 @@ class Window(NamedTuple):
         """Extent in y."""
         return self.y_high - self.y_low
 
+    @classmethod
+    def around(cls, points: Floats) -> Window:
+        """Return the box of some points, with a margin; rows with NaN do not count."""
+        low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+        size = float((high - low).max())
+        margin = 0.2 * max(size, 1e-9, 1e-6 * float(np.abs(high + low).max()))
+        return cls(*(float(end) for end in (low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin)))
+
+    def holds(self, points: Floats) -> NDArray[np.bool_]:
+        """Which of the points lie within."""
+        x, y = points[:, 0], points[:, 1]
+        return (self.x_low <= x) & (x <= self.x_high) & (self.y_low <= y) & (y <= self.y_high)
+
     def scaled(self, factor: float) -> Window:
         """Return the window grown about its middle."""
         x, y = (self.x_low + self.x_high) / 2, (self.y_low + self.y_high) / 2

@@ -25,6 +25,9 @@ STUDY_CROSSINGS = (10, 20, 30)
 STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
 """Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
 
+FAR = 8.0
+"""How far out an orbit is drawn, in sizes of what it starts from."""
+
 SEVERAL_LEVELS = 6
 """At most so many level sets through an orbit on each side."""
 
@@ -97,9 +100,11 @@ class Results:
 
     def pictures(self, inputs: tuple[RunInputs, ...], with_errors: bool, cancel: Cancel = never) -> Pictures:
         """Everything the portrait, the status lines and (if visible) the conserved quantity need."""
+        first = self.orbit(inputs[0], None, cancel)
+        near = Window.around(first.path).scaled(FAR)
         return Pictures(
             inputs=inputs,
-            orbits=[self.orbit(one, cancel) for one in inputs],
+            orbits=[first, *(self.orbit(one, near, cancel) for one in inputs[1:])],
             summaries=[self.summary(one, cancel) for one in inputs],
             errors=[self.error_curve(one, cancel) for one in inputs] if with_errors else None,
         )
@@ -108,9 +113,12 @@ class Results:
         """Integrate."""
         return self._cache.get("run", inputs, partial(_run, inputs, cancel))
 
-    def orbit(self, inputs: RunInputs, cancel: Cancel = never) -> Orbit:
-        """Return the trajectory for the portrait."""
-        return self._cache.get("orbit", inputs, lambda: _orbit(inputs, self.run(inputs, cancel)))
+    def orbit(self, inputs: RunInputs, near: Window | None = None, cancel: Cancel = never) -> Orbit:
+        """Return the trajectory for the portrait, as far as it stays within `near`.
+
+        Without such a window all of it, except that one that runs off to infinity is left where it has gone far.
+        """
+        return self._cache.get("orbit", (inputs, near), lambda: _orbit(inputs, self.run(inputs, cancel), near))
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
         """Return |change of ψ| at every step of a run."""
@@ -206,20 +214,29 @@ def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
     }
 
 
-def _orbit(inputs: RunInputs, run: core.Trajectory) -> Orbit:
+def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None) -> Orbit:
     places = np.searchsorted(run.segment, np.arange(len(run.crossings.t)), side="right")
     points = np.insert(run.x[:, :2], places, run.crossings.x[:, :2], axis=0)
     kinks = np.zeros(len(points), dtype=bool)
     kinks[places + np.arange(len(places))] = True
-    shown = distinct_pixels(run.crossings.x[:, :2])
+    if near is None and run.status is not core.Status.COMPLETED:
+        near = _surroundings(run)
+    marks = np.flatnonzero(near.holds(run.crossings.x)) if near else np.arange(len(run.crossings.x))
+    marks = marks[distinct_pixels(run.crossings.x[marks, :2])]
     return Orbit(
         method=inputs.scheme.method,
-        path=screen_path(points, kinks),
-        crossings=run.crossings.x[shown, :2],
-        kinds=tuple(str(run.crossings.kind[k]) for k in shown),
+        path=screen_path(points, kinks, near.holds(points) if near else None),
+        crossings=run.crossings.x[marks, :2],
+        kinds=tuple(str(run.crossings.kind[k]) for k in marks),
         x0=inputs.ground.x0,
         levels=_levels(run),
     )
+
+
+def _surroundings(run: core.Trajectory) -> Window:
+    """Return a window many times as large as the first part of a run."""
+    anchors = np.concatenate([run.x[:1, :2], run.crossings.x[:12, :2], np.zeros((1, 2))])
+    return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(FAR / 2)
 
 
 def _levels(run: core.Trajectory) -> Levels:

@@ -24,6 +24,9 @@ from pwsviz.style import (
 FLOOR = MACHINE_EPSILON / 8
 """Smaller errors, exact zeros among them, are drawn here: a logarithmic axis has no place for them."""
 
+CEILING = 1e9
+"""Larger errors, of a method that blows up, are drawn here, so that the others can still be read."""
+
 MOST_BANDS = 400
 """More visits than this would be a grey mist; then sides and ticks are left out."""
 
@@ -97,5 +100,5 @@ class ConservedView:
 
 
 def drawable(error: Floats) -> Floats:
-    """Lift what a logarithmic axis cannot show to `FLOOR`; NaN stays a gap."""
-    return np.where(error < FLOOR, FLOOR, error)
+    """Bring what would not fit on the axis to its ends; NaN stays a gap."""
+    return np.clip(error, FLOOR, CEILING)

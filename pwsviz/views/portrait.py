@@ -15,8 +15,8 @@ from pwsviz.results import Orbit
 from pwsviz.style import GREY, ORANGE, PURPLE, SIDES, assign, fit_to, legend_below, line_of, plain_figure, ranges, refit
 
 KIND_MARKERS = {"transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle"}
-FAR = 8.0
-"""How far out, in sizes of the start and the crossings, an orbit may still widen the view."""
+NEAR = 1.2
+"""How far out, in sizes of the first orbit, another may still widen the view."""
 
 
 class PortraitView:
@@ -177,15 +177,10 @@ class PortraitView:
 
 
 def extent(orbits: Sequence[Orbit]) -> Window:
-    """Return the box that holds the orbits, leaving out what runs off to infinity."""
-    anchors = np.concatenate([orbit.crossings for orbit in orbits] + [np.array([orbits[0].x0[:2]])])
-    points = np.concatenate([orbit.path for orbit in orbits] + [anchors])
-    middle = anchors.mean(axis=0)
-    reach = FAR * (0.25 + float(np.abs(anchors - middle).max()) + 0.5 * float(np.abs(middle).max()))
-    points = points[(np.abs(points - middle) <= reach).all(axis=1)]
-    low, high = points.min(axis=0), points.max(axis=0)
-    pad = 0.2 * max(float((high - low).max()), 1e-9 + 1e-6 * float(np.abs(middle).max()))
-    return Window(low[0] - pad, high[0] + pad, low[1] - pad, high[1] + pad)
+    """Return the box that shows the first orbit whole and the others as far as they stay near it."""
+    first = Window.around(orbits[0].path)
+    points = np.concatenate([orbit.path for orbit in orbits])
+    return Window.around(points[first.scaled(NEAR).holds(points)])
 
 
 def _holds(frame: Window, box: Window) -> bool:

@@ -131,7 +131,7 @@ def test_a_study_that_is_impossible_says_why(explorer):
 
 
 def test_one_integrator_that_blows_up_does_not_spoil_the_view_of_another(explorer):
-    explorer.scene.param.update(system="harmonic_oscillator", tau=0.25, t_end=40_000.0)
+    explorer.scene.param.update(system="harmonic_oscillator", tau=0.25, t_end=60_000.0)
     explorer.settle(20)
     assert "stopped" in explorer.status.object
     frame = explorer.portrait.frame
