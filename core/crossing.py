@@ -188,46 +188,60 @@ def settle(scheme, t, low, high, f_low, f_high):
 
 
 @_inline
-def classify(run, before, into_minus, into_plus):
-    """Status and kind of a crossing from the side's own rate before it and the rates into either side after it."""
-    into_other = into_minus if run.side > 0 else into_plus
-    if run.has_jump == 1:
-        if into_minus > 0.0 and into_plus > 0.0:
-            return _REPELLING, _REPELLING_KIND
-        if into_minus > 0.0 or into_plus > 0.0:
-            return RUNNING, _JUMP_KIND
+def look_around(scheme, t, place):
+    """Rates at a place on the surface: into the side occupied (negative on arrival), and into the other."""
+    run = scheme.run
+    run.own = outward_rate(run, scheme.rate, run.side, t, place, scheme.p)
+    run.other = outward_rate(run, scheme.rate, -run.side, t, place, scheme.p)
+
+
+@_inline
+def classify(run):
+    """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
+    if run.own < 0.0 and run.other < 0.0:
         return _SLIDING, _SLIDING_KIND
-    if before < 0.0 and into_other > 0.0:
+    if run.own < 0.0 < run.other or run.follow == 0:  # without a transition the place is too rough to tell a touch
         return RUNNING, _TRANSVERSAL_KIND
-    if before < 0.0 and into_other < 0.0:
-        return _SLIDING, _SLIDING_KIND
     return _GRAZING, _GRAZING_KIND
 
 
 @_inline
-def switch_side(scheme, jump, log, t, before):
+def leap(scheme, jump, t):
+    """Jump, and look where the fields lead from there: status, kind and side entered."""
+    run, x = scheme.run, scheme.x
+    jump(t, x, scheme.p, scheme.trial)
+    for i in range(x.size):
+        x[i], scheme.carry[i] = scheme.trial[i], 0.0
+    into_minus = outward_rate(run, scheme.rate, -1, t, x, scheme.p)
+    into_plus = outward_rate(run, scheme.rate, 1, t, x, scheme.p)
+    if into_minus > 0.0 and into_plus > 0.0:
+        return _REPELLING, _REPELLING_KIND, 0
+    if into_minus > 0.0 or into_plus > 0.0:
+        return RUNNING, _JUMP_KIND, 1 if into_plus > 0.0 else -1
+    return _SLIDING, _SLIDING_KIND, 0
+
+
+@_inline
+def switch_side(scheme, jump, log, t):
     """At the surface: jump, classify, take the other side, write the crossing down."""
     run, x, p = scheme.run, scheme.x, scheme.p
     k = run.hits
     hit = log.hits[k]
     hit.t = t
     hit.g = scheme.switching(t, x, p)
-    hit.rate_before = scheme.rate(run.side, t, x, p)
+    hit.rate_before = math.copysign(1.0, run.tau) * run.side * run.own
+    hit.rate_after = -math.copysign(1.0, run.tau) * run.side * run.other
     for i in range(x.size):
         log.x[k, i] = x[i]
     if run.has_jump == 1:
-        jump(t, x, p, scheme.trial)
-        for i in range(x.size):
-            x[i], scheme.carry[i] = scheme.trial[i], 0.0
+        status, kind, entered = leap(scheme, jump, t)
+        if status == RUNNING:
+            hit.rate_after = scheme.rate(entered, t, x, p)
+    else:
+        status, kind = classify(run)
+        entered = -run.side
     for i in range(x.size):
         log.after[k, i] = x[i]
-    into_minus = outward_rate(run, scheme.rate, -1, t, x, p)
-    into_plus = outward_rate(run, scheme.rate, 1, t, x, p)
-    status, kind = classify(run, before, into_minus, into_plus)
-    entered = -run.side
-    if run.has_jump == 1:
-        entered = 1 if into_plus > 0.0 else -1
-    hit.rate_after = scheme.rate(entered, t, x, p)
     hit.kind = kind
     hit.side = entered if status == RUNNING else 0
     run.hits = k + 1
@@ -235,24 +249,26 @@ def switch_side(scheme, jump, log, t, before):
     if status != RUNNING:
         return status
     run.side = entered
-    run.rate = into_plus if entered > 0 else into_minus
+    run.rate = outward_rate(run, scheme.rate, entered, t, x, p)
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING
 
 
 @_inline
 def land(scheme, t):
-    """Move the state to the crossing found, or by the perturbation beyond it; returns its rate on arrival, or nan.
+    """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
 
     Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ and x̂ anew there.
     """
     run = scheme.run
-    before = probe(_RATE, scheme, t, run.hit)
+    height = probe(_HEIGHT, scheme, t, run.hit)
+    look_around(scheme, t + run.hit, scheme.trial)
     if run.shift != 0.0:
         run.hit += run.shift
-        if not abs(probe(_HEIGHT, scheme, t, run.hit)) < math.inf:
-            return math.nan
+        height = probe(_HEIGHT, scheme, t, run.hit)
+    if not abs(height) < math.inf:
+        return False
     accept(scheme.x, scheme.carry, scheme.dx)
-    return before
+    return True
 
 
 @_inline
@@ -263,16 +279,22 @@ def stop_at(run, t, status):
 
 
 @_inline
-def step_over(scheme, jump, log, t, height_end, rate_end):
+def step_over(scheme, jump, log, t, h, height_end, rate_end):
     """Without a transition: the step stands, and only then is the side looked at."""
-    run = scheme.run
-    accept(scheme.x, scheme.carry, scheme.dx)
+    run, x = scheme.run, scheme.x
+    if height_end <= 0.0:  # the fields are compared where the chord of the step meets the surface
+        height = run.side * scheme.switching(t, x, scheme.p)
+        part = height / (height - height_end) if height > 0.0 else 0.0
+        for i in range(x.size):
+            scheme.trial[i] = x[i] + part * scheme.dx[i]
+        look_around(scheme, t + part * h, scheme.trial)
+    accept(x, scheme.carry, scheme.dx)
     run.rate = rate_end
     if height_end > 0.0:
         run.leaving = 0
         return RUNNING
-    status = switch_side(scheme, jump, log, t, rate_end)
-    return status if status == RUNNING else stop_at(run, t, status)
+    status = switch_side(scheme, jump, log, t + h)
+    return status if status == RUNNING else stop_at(run, t + h, status)
 
 
 @_inline
@@ -290,7 +312,7 @@ def take_step(step_minus, step_plus, jump, frame, log, h):
         if not abs(height_end) < math.inf or not abs(rate_end) < math.inf:
             return stop_at(run, t, _NO_CONVERGENCE)
         if run.follow == 0:
-            return step_over(scheme, jump, log, t + left, height_end, rate_end)
+            return step_over(scheme, jump, log, t, left, height_end, rate_end)
         # A perturbed crossing may lie beyond the end of the step; going back from there is no motion to be watched.
         found = first_crossing(scheme, t, left, height_end, rate_end) if left * run.tau > 0.0 else _NONE
         if found == _NONE:
@@ -300,12 +322,13 @@ def take_step(step_minus, step_plus, jump, frame, log, h):
             if height_end > 0.0:
                 run.leaving = 0
             return RUNNING
-        before = land(scheme, t) if found != _FAILED else math.nan
-        if before != before:
+        if found == _FAILED or not land(scheme, t):
             return stop_at(run, t, _NO_CONVERGENCE)
+        if found == _TOUCH:
+            run.own = 0.0  # it turns at the surface, and does not arrive
         done += run.hit
         t = run.t + (run.t_carry + done)
-        status = switch_side(scheme, jump, log, t, before if found == _FOUND else 0.0)  # a touch does not arrive
+        status = switch_side(scheme, jump, log, t)
         if status != RUNNING:
             return stop_at(run, t, status)
         run.leaving = 1

@@ -13,6 +13,8 @@ RUN = np.dtype(
         ("tau", np.float64),  # signed: negative where time runs back
         ("shift", np.float64),  # c·τᵖ added to every crossing time
         ("rate", np.float64),  # of g, counted away from the surface and along the run, at the current state
+        ("own", np.float64),  # at the surface: rate into the side occupied, and into the other
+        ("other", np.float64),
         ("hit", np.float64),  # where in the step the surface is met
         ("side", np.int64),  # carried, never read from the sign of g after a crossing
         ("leaving", np.int64),  # 1 while g has not yet taken the sign of the side

@@ -55,7 +55,7 @@ _WORDS = {
     ),
     Status.GRAZING: (
         "the trajectory touches the surface without a transversal crossing",
-        "Move the initial condition or a parameter a little.",
+        "Move the initial condition or a parameter a little, or take a smaller step size tau.",
     ),
     Status.NO_CONVERGENCE: (
         "the equations of the step, or the switching function, have no real solution that can be found",
@@ -63,7 +63,7 @@ _WORDS = {
     ),
     Status.ESCAPED: (
         "the state runs away beyond any bound",
-        "The solution may have a pole; end the run before it.",
+        "The solution may have a pole: end the run before it. If it has none, take a smaller step size tau.",
     ),
     Status.ZENO: (
         "too many crossings within one step",
@@ -137,7 +137,7 @@ class Trajectory:
     evaluations: int
     """Evaluations of the (discrete) field."""
     seconds: float
-    """Wall time inside the compiled loop."""
+    """Processor time inside the compiled loop."""
 
     def conserved_error(self) -> Floats:
         """ψ of the side occupied, less its value where that side was entered.

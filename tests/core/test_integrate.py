@@ -224,6 +224,16 @@ def test_surfaces_that_cannot_be_crossed_are_reported_never_integrated_through(m
         assert run.status.advice in run.message
 
 
+@pytest.mark.parametrize("scale", [None, 30.0, -30.0])
+def test_coarse_steps_and_large_perturbations_do_not_look_like_sliding(scale):
+    order = None if scale is None else 1
+    transition = "none" if scale is None else "mannshardt"
+    for tau in (0.1, 0.4, 0.7):
+        run = core.integrate(OSCILLATOR, (0.0, 40.0), tau=tau, transition=transition,
+                             perturbation_order=order, perturbation_scale=scale or 1.0)  # fmt: skip
+        assert run.status is Status.COMPLETED
+
+
 @pytest.mark.parametrize("method", list(core.METHODS))
 def test_a_pole_is_an_escape_with_everything_before_it_kept(method):
     run = core.integrate(ELLIPTIC, (0.0, 10.0), x0=(2.0, 3.0), tau=1e-2, method=method)
