@@ -54,6 +54,7 @@ class Laws:
         self.p = tuple(Symbol(q) for q in parameters)
         names = (*variables, *parameters)
         self.g = parse(texts["g"], names, "g")
+        self.gradient = tuple(self.g.diff(v) for v in self.x)
         self.jump = _parse_all(texts["jump"], names, "jump") if texts["jump"] is not None else None
         self.sides = {
             sign: self._side(
@@ -72,11 +73,6 @@ class Laws:
         g_dot = sum((self.g.diff(v) * f for v, f in pairs), self.g.diff(TIME))
         taken = frozenset(str(s) for s in (*self.x, *self.p))
         return Side(sign, self.x, field, conserved, sympy.sympify(g_dot), taken)
-
-    @property
-    def gradient(self) -> tuple[Expr, ...]:
-        """∇g."""
-        return tuple(self.g.diff(v) for v in self.x)
 
     def evaluate(self, key: object, expressions: Sequence[Expr], t: ArrayLike, x: ArrayLike, p: Floats) -> Floats:
         """Values of expressions at many states.

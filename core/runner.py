@@ -21,8 +21,8 @@ from core.trajectory import CROSSING_KINDS, Crossings, Status
 
 __all__ = ["Rows", "Runner", "Settings"]
 
-#: Steps between looks at the cancel flag: a few milliseconds.
-_CHUNK = 32768
+#: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
+_CHUNK = 131072
 _HITS = 256
 _RUNAWAY = 4.0  #: growth of the state from which a failed step may be an escape
 
