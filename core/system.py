@@ -47,6 +47,11 @@ class Parameter:
             object.__setattr__(self, "bounds", (low, high))
         object.__setattr__(self, "default", self.check(self.default))
 
+    @property
+    def symbol(self) -> str:
+        """How it is typeset, in LaTeX."""
+        return self.latex or _latex_name(self.name)
+
     def check(self, value: float) -> float:
         """Return `value` as a float if the parameter may take it, else raise ValueError."""
         number = _finite(value, f"parameter {self.name}")
@@ -181,7 +186,7 @@ class PiecewiseSystem:
 
     def latex(self) -> dict[str, str]:
         """The declaration as LaTeX: keys f_minus, f_plus, g, psi_minus, psi_plus."""
-        names = {sympy.Symbol(q.name): q.latex or _latex_name(q.name) for q in self.parameters}
+        names = {sympy.Symbol(q.name): q.symbol for q in self.parameters}
         names |= {v: _latex_name(str(v)) for v in self.laws.x}
 
         def typeset(expressions: Sequence[sympy.Expr]) -> str:

@@ -12,7 +12,7 @@ import core
 from pwsviz.fields import NumberField
 from pwsviz.panes import heading, text_pane
 from pwsviz.scene import PERTURBATION_ORDERS, Scene
-from pwsviz.text import as_text
+from pwsviz.text import as_text, short_name
 
 TAU_SLIDER = (1e-4, 0.3)
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin": (6, 0)}
@@ -73,7 +73,8 @@ class Sidebar(pn.viewable.Viewer):
         """Make the fields of another system's parameters and coordinates."""
         system = core.CATALOGUE[self.scene.system]
         parameters = {
-            f"values.{p.name}": {"label": p.name, "bounds": p.bounds, "description": p.doc} for p in system.parameters
+            f"values.{p.name}": {"label": short_name(p), "bounds": p.bounds, "description": f"{p.name}: {p.doc}"}
+            for p in system.parameters
         }
         coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
         self.fields = {key: self._number(key, **options) for key, options in (parameters | coordinates).items()}

@@ -123,7 +123,7 @@ def test_another_system_can_be_chosen(visit):
     await_painted(page, "Phase portrait")
     page.get_by_role("combobox", name="System").click()
     page.get_by_text("Harmonic oscillator", exact=True).click()
-    page.get_by_label("omega2_minus").wait_for()
+    page.get_by_label("ω²₋").wait_for()
     page.get_by_text(re.compile("2,000 steps, (?!21 )")).first.wait_for()
     await_painted(page, "Phase portrait")
 

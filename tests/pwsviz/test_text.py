@@ -2,11 +2,13 @@
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import core
 from pwsviz.results import Summary
-from pwsviz.text import as_text, complaint, duration, plural, rounded_up, run_line
+from pwsviz.text import as_text, complaint, duration, plural, rounded_up, run_line, short_name
 
 
 def summary(**changes):
@@ -49,3 +51,17 @@ def test_words_for_counts_and_times():
     assert plural(2000, "step") == "2,000 steps"
     assert duration(0.0048) == "4.8 ms"
     assert duration(2.5) == "2.50 s"
+
+
+@pytest.mark.parametrize(
+    ("parameter", "shown"),
+    [
+        (core.Parameter("a_minus", 1.0), "a₋"),
+        (core.Parameter("omega2_plus", 1.0, latex=r"\omega^2_{+}"), "ω²₊"),
+        (core.Parameter("radius", 1.0, latex="r"), "radius"),
+        (core.Parameter("k", 1.0), "k"),
+        (core.Parameter("strange", 1.0, latex=r"\frac{1}{2}"), "strange"),
+    ],
+)
+def test_parameters_are_named_as_plain_text_can(parameter, shown):
+    assert short_name(parameter) == shown
