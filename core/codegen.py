@@ -5,7 +5,7 @@ What is written here comes from sympy trees alone, in names of our own: no text 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import sympy
@@ -22,6 +22,7 @@ _DIVIDED = sorted(cls.__name__ for cls in (*DIFFERENCES.values(), *SECOND.values
 _HEADER = f"""\
 import math
 from numba import njit
+from core.arithmetic import two_sum
 from core.divided import {", ".join(_DIVIDED)}
 from core.signatures import JUMP, RATE, STEP, SWITCHING
 """
@@ -121,7 +122,7 @@ class StepCode:
         self._names = _Canonical(laws)
         self._side = side
         self._temporaries = sympy.numbered_symbols("v")
-        self._lines = list(self._names.unpack)
+        self._lines = self._names.unpack + [f"c{k} = carry[{k}]" for k in range(len(laws.x))]
         self._evaluations: list[str] = []
         self.t, self.h = Symbol("t"), Symbol("h")
         self.x = self._names.x
@@ -177,11 +178,29 @@ class StepCode:
         )
         inner += _elimination(n, d)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
-        self._lines += [f"c{k} = carry[{k}]" for k in range(d)]
         self._lines += ["t1 = t + h", *(f"{u} = 0.0" for u in unknowns), "last = math.inf", "corrections = 0"]
         self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(n, d)))]
         self._evaluations.append("corrections")
         return list(self.increment)
+
+    def compose(self, weights: Sequence[float], build: Callable[[], Sequence[Expr]]) -> list[Symbol]:
+        """Steps of length weight·h one after another, in a loop of the compiled step; returns the whole increment.
+
+        Between the steps, state and increment are kept with what rounding loses of them.
+        """
+        d = range(len(self.x))
+        outer, self._lines, self._evaluations = self._lines, [], []
+        part = build()
+        inner = ["h = whole_h * weight", "t = whole_t + whole_h * passed", "passed += weight"]
+        inner += [f"x{k}, c{k} = two_sum(x[{k}], carry[{k}] + (w{k} + z{k}))" for k in d]
+        inner += self._lines + assignments([f"a{k}" for k in d], part, self._temporaries)
+        for k in d:
+            inner += [f"w{k}, q = two_sum(w{k}, a{k})", f"z{k} += q"]
+        inner.append(f"count += {' + '.join(self._evaluations)}")
+        self._lines = [*outer, "whole_t, whole_h, passed, count = t, h, 0.0, 0", *(f"w{k} = z{k} = 0.0" for k in d)]
+        self._lines += [f"for weight in {tuple(weights)!r}:", *(f"    {line}" for line in inner)]
+        self._evaluations = ["count"]
+        return self.let([Symbol(f"w{k}") + Symbol(f"z{k}") for k in d])
 
     def text(self, name: str, increments: Sequence[Expr]) -> str:
         """The whole function, its increments being as given."""

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numba
 import sympy
 
-from core import divided
+from core import arithmetic, divided
 from core.codegen import StepCode, function_text, module_text, values_text
 from core.laws import Laws
 from core.methods import Method
@@ -92,7 +92,7 @@ def _jump_text(laws: Laws) -> str:
 def _load(text: str) -> ModuleType:
     """Import a module of generated text from the cache folder."""
     # numba looks at a function's own file only: what it inlines from elsewhere has to be part of the name.
-    inlined = Path(divided.__file__).read_text(encoding="utf-8")
+    inlined = "".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in (arithmetic, divided))
     key = hashlib.sha256("\0".join((text, inlined, numba.__version__, sys.version)).encode()).hexdigest()[:32]
     path = _folder() / f"pws_{key}.py"
     if not path.exists() or path.read_text(encoding="utf-8") != text:

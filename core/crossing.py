@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 
 from numba import njit
 
+from core.arithmetic import two_sum
 from core.trajectory import CROSSING_KINDS, Status
 
-__all__ = ["BOUND", "RUNNING", "Log", "Scheme", "is_plain", "take_step", "two_sum"]
+__all__ = ["BOUND", "RUNNING", "Log", "Scheme", "is_plain", "take_step"]
 
 _inline = njit(error_model="numpy")
 
@@ -54,14 +55,6 @@ class Log(NamedTuple):
     hits: Any
     x: Any
     after: Any
-
-
-@_inline
-def two_sum(a, b):
-    """a + b and what rounding lost of it, exactly (Knuth)."""
-    total = a + b
-    back = total - a
-    return total, (a - (total - back)) + (b - back)
 
 
 @_inline

@@ -14,8 +14,9 @@ from typing import Any
 import numba
 from numba import njit, types
 
-from core import crossing, signatures, state, trajectory
-from core.crossing import BOUND, RUNNING, Log, Scheme, is_plain, take_step, two_sum
+from core import arithmetic, crossing, signatures, state, trajectory
+from core.arithmetic import two_sum
+from core.crossing import BOUND, RUNNING, Log, Scheme, is_plain, take_step
 from core.trajectory import Status
 
 __all__ = ["compiled_march"]
@@ -50,7 +51,7 @@ def compiled_march() -> Callable[..., int]:
     """
     # numba looks for changes in this file only. The loop inlines others: a hash of them, being a closed-over
     # variable, becomes part of the key that numba caches under.
-    modules = (crossing, signatures, state, trajectory)
+    modules = (arithmetic, crossing, signatures, state, trajectory)
     text = "\0".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in modules)
     inlined = hashlib.sha256(text.encode()).hexdigest()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -54,6 +55,29 @@ def dmm2(side: Side, step: StepCode) -> Sequence[Expr]:
     return step.solve([*motion, *conservation], multipliers)
 
 
+#: Weights of symmetric compositions. Order 4: Suzuki, Phys. Lett. A 146 (1990). Orders 6 and 8: Kahan and Li, Math.
+#: Comp. 66 (1997), s9odr6a and s17odr8a; see Hairer, Lubich, Wanner, Geometric Numerical Integration, V.3.2.
+_SUZUKI4 = (1 / (4 - 4 ** (1 / 3)),) * 2
+_KAHAN_LI6 = (0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981, 0.082213596293550800230)
+_KAHAN_LI8 = (
+    0.13020248308889008088, 0.56116298177510838456, -0.38947496264484728641, 0.15884190655515560090,
+    -0.39590389413323757734, 0.18453964097831570709, 0.25837438768632204729, 0.29501172360931029887,
+)  # fmt: skip
+
+
+def composition(half: Sequence[float]) -> Builder:
+    """The method of dmm2 steps with these weights, the one in the middle that makes the sum 1, and these again back.
+
+    Symmetric and conservative because dmm2 is; the weights raise its order.
+    """
+    weights = (*half, 1 - 2 * math.fsum(half), *reversed(half))
+
+    def build(side: Side, step: StepCode) -> Sequence[Expr]:
+        return step.compose(weights, lambda: dmm2(side, step))
+
+    return build
+
+
 def rk2(side: Side, step: StepCode) -> Sequence[Expr]:
     """Explicit midpoint, the paper's baseline."""
     t, h, x = step.t, step.h, step.x
@@ -81,6 +105,9 @@ METHODS: Mapping[str, Method] = MappingProxyType({
     m.name: m
     for m in (
         Method("dmm2", 2, True, True, "Discrete Multiplier Method: keeps every ψ to round-off, symmetric.", dmm2),
+        Method("dmm4", 4, True, True, "Five steps of dmm2 (Suzuki): ψ kept, symmetric.", composition(_SUZUKI4)),
+        Method("dmm6", 6, True, True, "Nine steps of dmm2 (Kahan, Li): ψ kept, symmetric.", composition(_KAHAN_LI6)),
+        Method("dmm8", 8, True, True, "17 steps of dmm2 (Kahan, Li): ψ kept, symmetric.", composition(_KAHAN_LI8)),
         Method("rk2", 2, False, False, "Explicit midpoint: the paper's baseline, whose ψ drifts.", rk2),
         Method("rk4", 4, False, False, "Classical Runge-Kutta: accurate for a while, ψ drifts slowly.", rk4),
     )

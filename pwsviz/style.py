@@ -36,11 +36,11 @@ class Line(NamedTuple):
 
 LINES = (
     Line(BLUE, (), "circle", 4.5),
-    Line(VERMILION, (8, 6), "square", 1.6),
-    Line(GREEN, (3, 4), "triangle", 1.6),
+    Line(SKY, (14, 4), "hex", 1.6),
     Line(PURPLE, (10, 4, 2, 4), "diamond", 1.6),
     Line(ORANGE, (2, 3), "inverted_triangle", 1.6),
-    Line(SKY, (14, 4), "hex", 1.6),
+    Line(VERMILION, (8, 6), "square", 1.6),
+    Line(GREEN, (3, 4), "triangle", 1.6),
 )
 
 

@@ -30,6 +30,18 @@ def test_fourth_order_survives_too():
 
 
 @by_name
+@pytest.mark.parametrize(
+    ("method", "coarsest", "finest"), [("dmm4", 1e-1, 3e-3), ("dmm6", 1.5e-1, 1e-2), ("dmm8", 2.5e-1, 4e-2)]
+)
+def test_compositions_keep_their_order_across_crossings(system, method, coarsest, finest):
+    # Errors from 1e-3 to 1e-12. High orders leave so short a window that their next term still shows: 0.2.
+    study = core.order_study(system, np.geomspace(coarsest, finest, 9), method=method)
+    order = core.METHODS[method].order
+    assert study.time_slope == pytest.approx([order] * 3, abs=0.2)
+    assert study.state_slope[1:] == pytest.approx([order] * 3, abs=0.2)
+
+
+@by_name
 def test_without_a_transition_the_order_falls_to_one(system):
     # Irregular, as it depends on where in the step the surface lies: the mean over many step sizes is of order 1.
     study = core.order_study(system, np.geomspace(1e-2, 3e-5, 24), method="rk4", transition="none")
