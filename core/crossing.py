@@ -53,8 +53,7 @@ class Log(NamedTuple):
     """Where crossings are written."""
 
     hits: Any
-    x: Any
-    after: Any
+    places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
 
 
 @_inline
@@ -181,9 +180,11 @@ def settle(scheme, t, low, high, f_low, f_high):
 
 
 @_inline
-def look_around(scheme, t, place):
+def look_around(scheme, log, t, place):
     """Rates at a place on the surface: into the side occupied (negative on arrival), and into the other."""
     run = scheme.run
+    for i in range(place.size):
+        log.places[run.hits, 0, i] = place[i]
     run.own = outward_rate(run, scheme.rate, run.side, t, place, scheme.p)
     run.other = outward_rate(run, scheme.rate, -run.side, t, place, scheme.p)
 
@@ -225,7 +226,7 @@ def switch_side(scheme, jump, log, t):
     hit.rate_before = math.copysign(1.0, run.tau) * run.side * run.own
     hit.rate_after = -math.copysign(1.0, run.tau) * run.side * run.other
     for i in range(x.size):
-        log.x[k, i] = x[i]
+        log.places[k, 1, i] = x[i]
     if run.has_jump == 1:
         status, kind, entered = leap(scheme, jump, t)
         if status == RUNNING:
@@ -234,7 +235,7 @@ def switch_side(scheme, jump, log, t):
         status, kind = classify(run)
         entered = -run.side
     for i in range(x.size):
-        log.after[k, i] = x[i]
+        log.places[k, 2, i] = x[i]
     hit.kind = kind
     hit.side = entered if status == RUNNING else 0
     run.hits = k + 1
@@ -247,14 +248,14 @@ def switch_side(scheme, jump, log, t):
 
 
 @_inline
-def land(scheme, t):
+def land(scheme, log, t):
     """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
 
     Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ and x̂ anew there.
     """
     run = scheme.run
     height = probe(_HEIGHT, scheme, t, run.hit)
-    look_around(scheme, t + run.hit, scheme.trial)
+    look_around(scheme, log, t + run.hit, scheme.trial)
     if run.shift != 0.0:
         run.hit += run.shift
         height = probe(_HEIGHT, scheme, t, run.hit)
@@ -280,7 +281,7 @@ def step_over(scheme, jump, log, t, h, height_end, rate_end):
         part = height / (height - height_end) if height > 0.0 else 0.0
         for i in range(x.size):
             scheme.trial[i] = x[i] + part * scheme.dx[i]
-        look_around(scheme, t + part * h, scheme.trial)
+        look_around(scheme, log, t + part * h, scheme.trial)
     accept(x, scheme.carry, scheme.dx)
     run.rate = rate_end
     if height_end > 0.0:
@@ -315,7 +316,7 @@ def take_step(step_minus, step_plus, jump, frame, log, h):
             if height_end > 0.0:
                 run.leaving = 0
             return RUNNING
-        if found == _FAILED or not land(scheme, t):
+        if found == _FAILED or not land(scheme, log, t):
             return stop_at(run, t, _NO_CONVERGENCE)
         if found == _TOUCH:
             run.own = 0.0  # it turns at the surface, and does not arrive

@@ -34,7 +34,8 @@ def _signature() -> Any:
     functions = [pointer(signatures.STEP)] * 2 + [
         pointer(s) for s in (signatures.SWITCHING, signatures.RATE, signatures.JUMP)
     ]
-    return types.int64(*functions, vector, run, vector, vector, matrix, types.int64, row, matrix, hit, matrix, matrix)
+    places = types.Array(types.float64, 3, "C")
+    return types.int64(*functions, vector, run, vector, vector, matrix, types.int64, row, matrix, hit, places)
 
 
 @lru_cache(maxsize=1)
@@ -43,8 +44,8 @@ def compiled_march() -> Callable[..., int]:
 
     Returns
     -------
-    march(step_minus, step_plus, switching, rate, jump, p, run, x, carry, work, budget, rows, rows_x, hits, hits_x,
-    hits_after) -> Status as int
+    march(step_minus, step_plus, switching, rate, jump, p, run, x, carry, work, budget, rows, rows_x, hits, places)
+    -> Status as int
         Takes up to `budget` steps from the state it is given, and leaves that state ready to go on: RUNNING means
         that the budget or a buffer is used up. x and carry are (d,), work is (2, d) scratch; see `state` for the
         records.
@@ -58,7 +59,7 @@ def compiled_march() -> Callable[..., int]:
     @njit(_signature(), cache=True, nogil=True, error_model="numpy")
     def march(
         step_minus, step_plus, switching, rate, jump, p, state, x, carry, work, budget,
-        rows, rows_x, hits, hits_x, hits_after,
+        rows, rows_x, hits, places,
     ):  # fmt: skip
         inlined  # noqa: B018 - see above
         run = state[0]
@@ -87,7 +88,7 @@ def compiled_march() -> Callable[..., int]:
                     x[i], carry[i] = two_sum(x[i], carry[i] + dx[i])
             else:
                 scheme = Scheme(step, switching, rate, run, x, carry, p, dx, trial)
-                status = take_step(step_minus, step_plus, jump, scheme, Log(hits, hits_x, hits_after), h)
+                status = take_step(step_minus, step_plus, jump, scheme, Log(hits, places), h)
                 if status != RUNNING:
                     return status
             run.steps += 1

@@ -23,7 +23,7 @@ __all__ = ["Rows", "Runner", "Settings"]
 
 #: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
 _CHUNK = 131072
-_HITS = 256
+_HITS = 4096
 _RUNAWAY = 4.0  #: growth of the state from which a failed step may be an escape
 
 
@@ -73,7 +73,7 @@ class Runner:
         self._p = system.parameter_array
         self._x, self._carry = np.array(x0, dtype=float), np.zeros(system.dimension)
         self._work = np.empty((2, system.dimension))
-        self._hit_chunks: list[tuple[NDArray[Any], Floats, Floats]] = []
+        self._hit_chunks: list[tuple[NDArray[Any], Floats]] = []
         self._size0 = float(np.linalg.norm(self._x))
         self.rows = Rows([], [], [], [])
         self.status, self.seconds = Status.RUNNING, 0.0
@@ -149,10 +149,11 @@ class Runner:
     def crossings(self) -> Crossings:
         """Every crossing kept so far."""
         d = self.system.dimension
-        empty = (np.empty(0, dtype=HIT), np.empty((0, d)), np.empty((0, d)))
-        hits, x, after = (np.concatenate(parts) for parts in zip(empty, *self._hit_chunks, strict=True))
+        empty = (np.empty(0, dtype=HIT), np.empty((0, 3, d)))
+        hits, places = (np.concatenate(parts) for parts in zip(empty, *self._hit_chunks, strict=True))
+        surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
         columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "side", "rate_before", "rate_after")}
-        return Crossings(x=x, x_after=after, kind=np.array(CROSSING_KINDS)[hits["kind"]], **columns)
+        return Crossings(x=x, x_after=after, surface=surface, kind=np.array(CROSSING_KINDS)[hits["kind"]], **columns)
 
     def _enter(self, sign: float) -> Status:
         """Find the side of the initial value: by the sign of g, on the surface by where the fields lead."""
@@ -180,7 +181,7 @@ class Runner:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
         size, d = (budget if record else 0), self.system.dimension
         rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
-        hits = (np.empty(_HITS, dtype=HIT), np.empty((_HITS, d)), np.empty((_HITS, d)))
+        hits = (np.empty(_HITS, dtype=HIT), np.empty((_HITS, 3, d)))
         if not record:
             rows, rows_x = np.empty(1, dtype=ROW), np.empty((1, d))  # a buffer never full
         started = time.thread_time()
@@ -190,7 +191,7 @@ class Runner:
         self.seconds += time.thread_time() - started
         self._collect(int(self._run["rows"][0]), rows, rows_x)
         if n := int(self._run["hits"][0]):
-            chunk = (hits[0][:n], hits[1][:n], hits[2][:n])
+            chunk = (hits[0][:n], hits[1][:n])
             self._hit_chunks = [*self._hit_chunks, chunk] if keep_hits else [chunk]
         return Status(status)
 

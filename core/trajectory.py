@@ -88,6 +88,8 @@ class Crossings:
     """(k, d) states x̂ on the surface (beside it, if moved by a perturbation)."""
     x_after: Floats
     """(k, d) states it went on from: x, or what the jump made of it."""
+    surface: Floats
+    """(k, d) states where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
     side: Integers
     """(k,) side entered, −1 or +1; 0 where the run could not go on."""
     g: Floats

@@ -19,8 +19,10 @@ from core.trajectory import Status
 
 __all__ = ["OrderStudy", "order_study"]
 
-#: A slope is fitted to errors between this many round-off levels and this fraction of the size of the state.
-_ABOVE_FLOOR, _BELOW_SIZE = 30.0, 0.05
+#: A slope is fitted to errors between this many round-off levels and this fraction of the size of the state, from the
+#: finest step size on as far as slopes from point to point agree within this much; to so many points at the least.
+_ABOVE_FLOOR, _BELOW_SIZE = 100.0, 0.3
+_AGREE, _LEAST = 0.15, 3
 #: Round-off of state and oracle together, in units of eps times the size of the state.
 _ROUND_OFF = 64.0
 _MAX_TAUS = 64
@@ -132,8 +134,8 @@ def _targets(exact: ReferenceSolution, t0: float, numbers: tuple[int, ...]) -> t
         try:
             t_star.append(exact.crossing(k)[0])
         except ValueError as why:
-            needed = f"crossings = {numbers} need {numbers[-1] + 1} crossings, the trajectory has {k - 1}"
-            raise ValueError(f"{needed}: {why}. Ask for earlier crossings, or start elsewhere") from None
+            looked = f"crossing {numbers[-1]} and the stretch after it are looked at"
+            raise ValueError(f"{looked}, but the trajectory has {k - 1} crossings: {why}") from None
     halfway = [(t_star[k] + t_star[k + 1]) / 2 for k in (0, *numbers)]
     states = np.array([exact.state(t) for t in halfway])
     return np.array(halfway), states, np.array([t_star[k] for k in numbers])
@@ -165,8 +167,22 @@ def _fits(taus: Floats, errors: Floats, floor: float, size: float) -> tuple[Floa
     """Least-squares slopes of log error over log τ, a row at a time, and the window of step sizes used."""
     slopes, windows = np.full(len(errors), np.nan), np.full((len(errors), 2), np.nan)
     for k, row in enumerate(errors):
-        used = (row > _ABOVE_FLOOR * floor) & (row < _BELOW_SIZE * size)
-        if used.sum() >= 3:
+        clear = np.flatnonzero((row > _ABOVE_FLOOR * floor) & (row < _BELOW_SIZE * size))
+        finest_first = clear[np.argsort(taus[clear])]
+        used = finest_first[: _asymptotic(np.log(taus[finest_first]), np.log(row[finest_first]))]
+        if len(used) >= _LEAST:
             slopes[k] = np.polyfit(np.log(taus[used]), np.log(row[used]), 1)[0]
             windows[k] = taus[used].min(), taus[used].max()
     return slopes, windows
+
+
+def _asymptotic(x: Floats, y: Floats) -> int:
+    """How many points from the finest on lie in the asymptotic range: there slopes from point to point agree.
+
+    Where they do not agree even at the finest, as without a transition, all points.
+    """
+    between = np.diff(y) / np.diff(x)
+    count = _LEAST - 1
+    while count <= len(between) and np.ptp(between[:count]) <= _AGREE:
+        count += 1
+    return count if count > _LEAST - 1 else len(x)

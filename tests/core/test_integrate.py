@@ -174,6 +174,16 @@ def test_perturbed_crossing_time_is_moved_even_beyond_the_step(scale):
     assert (done.status, len(done.crossings)) == (Status.COMPLETED, 3)
 
 
+@pytest.mark.parametrize("how", [{"perturbation_order": 1}, {"transition": "none"}, {}])
+def test_the_place_where_the_scheme_met_the_surface_is_kept_beside_where_it_landed(how):
+    run = core.integrate(ELLIPTIC, (0.0, 20.0), tau=1e-2, **how)
+    g = np.abs(ELLIPTIC.switching(0.0, run.crossings.surface))
+    # Stepped over: the chord of a step of length tau misses the curve by about tau**2.
+    assert g.max() <= (1e-3 if "transition" in how else 4 * EPS)
+    apart = np.abs(run.crossings.surface - run.crossings.x).max()
+    assert apart > 1e-3 if how else apart == 0.0
+
+
 def test_running_back_undoes_running_forward():
     forward = core.integrate(ELLIPTIC, (0.0, 30.0), tau=1e-2)
     back = core.integrate(ELLIPTIC, (30.0, 0.0), x0=forward.x[-1], tau=1e-2)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import core
+from core.studies import order
 
 SYSTEMS = [core.CATALOGUE["harmonic_oscillator"], core.CATALOGUE["elliptic_curve"]]
 by_name = pytest.mark.parametrize("system", SYSTEMS, ids=lambda s: s.name)
@@ -24,9 +25,23 @@ def test_order_two_survives_thirty_crossings_unless_the_crossing_time_is_worse(s
     assert study.window[1:, 0] == pytest.approx([study.taus.min()] * 3)
 
 
-def test_fourth_order_survives_too():
-    study = core.order_study(SYSTEMS[0], np.geomspace(1e-1, 5e-3, 8), method="rk4")
-    assert study.state_slope == pytest.approx([4.0] * 4, abs=0.1)
+@by_name
+@pytest.mark.parametrize(("method", "coarsest", "finest"), [("rk2", 1e-2, 1e-4), ("rk4", 6e-3, 1e-3)])
+def test_runge_kutta_methods_keep_their_order_too(system, method, coarsest, finest):
+    study = core.order_study(system, np.geomspace(coarsest, finest, 9), method=method)
+    expected = core.METHODS[method].order
+    assert study.state_slope == pytest.approx([expected] * 4, abs=0.1)
+    assert study.time_slope == pytest.approx([expected] * 3, abs=0.1)
+
+
+def test_the_fit_leaves_out_step_sizes_that_are_not_yet_asymptotic():
+    # Halving the error of a step size at a time is slope 1 from 0.1 down; above it the error is flat.
+    taus = np.array([0.8, 0.4, 0.2, 0.1, 0.05, 0.025, 0.0125])
+    errors = np.array([[0.1, 0.1, 0.1, 0.1, 0.05, 0.025, 0.0125], np.full(7, 1e-15)])
+    slopes, windows = order._fits(taus, errors, floor=1e-14, size=1.0)
+    assert slopes[0] == pytest.approx(1.0)
+    assert windows[0].tolist() == [0.0125, 0.1]
+    assert np.isnan(slopes[1])  # nothing but round-off
 
 
 @by_name
@@ -36,9 +51,9 @@ def test_fourth_order_survives_too():
 def test_compositions_keep_their_order_across_crossings(system, method, coarsest, finest):
     # Errors from 1e-3 to 1e-12. High orders leave so short a window that their next term still shows: 0.2.
     study = core.order_study(system, np.geomspace(coarsest, finest, 9), method=method)
-    order = core.METHODS[method].order
-    assert study.time_slope == pytest.approx([order] * 3, abs=0.2)
-    assert study.state_slope[1:] == pytest.approx([order] * 3, abs=0.2)
+    expected = core.METHODS[method].order
+    assert study.time_slope == pytest.approx([expected] * 3, abs=0.2)
+    assert study.state_slope[1:] == pytest.approx([expected] * 3, abs=0.2)
 
 
 @by_name
@@ -82,7 +97,7 @@ def test_any_other_system_is_measured_against_scipy():
 
 
 def test_trajectories_with_too_few_crossings_are_refused_in_words():
-    with pytest.raises(ValueError, match="the trajectory has 0"):
+    with pytest.raises(ValueError, match="the trajectory has 0 crossings"):
         core.order_study(SYSTEMS[1], [1e-2, 1e-3], x0=(2.0, 3.0))
 
 
