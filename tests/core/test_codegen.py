@@ -12,7 +12,7 @@ import sympy
 from exact import EPS
 from systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
 
-from core import METHODS, PiecewiseSystem
+from core import METHODS, PiecewiseSystem, integrate
 from core.compiled import compile_steps
 from core.signatures import NO_SOLUTION
 
@@ -207,3 +207,19 @@ def test_dependent_gradients_cost_no_accuracy_or_are_reported(x: tuple[float, ..
         start = [mp.mpf(float(v)) for v in x]
         end = [u + mp.mpf(float(v)) for u, v in zip(start, dx, strict=True)]
         assert max(map(abs, psi(0, end) - psi(0, start))) <= 24 * EPS  # 16 are accepted, before the last correction
+
+
+def test_names_that_the_generated_code_uses_too_change_nothing() -> None:
+    plain = PiecewiseSystem("plain", ("x", "y"), ("y", "-k*x"), ("y", "-x"), "y - t/100",
+                                 ("k*x**2 + y**2",), ("x**2 + y**2",), {"k": 3.0}, (1.0, 1.0))  # fmt: skip
+    names = {"x": "d0", "y": "x0", "k": "h"}
+
+    def renamed(text: str) -> str:
+        return "".join(names.get(c, c) for c in text)
+
+    texts = [tuple(map(renamed, e)) for e in (plain.f_minus, plain.f_plus, plain.psi_minus, plain.psi_plus)]
+    clashing = PiecewiseSystem("clashing", ("d0", "x0"), texts[0], texts[1], renamed(plain.g), texts[2], texts[3],
+                                    {"h": 3.0}, (1.0, 1.0))  # fmt: skip
+    for method in METHODS:
+        runs = [integrate(s, (0.0, 10.0), tau=0.1, method=method, record="end") for s in (plain, clashing)]
+        assert np.abs(runs[0].x[-1] - runs[1].x[-1]).max() <= 1e-13  # terms may be added in another order
