@@ -13,6 +13,7 @@ from typing import Any
 import param
 
 import core
+from pwsviz.names import short_name
 
 MAX_STEPS = 2_000_000
 """The most steps the page asks of one run, so that a slip of the keyboard cannot keep it busy."""
@@ -37,7 +38,7 @@ class Scene(param.Parameterized):
     perturbation_order: Any = param.Selector(
         default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the disturbance c·τᵖ of crossing times."
     )
-    perturbation_scale = param.Number(default=1.0, bounds=(-100.0, 100.0), doc="Its factor c.")
+    perturbation_scale = param.Number(default=1.0, bounds=(-10.0, 10.0), doc="Its factor c.")
     view: Any = param.Selector(default="conserved", objects=list(VIEWS), doc="The view beside the portrait.")
     study_method: Any = param.Selector(default="dmm2", objects=list(core.METHODS), doc="Integrator of the order study.")
 
@@ -122,7 +123,7 @@ class Scene(param.Parameterized):
     def _checked_values(self, name: str, value: object) -> dict[str, float]:
         parameter = next(p for p in core.CATALOGUE[self.system].parameters if p.name == name)
         low, high = parameter.bounds or (-MAX_COORDINATE, MAX_COORDINATE)
-        return {**self.values, name: number(value, name, low, high)}
+        return {**self.values, name: number(value, short_name(parameter), low, high)}
 
 
 def number(value: object, subject: str, low: float, high: float) -> float:
@@ -137,7 +138,9 @@ def number(value: object, subject: str, low: float, high: float) -> float:
         result = float(str(value).strip().replace("−", "-"))
     except ValueError:
         raise ValueError(f"“{value}” is not a number. Type one such as 0.01 or 1e-3.") from None
-    if not math.isfinite(result) or not low <= result <= high:
+    if not math.isfinite(result):
+        raise ValueError(f"“{value}” is not a finite number. Type one such as 0.01 or 1e-3.")
+    if not low <= result <= high:
         raise ValueError(f"{subject} has to lie between {low:g} and {high:g}.")
     return result
 

@@ -10,9 +10,10 @@ import panel_material_ui as pmui
 
 import core
 from pwsviz.fields import NumberField
+from pwsviz.names import short_name
 from pwsviz.panes import heading, text_pane
 from pwsviz.scene import PERTURBATION_ORDERS, Scene
-from pwsviz.text import as_text, short_name
+from pwsviz.text import as_text
 
 TAU_SLIDER = (1e-4, 0.3)
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin": (6, 0)}

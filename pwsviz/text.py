@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-import core
 from pwsviz.results import Summary
 from pwsviz.style import line_of
 from pwsviz.views.order import Row
@@ -43,17 +42,6 @@ def study_text(method: str, reference: str, rows: Sequence[Row]) -> str:
     """Return the slopes of a study in words: the same as the plot shows, for those who cannot see it."""
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
     return as_text(f"{method}: {slopes}. Measured against: {reference}.")
-
-
-_CHARACTERS = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", r"\omega": "ω", r"\gamma": "γ", r"\mu": "μ", "_": ""}
-
-
-def short_name(parameter: core.Parameter) -> str:
-    """Return how a parameter is typeset, as far as plain text can do it (a₋, ω²₊), else its name."""
-    text = parameter.symbol
-    for latex, character in _CHARACTERS.items():
-        text = text.replace(latex, character)
-    return parameter.name if set(text) & set("\\{}^") or len(text) == 1 else text
 
 
 def plural(count: int, noun: str) -> str:

@@ -127,8 +127,8 @@ class OrderView:
         """Draw one study."""
         drawn = [(row, LINES[k % len(LINES)], np.isfinite(row.error) & (row.error > 0)) for k, row in enumerate(rows)]
         self.curves.data = {
-            "xs": [taus[there] for _, _, there in drawn],
-            "ys": [row.error[there] for row, _, there in drawn],
+            "xs": [taus for _ in drawn],
+            "ys": [np.where(there, row.error, np.nan) for row, _, there in drawn],  # nan: a gap
             "colour": [line.colour for _, line, _ in drawn],
             "dash": [list(line.dash) for _, line, _ in drawn],
             "label": [row.label for row, _, _ in drawn],
@@ -163,7 +163,7 @@ class OrderView:
             "ys": [np.array([height, top]) for height in heights],
         }
         self.guide_names.data = {"x": starts, "y": heights, "text": [f"slope {slope}" for slope in slopes]}
-        self.corners.data = {"x": [near / 3, far], "y": [bottom, top]}
+        self.corners.data = {"x": [near / 6, far], "y": [bottom, top]}
 
 
 def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:

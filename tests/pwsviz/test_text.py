@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
+from pwsviz.names import short_name
 from pwsviz.results import Summary
-from pwsviz.text import as_text, complaint, duration, plural, rounded_up, run_line, short_name
+from pwsviz.text import as_text, complaint, duration, plural, rounded_up, run_line
 
 
 def summary(**changes):

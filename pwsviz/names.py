@@ -1,0 +1,15 @@
+"""Names as plain text shows them."""
+
+from __future__ import annotations
+
+import core
+
+_CHARACTERS = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", r"\omega": "ω", r"\gamma": "γ", r"\mu": "μ", "_": ""}
+
+
+def short_name(parameter: core.Parameter) -> str:
+    """Return how a parameter is typeset, as far as plain text can do it (a₋, ω²₊), else its name."""
+    text = parameter.symbol
+    for latex, character in _CHARACTERS.items():
+        text = text.replace(latex, character)
+    return parameter.name if set(text) & set("\\{}^") or len(text) == 1 else text
