@@ -193,7 +193,10 @@ class Explorer(pn.viewable.Viewer):
         """Start from the point the person clicked, to the digits a screen can tell."""
         view = self._visible or self.portrait.frame
         assert view is not None  # noqa: S101  (a click needs a picture)
-        self.scene.accept("x0", place(x, y, view, self.scene.x0))
+        try:
+            self.scene.accept("x0", place(x, y, view, self.scene.x0))
+        except ValueError as reason:
+            self.trouble.object = complaint(reason)
 
     def settle(self, timeout: float) -> bool:
         """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""

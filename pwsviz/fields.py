@@ -42,6 +42,7 @@ class NumberField(pn.viewable.Viewer):
         self._read, self._accept = read, accept
         self._log = logarithmic
         self._syncing = False
+        self._shown = math.nan
         self.text = pmui.TextInput(
             label=label, size="small", margin=(6, 0, 2, 0), sizing_mode="stretch_width", description=description
         )
@@ -70,11 +71,16 @@ class NumberField(pn.viewable.Viewer):
         except ValueError as reason:
             self.text.param.update(error_state=True, helper_text=str(reason))
         else:
-            self.sync()
+            self._show(self._read())
 
     def sync(self) -> None:
-        """Show the number the scene has."""
+        """Show the number the scene has; but what was refused stays, with the reason, while that number stays."""
         value = self._read()
+        if not (self.text.error_state and value == self._shown):
+            self._show(value)
+
+    def _show(self, value: float) -> None:
+        self._shown = value
         self._syncing = True
         try:
             self.text.param.update(value=repr(value), error_state=False, helper_text="")

@@ -45,8 +45,10 @@ class Window(NamedTuple):
     def around(cls, points: Floats) -> Window:
         """Return the box of some points, with a margin; rows with NaN do not count."""
         low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
-        size = float((high - low).max())
-        margin = 0.2 * max(size, 1e-9, 1e-6 * float(np.abs(high + low).max()))
+        size, away = float((high - low).max()), float(np.abs(high + low).max()) / 2
+        if size <= 1e-6 * max(away, 1e-3):  # a point: as much around it as it is away from the origin
+            size = 5 * max(away, 1.0)
+        margin = 0.2 * size
         return cls(*(float(end) for end in (low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin)))
 
     def holds(self, points: Floats) -> NDArray[np.bool_]:
@@ -67,7 +69,7 @@ class Window(NamedTuple):
 
     def shows_well(self, other: Window) -> bool:
         """Whether `other`, drawn on this window, is covered and not much smaller."""
-        return self.covers(other) and max(self.width / other.width, self.height / other.height) <= 4.0
+        return self.covers(other) and self.width <= 4 * other.width and self.height <= 4 * other.height
 
 
 @dataclass(frozen=True)

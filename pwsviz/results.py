@@ -14,6 +14,7 @@ import core
 from pwsviz.cache import Cache, Cancelled
 from pwsviz.curves import Floats, distinct_pixels, envelope, screen_path
 from pwsviz.inputs import Ground, RunInputs, Scheme, StudyInputs
+from pwsviz.loss import accumulated_error
 from pwsviz.plane import Backdrop, Window, backdrop
 from pwsviz.scene import MAX_STEPS
 
@@ -147,33 +148,6 @@ class Results:
     def study(self, inputs: StudyInputs, cancel: Cancel = never) -> core.OrderStudy:
         """Measure the order."""
         return self._cache.get("study", inputs, partial(_study, inputs, cancel))
-
-
-def accumulated_error(run: core.Trajectory) -> Floats:
-    """Change of ψ that the integrator made, added up over the visits to both sides.
-
-    At a crossing ψ changes its meaning and its value, which is no error; so each visit is measured from where the side
-    was entered, and what the visit lost by its end is carried on. Of several conserved quantities the worst is taken.
-
-    Returns
-    -------
-    (n,) array
-        Absolute values; NaN where no conserved quantity is known.
-    """
-    within = run.conserved_error()
-    if within.shape[1] == 0:
-        return np.full(len(within), np.nan)
-    visits = len(run.entered_t) - 1
-    sides = np.concatenate([run.side[:1], run.crossings.side])[:visits]
-    lost = np.zeros((visits + 1, within.shape[1]))
-    for side in (-1, 1):
-        number = np.flatnonzero(sides == side)
-        at_end = run.system.conserved(side, run.crossings.t[number], run.crossings.x[number])
-        at_entry = run.system.conserved(side, run.entered_t[number], run.entered_x[number])
-        lost[number + 1, : at_end.shape[1]] = at_end - at_entry
-    total = np.abs(within + np.cumsum(lost, axis=0)[run.segment])
-    worst: Floats = np.fmax.reduce(total, axis=1)
-    return worst
 
 
 def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:

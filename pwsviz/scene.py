@@ -13,6 +13,7 @@ from typing import Any
 import param
 
 import core
+from core.integrate import checked_start
 from pwsviz.names import short_name
 
 MAX_STEPS = 2_000_000
@@ -118,7 +119,8 @@ class Scene(param.Parameterized):
         names = core.CATALOGUE[self.system].variables
         if len(wanted) != len(names):
             raise ValueError(f"A start needs {len(names)} numbers: {', '.join(names)}.")
-        return tuple(number(x, name, -MAX_COORDINATE, MAX_COORDINATE) for name, x in zip(names, wanted, strict=True))
+        start = tuple(number(x, name, -MAX_COORDINATE, MAX_COORDINATE) for name, x in zip(names, wanted, strict=True))
+        return checked_start(self.build(), 0.0, start)
 
     def _checked_values(self, name: str, value: object) -> dict[str, float]:
         parameter = next(p for p in core.CATALOGUE[self.system].parameters if p.name == name)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomJSTickFormatter, DataRange1d, FixedTicker, LogAxis
+from bokeh.models import ColumnDataSource, CustomJSTickFormatter, DataRange1d, FixedTicker, LogAxis, WheelZoomTool
 from bokeh.models.annotations import Legend, LegendItem, Span
 from bokeh.plotting import figure
 
@@ -70,6 +70,8 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "html_attributes": {"role": "img", "aria-label": summary},
     }
     plot = figure(**{**settings, **options})
+    for wheel in plot.select(WheelZoomTool):  # the bare wheel scrolls the page
+        wheel.update(modifiers="ctrl", zoom_on_axis=False)
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
     return plot

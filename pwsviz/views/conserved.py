@@ -39,7 +39,7 @@ class ConservedView:
             "Absolute change of the conserved quantity against time, on a logarithmic axis",
             y_axis_type="log",
             x_axis_label="time t",
-            y_axis_label="|change of ψ|",
+            y_axis_label="|change of ψ made by the integrator|",
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.06),
         )

@@ -156,6 +156,9 @@ class PortraitView:
         if self.frame is None or new_system or not _holds(self.frame, box):
             self.frame, self._system = box, system
             assign(self.corners, x=[box.x_low, box.x_high], y=[box.y_low, box.y_high])
+            for axis in ranges(self.figure):  # as far as digits tell points apart, and no farther out than is of use
+                axis.min_interval = 1e-9 * max(map(abs, box))
+                axis.max_interval = 1e3 * max(box.width, box.height)
         if new_system:
             refit(self.figure)
         return self.frame
@@ -184,9 +187,9 @@ def extent(orbits: Sequence[Orbit]) -> Window:
 
 
 def _holds(frame: Window, box: Window) -> bool:
-    """Whether the box is inside the frame, to a hair, and fills at least half of it in one direction."""
+    """Whether the box is inside the frame, to a hair, and not much smaller in either direction."""
     room = frame.scaled(1.06)
-    return room.covers(box) and max(box.width / frame.width, box.height / frame.height) >= 0.5
+    return room.covers(box) and min(box.width / frame.width, box.height / frame.height) >= 0.4
 
 
 def _polygons(ground: Backdrop) -> list[tuple[Floats, list[Floats]]]:

@@ -7,8 +7,9 @@ import core
 from pwsviz.cache import Cancelled
 from pwsviz.curves import RESOLUTION
 from pwsviz.inputs import Scheme, run_inputs, study_inputs
+from pwsviz.loss import accumulated_error
 from pwsviz.plane import Window
-from pwsviz.results import Results, accumulated_error
+from pwsviz.results import Results
 from pwsviz.scene import Scene
 
 
@@ -135,3 +136,18 @@ def test_the_study_measures_slope_two(results):
     study = results.study(study_inputs(Scene()))
     assert np.abs(study.state_slope - 2).max() < 0.1
     assert results.study(study_inputs(Scene(tau=1e-3))) is study
+
+
+@pytest.mark.parametrize(
+    ("how", "least", "most"),
+    [
+        ({}, 0.0, 4e-15),
+        ({"perturbation_order": 1}, 0.05, 5.0),
+        ({"transition": "none"}, 0.02, 2.0),
+        ({"method": "rk2"}, 1e-4, 1e-2),
+    ],
+)
+def test_what_is_lost_at_crossings_counts_as_much_as_what_is_lost_between(how, least, most):
+    # Against the exact levels (psi = 0 outside, 2 cos(4 pi/7) inside): round-off, 0.42, 0.18 and 6e-4.
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), tau=1e-2, **how)
+    assert least <= accumulated_error(run).max() <= most
