@@ -84,7 +84,10 @@ class Explorer(pn.viewable.Viewer):
         }
         self.status = text_pane("Computing the first trajectory …")
         self.trouble = text_pane("")
-        self._runs, self._ground, self._study = Lane(), Lane(), Lane(quiet=0.15, impatient=True)
+        self.progress = pmui.LinearProgress(
+            variant="indeterminate", visible=False, sizing_mode="stretch_width", margin=0
+        )
+        self._runs, self._ground, self._study = Lane(patience=0.1), Lane(patience=0.1), Lane(quiet=0.15)
         self._closed = False
         self._asked: dict[str, object] = {}
         self._visible: Window | None = None
@@ -105,13 +108,23 @@ class Explorer(pn.viewable.Viewer):
     def refresh(self) -> None:
         """Ask for whatever the visible views lack."""
         wanted = run_inputs(self.scene), self.scene.view == "conserved"
-        self._ask(self._runs, "runs", wanted, partial(self.results.pictures, *wanted), self._show_runs)
+        if self._ask(self._runs, "runs", wanted, partial(self.results.pictures, *wanted), self._show_runs):
+            self._promise(wanted)
         if self.scene.view in self.studies:
             self.studies[self.scene.view].reveal()
             study = study_inputs(self.scene)
             asked = self._ask(self._study, "study", study, partial(self.results.study, study), self._show_study)
             for view in self.studies.values():
                 view.busy = view.busy or asked
+
+    def _promise(self, wanted: object) -> None:
+        """Show that something is on its way, if it has not come by the time a person begins to wonder."""
+
+        def remind() -> None:
+            self.progress.visible = self._runs.busy and self._asked.get("runs") == wanted
+
+        if self.document is not None:
+            self.document.add_timeout_callback(remind, 300)
 
     def _ask(
         self, lane: Lane, what: str, inputs: object, compute: Callable[..., Any], show: Callable[[Any], None]
@@ -135,6 +148,7 @@ class Explorer(pn.viewable.Viewer):
             show(outcome)
 
     def _show_runs(self, outcome: Pictures | Exception) -> None:
+        self.progress.visible = False
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
             return
@@ -211,7 +225,7 @@ class Explorer(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
         under = (self.trouble, self.status)
-        left = pn.Column(plot_pane(self.portrait.figure), *under, margin=0, sizing_mode="stretch_width")
+        left = pn.Column(self.progress, plot_pane(self.portrait.figure), *under, margin=0, sizing_mode="stretch_width")
         right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
         views = pn.Column(left, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(views, stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width")

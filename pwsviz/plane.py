@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -117,6 +118,13 @@ def backdrop(
     )
 
 
+def closed_surface(system: core.PiecewiseSystem, window: Window, anchor: tuple[float, ...]) -> Floats:
+    """Return the points (k, 2) of those pieces of the surface that are closed within a window."""
+    plane = _Plane(system, window, anchor)
+    loops = [line for line in plane.contour(plane.g, 0.0) if len(line) > 3 and np.array_equal(line[0], line[-1])]
+    return np.concatenate([*loops, np.empty((0, 2))])
+
+
 class _Plane:
     """A grid on the window, with the system's functions on it."""
 
@@ -126,7 +134,11 @@ class _Plane:
         self.anchor = np.array(anchor, dtype=float)
         self.x, self.y = self._axes(GRID)
         self.g = self._switching(*np.meshgrid(self.x, self.y))
-        self.psi = {side: self._conserved(side) for side in (-1, 1)}
+
+    @cached_property
+    def psi(self) -> dict[int, Floats | None]:
+        """Conserved quantities of either side on the grid."""
+        return {side: self._conserved(side) for side in (-1, 1)}
 
     def _axes(self, count: int) -> tuple[Floats, Floats]:
         """Square cells, `count` of them along the longer side."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 import core
-from pwsviz.cache import Cache, Cancelled
+from pwsviz.cache import Cache, Cancelled, Value
 from pwsviz.curves import Floats, distinct_pixels, envelope, screen_path
 from pwsviz.inputs import Ground, RunInputs, Scheme, StudyInputs
 from pwsviz.loss import accumulated_error
-from pwsviz.plane import Backdrop, Window, backdrop
+from pwsviz.plane import Backdrop, Window, backdrop, closed_surface
 from pwsviz.scene import MAX_STEPS
 
 Cancel = Callable[[], bool]
@@ -33,6 +33,10 @@ SEVERAL_LEVELS = 6
 """At most so many level sets through an orbit on each side."""
 
 
+COMPARABLE = 2.0
+"""A closed surface that fits into a window this much larger than an orbit is shown whole beside it."""
+
+
 def never() -> bool:
     """Answer the question whether to give up with no."""
     return False
@@ -44,6 +48,7 @@ class Orbit:
 
     method: str
     path: Floats
+    surface: Floats
     crossings: Floats
     kinds: tuple[str, ...]
     x0: tuple[float, ...]
@@ -110,31 +115,41 @@ class Results:
             errors=[self.error_curve(one, cancel) for one in inputs] if with_errors else None,
         )
 
+    def _get(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
+        """Compute one stage, unless it is remembered or nobody waits for it any more."""
+
+        def stage() -> Value:
+            if cancel():
+                raise Cancelled
+            return compute()
+
+        return self._cache.get(kind, inputs, stage)
+
     def run(self, inputs: RunInputs, cancel: Cancel = never) -> core.Trajectory:
         """Integrate."""
-        return self._cache.get("run", inputs, partial(_run, inputs, cancel))
+        return self._get("run", inputs, cancel, partial(_run, inputs, cancel))
 
     def orbit(self, inputs: RunInputs, near: Window | None = None, cancel: Cancel = never) -> Orbit:
         """Return the trajectory for the portrait, as far as it stays within `near`.
 
         Without such a window all of it, except that one that runs off to infinity is left where it has gone far.
         """
-        return self._cache.get("orbit", (inputs, near), lambda: _orbit(inputs, self.run(inputs, cancel), near))
+        return self._get("orbit", (inputs, near), cancel, lambda: _orbit(inputs, self.run(inputs, cancel), near))
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
         """Return |change of ψ| at every step of a run."""
-        return self._cache.get("error", inputs, lambda: accumulated_error(self.run(inputs, cancel)))
+        return self._get("error", inputs, cancel, lambda: accumulated_error(self.run(inputs, cancel)))
 
     def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
         """Return the error for the plot against time."""
-        return self._cache.get(
-            "curve", inputs, lambda: _curve(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+        return self._get(
+            "curve", inputs, cancel, lambda: _curve(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
 
     def summary(self, inputs: RunInputs, cancel: Cancel = never) -> Summary:
         """Return the run in figures."""
-        return self._cache.get(
-            "summary", inputs, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+        return self._get(
+            "summary", inputs, cancel, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
 
     def backdrop(self, ground: Ground, window: Window, levels: Levels) -> Backdrop:
@@ -197,9 +212,11 @@ def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None) -> Orbi
         near = _surroundings(run)
     marks = np.flatnonzero(near.holds(run.crossings.x)) if near else np.arange(len(run.crossings.x))
     marks = marks[distinct_pixels(run.crossings.x[marks, :2])]
+    path = screen_path(points, kinks, near.holds(points) if near else None)
     return Orbit(
         method=inputs.scheme.method,
-        path=screen_path(points, kinks, near.holds(points) if near else None),
+        path=path,
+        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), inputs.ground.x0),
         crossings=run.crossings.x[marks, :2],
         kinds=tuple(str(run.crossings.kind[k]) for k in marks),
         x0=inputs.ground.x0,

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from threading import Condition, Event, Thread
+from time import monotonic
 from typing import Any
 
 from pwsviz.cache import Cancelled
@@ -32,14 +33,14 @@ class Lane:
     ----------
     quiet : float
         Seconds without a newer job before one is started: a dragged slider starts its work when it rests.
-    impatient : bool
-        Whether a newer job also cancels the one that runs. Without it, work as short as a frame is finished and
-        shown, so that the picture keeps moving under a dragged slider.
+    patience : float
+        Seconds after which a running job is given up once a newer one waits. Work as short as a few frames is finished
+        and shown, so that the picture keeps moving under a dragged slider.
     """
 
-    def __init__(self, quiet: float = 0.0, impatient: bool = False) -> None:
+    def __init__(self, quiet: float = 0.0, patience: float = 0.0) -> None:
         self.quiet = quiet
-        self.impatient = impatient
+        self.patience = patience
         self._changed = Condition()
         self._waiting: Job | None = None
         self._running: Job | None = None
@@ -55,8 +56,6 @@ class Lane:
         """Ask for `job`, in place of any that still waits."""
         with self._changed:
             self._waiting = job
-            if self.impatient and self._running is not None:
-                self._running.given_up.set()
             if self._thread is None:
                 self._thread = Thread(target=self._drain, name="pwsviz-lane", daemon=True)
                 self._thread.start()
@@ -78,7 +77,7 @@ class Lane:
     def _drain(self) -> None:
         while (job := self._next()) is not None:
             try:
-                outcome = job.compute(job.given_up.is_set)
+                outcome = job.compute(partial(self._given_up, job, monotonic()))
             except Cancelled:
                 continue
             except Exception as reason:  # whatever went wrong has to reach the person, not die with a thread
@@ -86,6 +85,9 @@ class Lane:
                     logger.exception("A computation failed")
                 outcome = reason
             job.deliver(outcome)
+
+    def _given_up(self, job: Job, started: float) -> bool:
+        return job.given_up.is_set() or (self._waiting is not None and monotonic() - started > self.patience)
 
     def _replaced(self, job: Job) -> bool:
         return self._waiting is not job

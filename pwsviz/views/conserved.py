@@ -25,7 +25,7 @@ FLOOR = MACHINE_EPSILON / 8
 """Smaller errors, exact zeros among them, are drawn here: a logarithmic axis has no place for them."""
 
 CEILING = 1e9
-"""Larger errors, of a method that blows up, are drawn here, so that the others can still be read."""
+"""Where a curve ends: that of a method that blows up would leave no room for the others."""
 
 MOST_BANDS = 400
 """More visits than this would be a grey mist; then sides and ticks are left out."""
@@ -86,7 +86,7 @@ class ConservedView:
         self._show_visits(errors[0])
         top = max(float(np.nanmax(y, initial=1e-14)) for y in heights)
         end = max(curve.t_end for curve in errors)
-        assign(self.corners, x=[0.0, end], y=[FLOOR / 2, 2 * top])
+        assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
 
     def _show_visits(self, first: ErrorCurve) -> None:
         t = first.crossings if len(first.crossings) <= MOST_BANDS else first.crossings[:0]
@@ -100,5 +100,5 @@ class ConservedView:
 
 
 def drawable(error: Floats) -> Floats:
-    """Bring what would not fit on the axis to its ends; NaN stays a gap."""
-    return np.clip(error, FLOOR, CEILING)
+    """Raise what is too small for the axis to its floor, and leave out what is beyond the ceiling; NaN stays a gap."""
+    return np.where(error <= CEILING, np.maximum(error, FLOOR), np.nan)

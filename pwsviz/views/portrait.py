@@ -180,9 +180,9 @@ class PortraitView:
 
 
 def extent(orbits: Sequence[Orbit]) -> Window:
-    """Return the box that shows the first orbit whole and the others as far as they stay near it."""
-    first = Window.around(orbits[0].path)
-    points = np.concatenate([orbit.path for orbit in orbits])
+    """Return the box that shows the first orbit whole, closed surfaces of its size, and the others near it."""
+    first = Window.around(np.concatenate([orbits[0].path, orbits[0].surface]))
+    points = np.concatenate([*(orbit.path for orbit in orbits), orbits[0].surface])
     return Window.around(points[first.scaled(NEAR).holds(points)])
 
 

@@ -17,8 +17,8 @@ def test_requests_that_were_overtaken_are_never_started():
     assert seen == [True, 19]
 
 
-def test_an_impatient_lane_gives_up_what_runs():
-    lane, seen, started = Lane(impatient=True), [], Event()
+def test_a_job_that_takes_longer_than_its_patience_is_given_up_for_a_newer_one():
+    lane, seen, started = Lane(patience=0.05), [], Event()
 
     def long(given_up):
         started.set()
@@ -54,3 +54,19 @@ def test_cancel_drops_what_waits():
     lane.cancel()
     assert lane.join(5)
     assert seen == []
+
+
+def test_a_short_job_is_finished_although_a_newer_one_waits():
+    lane, seen, started, gate = Lane(patience=60.0), [], Event(), Event()
+
+    def short(given_up):
+        started.set()
+        gate.wait(5)
+        return given_up()
+
+    lane.submit(Job(short, seen.append))
+    assert started.wait(5)
+    lane.submit(Job(lambda _: "new", seen.append))
+    gate.set()
+    assert lane.join(5)
+    assert seen == [False, "new"]
