@@ -20,7 +20,7 @@ from pwsviz.results import Pictures, Results
 from pwsviz.scene import VIEWS, Scene
 from pwsviz.sidebar import Sidebar
 from pwsviz.study import StudyView
-from pwsviz.text import complaint, run_line
+from pwsviz.text import complaint, run_lines
 from pwsviz.views.conserved import ConservedView
 from pwsviz.views.order import state_rows, time_rows
 from pwsviz.views.portrait import PortraitView
@@ -47,6 +47,9 @@ PAGE_SX = {
     ".MuiToolbar-root": {"minHeight": "48px !important"},
 }  # fmt: skip
 
+
+TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "12px"}}
+"""All three titles fit on a narrow screen."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
 
@@ -100,7 +103,7 @@ class Explorer(pn.viewable.Viewer):
         content = {"conserved": plot_pane(self.conserved.figure)} | self.studies
         tabs = pmui.Tabs(
             *((title, content[key]) for key, title in VIEWS.items()),
-            dynamic=False, active=list(VIEWS).index(self.scene.view), sizing_mode="stretch_width", margin=0,
+            dynamic=False, active=list(VIEWS).index(self.scene.view), sizing_mode="stretch_width", margin=0, sx=TABS_SX,
         )  # fmt: skip
         tabs.param.watch(lambda event: self.scene.param.update(view=list(VIEWS)[event.new]), "active")
         return tabs
@@ -161,7 +164,7 @@ class Explorer(pn.viewable.Viewer):
             self._visible = None
         if outcome.errors is not None:
             self.conserved.show(outcome.errors)
-        self.status.object = "".join(run_line(summary) for summary in outcome.summaries)
+        self.status.object = run_lines(outcome.summaries)
         self._shown = outcome
         self._cover()
 
@@ -225,7 +228,13 @@ class Explorer(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
         under = (self.trouble, self.status)
-        left = pn.Column(self.progress, plot_pane(self.portrait.figure), *under, margin=0, sizing_mode="stretch_width")
+        left = pn.Column(
+            pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
+            plot_pane(self.portrait.figure),
+            *under,
+            margin=0,
+            sizing_mode="stretch_width",
+        )
         right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
         views = pn.Column(left, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(views, stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width")

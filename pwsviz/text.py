@@ -24,8 +24,13 @@ def run_line(summary: Summary) -> str:
     figures = f"{plural(summary.steps, 'step')}, {plural(summary.crossings, 'crossing')}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f", |Δψ| ≤ {rounded_up(summary.worst_error)}"
-    line = f'<div class="run">{swatch(summary.method)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
-    return line if summary.completed else line + as_text(summary.message, "stopped")
+    return f'<div class="run">{swatch(summary.method)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
+
+
+def run_lines(summaries: Sequence[Summary]) -> str:
+    """Return a line for each run and, once however many say it, why they stopped."""
+    messages = dict.fromkeys(summary.message for summary in summaries if not summary.completed)
+    return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in messages)
 
 
 def swatch(method: str) -> str:

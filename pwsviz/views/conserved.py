@@ -101,4 +101,5 @@ class ConservedView:
 
 def drawable(error: Floats) -> Floats:
     """Raise what is too small for the axis to its floor, and leave out what is beyond the ceiling; NaN stays a gap."""
-    return np.where(error <= CEILING, np.maximum(error, FLOOR), np.nan)
+    beyond = np.maximum.accumulate(error > CEILING)  # once beyond, an envelope would come back at every other point
+    return np.where(beyond, np.nan, np.maximum(error, FLOOR))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -157,8 +158,8 @@ class PortraitView:
             self.frame, self._system = box, system
             assign(self.corners, x=[box.x_low, box.x_high], y=[box.y_low, box.y_high])
             for axis in ranges(self.figure):  # as far as digits tell points apart, and no farther out than is of use
-                axis.min_interval = 1e-9 * max(map(abs, box))
-                axis.max_interval = 1e3 * max(box.width, box.height)
+                axis.min_interval = 1e-9 * _power_of_ten(max(map(abs, box)))
+                axis.max_interval = 1e4 * _power_of_ten(max(box.width, box.height))
         if new_system:
             refit(self.figure)
         return self.frame
@@ -190,6 +191,11 @@ def _holds(frame: Window, box: Window) -> bool:
     """Whether the box is inside the frame, to a hair, and not much smaller in either direction."""
     room = frame.scaled(1.06)
     return room.covers(box) and min(box.width / frame.width, box.height / frame.height) >= 0.4
+
+
+def _power_of_ten(size: float) -> float:
+    """The size's order of magnitude: bounds on a range that change seldom, as every change refits the view."""
+    return 10.0 ** math.floor(math.log10(size))
 
 
 def _polygons(ground: Backdrop) -> list[tuple[Floats, list[Floats]]]:
