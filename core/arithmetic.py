@@ -1,5 +1,8 @@
 """Sums that lose nothing: what compensated summation is made of."""
 
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# jitted: numba infers the types
+
 from __future__ import annotations
 
 from numba import njit
@@ -8,7 +11,7 @@ __all__ = ["two_sum"]
 
 
 @njit(error_model="numpy")
-def two_sum(a, b):  # type: ignore[no-untyped-def]  # jitted: numba infers the types
+def two_sum(a, b):
     """a + b and what rounding lost of it, exactly (Knuth)."""
     total = a + b
     back = total - a

@@ -5,6 +5,9 @@ Each comes with its derivative in b, φ[a, b, b], which Newton's method needs an
 The names are those that `multiplier` prints: ``sin_slope``, ``sin_slope_b``, and so on.
 """
 
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# jitted: numba infers the types
+
 from __future__ import annotations
 
 import math
@@ -20,69 +23,69 @@ _NEAR = 1e-4
 
 
 @_inline
-def sinc(z):  # type: ignore[no-untyped-def]  # jitted: numba infers the types
+def sinc(z):
     """Sine of z over z."""
     return math.sin(z) / z if z != 0.0 else 1.0
 
 
 @_inline
-def sinhc(z):  # type: ignore[no-untyped-def]
+def sinhc(z):
     """Hyperbolic sine of z over z."""
     return math.sinh(z) / z if z != 0.0 else 1.0
 
 
 @_inline
-def _second(first, slope, curvature, a, b, scale):  # type: ignore[no-untyped-def]
+def _second(first, slope, curvature, a, b, scale):
     """Give φ[a, b, b] from φ'(b), φ[a, b] and φ''((a + 2b)/3)."""
     return (first - slope) / (b - a) if abs(b - a) > _NEAR * scale else 0.5 * curvature
 
 
 @_inline
-def sin_slope(a, b):  # type: ignore[no-untyped-def]
+def sin_slope(a, b):
     return math.cos(0.5 * (a + b)) * sinc(0.5 * (b - a))
 
 
 @_inline
-def sin_slope_b(a, b):  # type: ignore[no-untyped-def]
+def sin_slope_b(a, b):
     return _second(math.cos(b), sin_slope(a, b), -math.sin((a + 2.0 * b) / 3.0), a, b, 1.0)
 
 
 @_inline
-def cos_slope(a, b):  # type: ignore[no-untyped-def]
+def cos_slope(a, b):
     return -math.sin(0.5 * (a + b)) * sinc(0.5 * (b - a))
 
 
 @_inline
-def cos_slope_b(a, b):  # type: ignore[no-untyped-def]
+def cos_slope_b(a, b):
     return _second(-math.sin(b), cos_slope(a, b), -math.cos((a + 2.0 * b) / 3.0), a, b, 1.0)
 
 
 @_inline
-def tan_slope(a, b):  # type: ignore[no-untyped-def]
+def tan_slope(a, b):
     return sinc(b - a) / (math.cos(a) * math.cos(b))
 
 
 @_inline
-def tan_slope_b(a, b):  # type: ignore[no-untyped-def]
+def tan_slope_b(a, b):
     u = (a + 2.0 * b) / 3.0
     first = 1.0 / math.cos(b) ** 2
     return _second(first, tan_slope(a, b), 2.0 * math.tan(u) / math.cos(u) ** 2, a, b, abs(math.cos(b)))
 
 
 @_inline
-def exp_slope(a, b):  # type: ignore[no-untyped-def]
+def exp_slope(a, b):
     # From the larger end, so that neither overflow nor the rounding of a mean comes in.
     gap = abs(b - a)
     return math.exp(max(a, b)) * (-math.expm1(-gap) / gap if gap != 0.0 else 1.0)
 
 
 @_inline
-def exp_slope_b(a, b):  # type: ignore[no-untyped-def]
+def exp_slope_b(a, b):
     return _second(math.exp(b), exp_slope(a, b), math.exp((a + 2.0 * b) / 3.0), a, b, 1.0)
 
 
 @_inline
-def log_slope(a, b):  # type: ignore[no-untyped-def]
+def log_slope(a, b):
     low, high = min(a, b), max(a, b)
     gap = high - low
     if gap == 0.0:
@@ -94,23 +97,23 @@ def log_slope(a, b):  # type: ignore[no-untyped-def]
 
 
 @_inline
-def log_slope_b(a, b):  # type: ignore[no-untyped-def]
+def log_slope_b(a, b):
     u = (a + 2.0 * b) / 3.0
     return _second(1.0 / b, log_slope(a, b), -1.0 / (u * u), a, b, abs(b))
 
 
 @_inline
-def sinh_slope(a, b):  # type: ignore[no-untyped-def]
+def sinh_slope(a, b):
     return 0.5 * (exp_slope(a, b) + exp_slope(-a, -b))
 
 
 @_inline
-def sinh_slope_b(a, b):  # type: ignore[no-untyped-def]
+def sinh_slope_b(a, b):
     return _second(math.cosh(b), sinh_slope(a, b), math.sinh((a + 2.0 * b) / 3.0), a, b, 1.0)
 
 
 @_inline
-def cosh_slope(a, b):  # type: ignore[no-untyped-def]
+def cosh_slope(a, b):
     mean = 0.5 * (a + b)
     if abs(mean) < 1.0:  # the two exponentials would cancel
         return math.sinh(mean) * sinhc(0.5 * (b - a))
@@ -118,12 +121,12 @@ def cosh_slope(a, b):  # type: ignore[no-untyped-def]
 
 
 @_inline
-def cosh_slope_b(a, b):  # type: ignore[no-untyped-def]
+def cosh_slope_b(a, b):
     return _second(math.sinh(b), cosh_slope(a, b), math.cosh((a + 2.0 * b) / 3.0), a, b, 1.0)
 
 
 @_inline
-def tanh_slope(a, b):  # type: ignore[no-untyped-def]
+def tanh_slope(a, b):
     # sinhc(b − a) / (cosh a cosh b) with the growing exponentials divided out.
     gap = abs(b - a)
     relative = -math.expm1(-2.0 * gap) / (2.0 * gap) if gap != 0.0 else 1.0
@@ -133,7 +136,7 @@ def tanh_slope(a, b):  # type: ignore[no-untyped-def]
 
 
 @_inline
-def tanh_slope_b(a, b):  # type: ignore[no-untyped-def]
+def tanh_slope_b(a, b):
     u = (a + 2.0 * b) / 3.0
     first = 1.0 / math.cosh(b) ** 2
     return _second(first, tanh_slope(a, b), -2.0 * math.tanh(u) / math.cosh(u) ** 2, a, b, 1.0)
