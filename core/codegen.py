@@ -1,268 +1,134 @@
-"""Expressions → the text of a straight-line function that numba compiles.
-
-What is written here comes from sympy trees alone, in names of our own: no text of a user's gets in.
-"""
+"""The text of compiled functions: straight lines over a frame, all of one signature (`signatures`)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+import re
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 import sympy
 from sympy import Expr, Symbol
-from sympy.printing.pycode import PythonCodePrinter
 
+from core import arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures
+from core.elimination import least_change
 from core.expressions import TIME
 from core.laws import Laws, Side
-from core.multiplier import DIFFERENCES, SECOND, DividedDifference, SecondDifference
+from core.printing import assignments, doubled_assignments, named
 
-__all__ = ["StepCode", "function_text", "module_text", "values_text"]
+__all__ = ["JITTED", "Names", "excess_lines", "function_text", "jump_text", "levels_texts", "look_text", "module_text"]
 
-_DIVIDED = sorted(cls.__name__ for cls in (*DIFFERENCES.values(), *SECOND.values()))
-_HEADER = f"""\
-import math
-from numba import njit
-from core.arithmetic import two_sum
-from core.divided import {", ".join(_DIVIDED)}
-from core.signatures import JUMP, RATE, STEP, SWITCHING
-"""
+_EPS = 2.0**-52
 
-#: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
-_MAX_CORRECTIONS = 30
-_STAGNATION = 1e-10
-#: A pivot of so many parts of its column is round-off.
-_DEPENDENT = 4 * 2.0**-52
-#: And so many parts of gradient times state are what ψ may change by when its multiplier has none.
-_KEPT = 16 * 2.0**-52
+#: Modules of jitted functions that generated text calls, and of the tables that these use.
+JITTED = (arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures)
+_HOME = {name: module.__name__ for module in JITTED for name in getattr(module, "__all__", ())}
 
 
-class _Printer(PythonCodePrinter):
-    """Python text in floating point: whole numbers and ratios as floats, roots as square roots."""
-
-    def _print_Integer(self, expr: Any) -> str:
-        return repr(float(expr))
-
-    _print_Rational = _print_Half = _print_One = _print_Zero = _print_NegativeOne = _print_Integer
-    _print_Pi = _print_Exp1 = _print_Integer
-
-    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
-        base, exponent = self.parenthesize(expr.base, sympy.printing.precedence.PRECEDENCE["Pow"]), expr.exp
-        if expr.base.is_Symbol and exponent in (2, 3):  # half the compile time of the general power
-            return f"({'*'.join([base] * int(exponent))})"
-        if exponent.is_Integer and exponent > 0:
-            return f"{base}**{int(exponent)}"
-        if exponent == sympy.Rational(1, 2):
-            return f"math.sqrt({self._print(expr.base)})"
-        if exponent.is_number and exponent < 0:
-            return f"(1.0/{self._print_Pow(sympy.Pow(expr.base, -exponent, evaluate=False))})"
-        return f"{base}**({self._print(exponent)})"
-
-    def _print_Function(self, expr: Any) -> str:
-        if isinstance(expr, DividedDifference | SecondDifference):
-            return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
-        return str(super()._print_Function(expr))
-
-
-def _print(expression: Expr) -> str:
-    return str(_Printer({"fully_qualified_modules": True}).doprint(expression))
-
-
-def _named(stem: str, count: int) -> tuple[Symbol, ...]:
-    return tuple(Symbol(f"{stem}{k}") for k in range(count))
-
-
-def assignments(targets: Sequence[str], expressions: Sequence[Expr], temporaries: Iterable[Symbol]) -> list[str]:
-    """Lines that give `targets` the values of `expressions`, common subexpressions worked out once."""
-    shared, final = sympy.cse(list(expressions), symbols=iter(temporaries), order="none")
-    pairs = [(str(name), value) for name, value in shared] + list(zip(targets, final, strict=True))
-    return [f"{name} = {_print(value)}" for name, value in pairs]
-
-
-def function_text(name: str, signature: str, arguments: str, lines: Sequence[str]) -> str:
-    """Text of one jitted function, cached on disk by numba."""
+def function_text(name: str, lines: Sequence[str]) -> str:
+    """Text of one compiled function, cached on disk by numba."""
     body = "\n".join(f"    {line}" for line in lines)
-    options = "cache=True, nogil=True, error_model='numpy'"
-    return f"@njit({signature}, {options})\ndef {name}({arguments}):\n{body}\n"
+    return f"@cfunc(CALL, cache=True, error_model='numpy')\ndef {name}(t, h, p, w, memo):\n{body}\n"
 
 
 def module_text(functions: Iterable[str]) -> str:
-    """Text of a module of such functions."""
-    return "\n\n".join([_HEADER, *functions])
+    """Text of a module of such functions, which imports what they call and nothing else."""
+    body = "\n\n".join(functions)
+    called = sorted(set(re.findall(r"\b[A-Za-z]\w*\b", body)) & set(_HOME))
+    imports = [f"from {_HOME[name]} import {name}" for name in called]
+    return "\n".join(["import math", "", "from numba import carray, cfunc", "", *imports, "", "", body])
 
 
-class _Canonical:
-    """Names of ours for a system's symbols: state x0, x1, …; parameters p0, p1, …; time t."""
+class Names:
+    """Names of ours for a system's symbols (state x0, x1, …; parameters p0, p1, …; time t), and where they stand."""
 
     def __init__(self, laws: Laws) -> None:
-        self.x, self.p = _named("x", len(laws.x)), _named("p", len(laws.p))
+        d, m = len(laws.x), max(len(side.conserved) for side in laws.sides.values())
+        self.frame = signatures.Frame(d, m)
+        self.x, self.carry, self.p = named("x", d), named("c", d), named("p", len(laws.p))
         self.parameters = dict(zip(laws.p, self.p, strict=True))
         self.symbols = {**dict(zip(laws.x, self.x, strict=True)), **self.parameters, TIME: Symbol("t")}
-        self.unpack = [f"{v} = {str(v)[0]}[{str(v)[1:]}]" for v in (*self.x, *self.p)]
+        self.temporaries = sympy.numbered_symbols("v")
+        self.unpack_parameters = [f"{q} = p[{k}]" for k, q in enumerate(self.p)]
+
+    @cached_property
+    def unpack(self) -> list[str]:
+        """Lines that read state, carry and parameters."""
+        lines = [f"{v} = w[{self.frame.x + k}]" for k, v in enumerate(self.x)]
+        lines += [f"{c} = w[{self.frame.carry + k}]" for k, c in enumerate(self.carry)]
+        return lines + self.unpack_parameters
+
+    def own(self, expressions: Iterable[Expr]) -> list[Expr]:
+        """A system's expressions in these names."""
+        return [e.xreplace(self.symbols) for e in expressions]
+
+    def doubled(self, targets: Sequence[str], expressions: Iterable[Expr]) -> list[str]:
+        """Lines that work a system's expressions out in double-double, at state + carry."""
+        known = {x: (str(x), str(c)) for x, c in zip(self.x, self.carry, strict=True)}
+        exact = {s: (str(s), None) for s in (*self.p, Symbol("t"))}
+        return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries)
 
 
-def values_text(laws: Laws, expressions: Sequence[Expr], targets: Sequence[str], prefix: str = "v") -> list[str]:
-    """Lines that unpack x and p and work out `expressions`."""
-    names = _Canonical(laws)
-    given = [e.xreplace(names.symbols) for e in expressions]
-    return names.unpack + assignments(targets, given, sympy.numbered_symbols(prefix))
+def look_text(laws: Laws) -> str:
+    """Text of `look`: g and its rates at a place."""
+    names = Names(laws)
+    lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
+    slack = sum((abs(u * v) for u, v in zip(laws.gradient, laws.x, strict=True)), sympy.Integer(0)) * sympy.Float(_EPS)
+    values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, slack])
+    targets = [f"w[{k}]" for k in (signatures.G, signatures.RATES, signatures.RATES + 1, signatures.SLACK)]
+    return function_text("look", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
 
 
-class StepCode:
-    """The text of one step, written by a method's builder in terms of symbols.
-
-    Attributes
-    ----------
-    t, h
-        Start and length of the step.
-    x
-        The d coordinates of the state at its start.
-    """
-
-    def __init__(self, laws: Laws, side: Side) -> None:
-        self._names = _Canonical(laws)
-        self._side = side
-        self._temporaries = sympy.numbered_symbols("v")
-        self._lines = self._names.unpack + [f"c{k} = carry[{k}]" for k in range(len(laws.x))]
-        self._evaluations: list[str] = []
-        self.t, self.h = Symbol("t"), Symbol("h")
-        self.x = self._names.x
-
-    def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
-        """Work expressions out here; returns the names of their values."""
-        names = [next(self._temporaries) for _ in expressions]
-        self._lines += assignments([str(n) for n in names], expressions, self._temporaries)
-        return names
-
-    def field(self, t: Expr, x: Sequence[Expr]) -> list[Symbol]:
-        """Work out f(t, x) here; returns the names of its d values."""
-        at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
-        self._evaluations.append("1")
-        return self.let([f.xreplace(at) for f in self._side.field])
-
-    def at_ends(self, expressions: Iterable[Expr]) -> list[Expr]:
-        """Discrete expressions in this step's symbols: x at its start, ``y`` = x + increment at its end."""
-        ends = self._side.discrete.ends
-        names = {**dict(zip(ends.start, self.x, strict=True)), **dict(zip(ends.end, self.end, strict=True))}
-        names |= {**self._names.parameters, ends.times[0]: self.t, ends.times[1]: Symbol("t1")}
-        return [e.xreplace(names) for e in expressions]
-
-    @property
-    def end(self) -> tuple[Symbol, ...]:
-        """The state at the end of the step, where `solve` is after its current increment."""
-        return _named("y", len(self.x))
-
-    @property
-    def increment(self) -> tuple[Symbol, ...]:
-        """The unknown increment of `solve`."""
-        return _named("d", len(self.x))
-
-    def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = ()) -> list[Symbol]:
-        """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from rest.
-
-        In increment form, so that what is iterated is small and its round-off too; the last correction is the one
-        after which quadratic convergence leaves less than half an ulp, or the one that no longer shrinks.
-        """
-        d = len(self.x)
-        unknowns = [*self.increment, *multipliers]
-        # The end of the step moves with the increment: y = x + d.
-        moving = [
-            [r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals
-        ]
-        n = len(unknowns)
-        entries = [f"j{i}_{k}" for i in range(n) for k in range(n)]
-        inner = [f"y{k} = x{k} + (c{k} + d{k})" for k in range(d)]
-        inner += assignments(
-            [*(f"r{i}" for i in range(n)), *entries],
-            [*residuals, *(e for row in moving for e in row)],
-            self._temporaries,
-        )
-        inner += _elimination(n, d)
-        inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
-        self._lines += ["t1 = t + h", *(f"{u} = 0.0" for u in unknowns), "last = math.inf", "corrections = 0"]
-        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(n, d)))]
-        self._evaluations.append("corrections")
-        return list(self.increment)
-
-    def compose(self, weights: Sequence[float], build: Callable[[], Sequence[Expr]]) -> list[Symbol]:
-        """Steps of length weight·h one after another, in a loop of the compiled step; returns the whole increment.
-
-        Between the steps, state and increment are kept with what rounding loses of them.
-        """
-        d = range(len(self.x))
-        outer, self._lines, self._evaluations = self._lines, [], []
-        part = build()
-        inner = ["h = whole_h * weight", "t = whole_t + whole_h * passed", "passed += weight"]
-        inner += [f"x{k}, c{k} = two_sum(x[{k}], carry[{k}] + (w{k} + z{k}))" for k in d]
-        inner += self._lines + assignments([f"a{k}" for k in d], part, self._temporaries)
-        for k in d:
-            inner += [f"w{k}, q = two_sum(w{k}, a{k})", f"z{k} += q"]
-        inner.append(f"count += {' + '.join(self._evaluations)}")
-        self._lines = [*outer, "whole_t, whole_h, passed, count = t, h, 0.0, 0", *(f"w{k} = z{k} = 0.0" for k in d)]
-        self._lines += [f"for weight in {tuple(weights)!r}:", *(f"    {line}" for line in inner)]
-        self._evaluations = ["count"]
-        return self.let([Symbol(f"w{k}") + Symbol(f"z{k}") for k in d])
-
-    def text(self, name: str, increments: Sequence[Expr]) -> str:
-        """The whole function, its increments being as given."""
-        targets = [f"dx[{k}]" for k in range(len(self.x))]
-        lines = self._lines + assignments(targets, increments, self._temporaries)
-        lines.append(f"return {' + '.join(self._evaluations)}")
-        return function_text(name, "STEP", "t, h, x, carry, p, dx", lines)
+def jump_text(laws: Laws) -> str:
+    """Text of `jump`: the identity where there is none."""
+    names = Names(laws)
+    after = names.own(laws.jump if laws.jump is not None else laws.x)
+    targets = [f"w[{names.frame.place + k}]" for k in range(len(after))]
+    return function_text("jump", [*names.unpack, *assignments(targets, after, names.temporaries), "return 0"])
 
 
-def _verdict(n: int, d: int) -> list[str]:
-    """Lines that end Newton's loop: solved, or not to be solved."""
-    state = ", ".join(f"abs(x{k})" for k in range(d))
-    kept = ""
-    check = []
-    if n - d > 1:  # a ψ that has been left alone must be kept all the same
-        check.append(
-            f"kept = {' and '.join(f'j{k}_{k} != 0.0' for k in range(d, n))} or excess <= "
-            f"{_KEPT} * max({', '.join(f's{k}' for k in range(d, n))}) * max(whole, {state})"
-        )
-        kept = "kept and "
-    return [
-        f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
-        f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
-        "corrections += 1",
-        "if not size < math.inf:",
-        "    return -1",
-        *check,
-        f"if {kept}(size == 0.0 or (corrections > 1 and size * size * size < 1e-17 * whole * last * last)):",
-        "    break",
-        f"if {kept}size >= last and size <= {_STAGNATION} * max(whole, {state}):",
-        "    break",
-        f"if corrections >= {_MAX_CORRECTIONS}:",
-        "    return -1",
-        "last = size",
-    ]
-
-
-def _elimination(n: int, d: int) -> list[str]:
-    """Lines that solve the n × n system j·e = r by Gaussian elimination with partial pivoting, e left in r.
-
-    The unknowns from d on are multipliers of gradients. A pivot of zero leaves its unknown alone: gradients that
-    vanish, as at an equilibrium, bind nothing. So does one that depends on the others but for round-off: the pivot is
-    the square of its sine, and to that order its ψ is kept by keeping theirs.
-    """
-    several = n - d > 1
-    lines = []
-    if several:
-        lines += [f"s{k} = max({', '.join(f'abs(j{i}_{k})' for i in range(d))})" for k in range(d, n)]
-        lines.append(f"unit = {_DEPENDENT} * min(1.0, {', '.join(f's{k}' for k in range(d, n))})")
-        lines.append(f"excess = max({', '.join(f'abs(r{k})' for k in range(d, n))})")
-    for k in range(n):
-        for i in range(k + 1, n):
-            row, pivot = ([f"j{m}_{c}" for c in range(k, n)] + [f"r{m}"] for m in (i, k))
-            swap = f"{', '.join(row + pivot)} = {', '.join(pivot + row)}"
-            lines += [f"if abs(j{i}_{k}) > abs(j{k}_{k}):", f"    {swap}"]
-        least = f"unit * s{k}" if several and k >= d else "0.0"
-        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if not abs(j{k}_{k}) <= {least} else 0.0")
-        for i in range(k + 1, n):
-            lines.append(f"q = j{i}_{k} * j{k}_{k}")
-            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, n)]
-            lines.append(f"r{i} -= q * r{k}")
-    for k in reversed(range(n)):
-        known = "".join(f" - j{k}_{c} * r{c}" for c in range(k + 1, n))
-        lines.append(f"r{k} = (r{k}{known}) * j{k}_{k}")
+def excess_lines(names: Names, side: Side) -> list[str]:
+    """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double."""
+    m, level = len(side.conserved), names.frame.level
+    lines = names.doubled([f"u{j}" for j in range(m)], side.conserved)
+    for j in range(m):
+        lines.append(f"r{j}, q = pair_add(u{j}, u{j}_low, -w[{level + j}], -w[{level + names.frame.m + j}])")
+        lines.append(f"r{j} += q")
     return lines
+
+
+def levels_texts(laws: Laws, side: Side) -> list[str]:
+    """Texts of `settle`, `excess` and `polish` of a side."""
+    names = Names(laws)
+    m, level = len(side.conserved), names.frame.level
+    settle = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], side.conserved)]
+    for j in range(m):
+        settle += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
+    excess = [*names.unpack, *excess_lines(names, side)]
+    excess += [f"w[{names.frame.excess + j}] = r{j}" for j in range(m)]
+    texts = [function_text(name, [*lines, "return 0"]) for name, lines in (("settle", settle), ("excess", excess))]
+    return [*texts, _polish_text(laws, side)]
+
+
+def _polish_text(laws: Laws, side: Side) -> str:
+    """Text of `polish`: one Newton correction of g = 0 and ψ = level, with residuals in double-double.
+
+    Where the surface and the orbit are nearly tangent no place is well determined, and it is left as it is.
+    """
+    names = Names(laws)
+    m, d = len(side.conserved), len(laws.x)
+    moves = named("a", d)
+    lines = [*names.unpack, *excess_lines(names, side), *names.doubled([f"r{m}"], [laws.g])]
+    gradients = [names.own(psi.diff(v) for v in laws.x) for psi in side.conserved] + [names.own(laws.gradient)]
+    lines += least_change(gradients, moves, names.temporaries)
+    lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)
+    size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
+    lines += [f"size, speed = {size}, {speed}", "w[%d] = 0.0" % signatures.DELAY]
+    lines.append(f"if not max({', '.join(f'abs({a})' for a in moves)}) <= 1e-12 * size or not speed > 0.0:")
+    lines.append("    return 0")
+    along = " + ".join(f"a{k} * (f{k} / speed)" for k in range(d))
+    square = " + ".join(f"(f{k} / speed)**2" for k in range(d))
+    lines.append(f"w[{signatures.DELAY}] = -({along}) / ({square}) / speed")
+    for k in range(d):
+        x, c = (f"w[{start + k}]" for start in (names.frame.x, names.frame.carry))
+        lines.append(f"{x}, {c} = two_sum(x{k}, c{k} - a{k})")
+    return function_text("polish", [*lines, "return 0"])

@@ -12,21 +12,23 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numba
-import sympy
+import numpy as np
+from numpy.typing import NDArray
 
-from core import arithmetic, divided
-from core.codegen import StepCode, function_text, module_text, values_text
-from core.laws import Laws
+from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text
+from core.laws import Laws, Side
 from core.methods import Method
+from core.signatures import EXCESS, FUNCTIONS, JUMP, LOOK, POLISH, REACH, SETTLE, STEP
+from core.stepcode import StepCode
+from core.taylor import reach_text
 
-__all__ = ["Steps", "Surface", "compile_steps", "compile_surface"]
+__all__ = ["Compiled", "compile_run"]
 
 MAX_MODULES = 200  #: kept in memory
 MAX_FILES = 1000  #: kept on disk
@@ -34,66 +36,54 @@ MAX_FILES = 1000  #: kept on disk
 _lock = threading.RLock()
 
 
-class Steps(NamedTuple):
-    """One step of a method on either side: `signatures.STEP`."""
+class Compiled(NamedTuple):
+    """The compiled functions of a system and method."""
 
-    minus: Callable[..., Any]
-    plus: Callable[..., Any]
-
-
-class Surface(NamedTuple):
-    """The switching surface: `signatures.SWITCHING`, `RATE` and `JUMP`."""
-
-    switching: Callable[..., Any]
-    rate: Callable[..., Any]
-    jump: Callable[..., Any]
+    addresses: NDArray[np.int64]
+    """In the order of `signatures.FUNCTIONS`; 0 where a run has no use for one."""
+    modules: tuple[ModuleType, ...]
+    """What keeps their machine code alive."""
 
 
 @lru_cache(maxsize=MAX_MODULES)
-def compile_steps(laws: Laws, method: Method) -> Steps:
-    """Compile a method's step for both sides."""
+def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
+    """Compile what a run of a method calls.
+
+    Parameters
+    ----------
+    levels
+        Whether ψ is looked at along the run though the method does not keep it.
+    """
     with _lock:
-        texts = []
-        for side in (laws.sides[-1], laws.sides[1]):
-            code = StepCode(laws, side)
-            texts.append(code.text("step", method.build(side, code)))
-        minus, plus = (_load(module_text([text])).step for text in texts)
-    return Steps(minus, plus)
+        surface = _load(module_text([look_text(laws), jump_text(laws)]))
+        found = {LOOK: surface.look, JUMP: surface.jump}
+        modules = [surface]
+        for other, side in enumerate((laws.sides[-1], laws.sides[1])):
+            own = _side_modules(laws, side, method, levels)
+            names = {"step": STEP, "reach": REACH, "settle": SETTLE, "excess": EXCESS, "polish": POLISH}
+            found |= {names[name] + other: getattr(m, name) for m in own for name in names if hasattr(m, name)}
+            modules += own
+    addresses = np.zeros(len(FUNCTIONS), dtype=np.int64)
+    for place, function in found.items():
+        addresses[place] = function.address
+    return Compiled(addresses, tuple(modules))
 
 
-@lru_cache(maxsize=MAX_MODULES)
-def compile_surface(laws: Laws) -> Surface:
-    """Compile g, its rates with either field, and the jump (the identity where there is none)."""
-    with _lock:
-        module = _load(module_text([_switching_text(laws), _rate_text(laws), _jump_text(laws)]))
-    return Surface(module.switching, module.rate, module.jump)
-
-
-def _switching_text(laws: Laws) -> str:
-    lines = values_text(laws, [laws.g], ["value"])
-    return function_text("switching", "SWITCHING", "t, x, p", [*lines, "return value"])
-
-
-def _rate_text(laws: Laws) -> str:
-    lines = []
-    for sign, condition in ((-1, "if side < 0:"), (1, "else:")):
-        inner = values_text(laws, [laws.sides[sign].g_dot], ["value"])
-        lines += [condition, *(f"    {line}" for line in inner)]
-    return function_text("rate", "RATE", "side, t, x, p", [*lines, "return value"])
-
-
-def _jump_text(laws: Laws) -> str:
-    after: tuple[sympy.Expr, ...] = laws.jump if laws.jump is not None else laws.x
-    lines = values_text(laws, after, [f"after[{k}]" for k in range(len(after))])
-    return function_text("jump", "JUMP", "t, x, p, after", lines)
+def _side_modules(laws: Laws, side: Side, method: Method, levels: bool) -> list[ModuleType]:
+    code = StepCode(laws, side)
+    texts = [[code.text(method.build(side, code))]]
+    if method.adaptive:
+        texts.append([reach_text(laws, side)])
+    if method.conservative or levels:
+        texts.append(levels_texts(laws, side))
+    return [_load(module_text(functions)) for functions in texts]
 
 
 @lru_cache(maxsize=MAX_MODULES)
 def _load(text: str) -> ModuleType:
     """Import a module of generated text from the cache folder."""
     # numba looks at a function's own file only: what it inlines from elsewhere has to be part of the name.
-    inlined = "".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in (arithmetic, divided))
-    key = hashlib.sha256("\0".join((text, inlined, numba.__version__, sys.version)).encode()).hexdigest()[:32]
+    key = hashlib.sha256("\0".join((text, _inlined(), numba.__version__, sys.version)).encode()).hexdigest()[:32]
     path = _folder() / f"pws_{key}.py"
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         partial = path.with_name(f"{path.name}.{os.getpid()}")
@@ -110,6 +100,12 @@ def _load(text: str) -> ModuleType:
     finally:
         del sys.modules[path.stem]  # the functions keep it alive for as long as they are needed
     return module
+
+
+@lru_cache(maxsize=1)
+def _inlined() -> str:
+    """Source of the jitted functions that generated text calls."""
+    return "".join(Path(str(module.__file__)).read_text(encoding="utf-8") for module in JITTED)
 
 
 @lru_cache(maxsize=1)

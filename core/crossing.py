@@ -1,7 +1,7 @@
-"""Watch g, locate the crossing, land on the surface, perturb, switch, classify: the paper's Algorithm 1.
+"""Land on the surface, perturb, jump, classify, switch: the paper's Algorithm 1, one move at a time.
 
-Jitted; inlined into `march`. Throughout, σ = side·g is the height over the surface on the side occupied (positive
-there), and a *rate* is dσ/dt counted along the run: negative while it approaches the surface.
+A *move* is a step, or the part of one up to the next crossing, or what a crossing has left of one. Jitted; inlined into
+`march`. Heights and rates are as in `locating`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -15,9 +15,11 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from core.arithmetic import two_sum
+from core.locating import FAILED, FOUND, NONE, TOUCH, climb, first_crossing, first_on_series, probe
+from core.signatures import DELAY, G, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, call
 from core.trajectory import CROSSING_KINDS, Status
 
-__all__ = ["BOUND", "RUNNING", "Log", "Scheme", "is_plain", "take_step"]
+__all__ = ["BOUND", "RUNNING", "Log", "enter", "is_plain", "move"]
 
 _inline = njit(error_model="numpy")
 
@@ -29,24 +31,9 @@ _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = r
 
 _EPS = 2.0**-52
 BOUND = 1e150  #: beyond it the square of a state overflows
-_MAX_CROSSINGS_A_STEP = 64
-_MAX_PROBES = 200
-_NONE, _FOUND, _TOUCH, _FAILED = 0, 1, 2, 3
-_HEIGHT, _RATE = 0, 1
-
-
-class Scheme(NamedTuple):
-    """One side's scheme at the start of a step: the compiled functions, the run, and scratch for a trial step."""
-
-    step: Any
-    switching: Any
-    rate: Any
-    run: Any
-    x: Any
-    carry: Any
-    p: Any
-    dx: Any
-    trial: Any
+#: Gaps between crossings that have shrunk so many times in a row, and whose sum to come is below this part of the
+#: time, accumulate.
+_SHRUNK, _SPENT = 8, 2.0**-52
 
 
 class Log(NamedTuple):
@@ -57,136 +44,89 @@ class Log(NamedTuple):
 
 
 @_inline
-def advance(x, carry, dx, out):
-    """State after an increment, rounded."""
+def accept(motion):
+    """Add the increment to the state, keeping what rounding would lose (compensated summation)."""
+    x, carry, increment = motion.x, motion.carry, motion.increment
     for i in range(x.size):
-        out[i] = x[i] + (carry[i] + dx[i])
+        x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
 
 
 @_inline
-def accept(x, carry, dx):
-    """Add an increment to the state, keeping what rounding would lose (compensated summation)."""
-    for i in range(x.size):
-        x[i], carry[i] = two_sum(x[i], carry[i] + dx[i])
+def pass_time(run, h):
+    """Go on in time, compensated likewise."""
+    run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
 
 
 @_inline
-def is_lost(x):
-    """Whether a state is beyond any bound, or none at all."""
-    largest = 0.0
+def arrive(motion):
+    """Write the end of the step tried last to `place`; returns whether it is bounded."""
+    x, place, bounded = motion.x, motion.place, True
     for i in range(x.size):
-        largest = max(largest, abs(x[i])) if x[i] == x[i] else math.inf
-    return not largest < BOUND
+        place[i] = x[i] + (motion.carry[i] + motion.increment[i])
+        bounded = bounded and abs(place[i]) < BOUND
+    return bounded
 
 
 @_inline
-def is_plain(run, height_end, rate_end):
-    """Whether nothing happens in a step that ends at this height and rate; if so, the rate is taken over."""
-    rate_end = math.copysign(rate_end, rate_end * run.tau)
-    turns = run.rate < 0.0 and rate_end > 0.0
-    if not (0.0 < height_end < math.inf and abs(rate_end) < math.inf) or (run.leaving == 0 and turns):
+def is_plain(run, h, height, rate):
+    """Whether nothing happens in a step of length h that ends at this height and rate; if so, they are taken over.
+
+    The height is taken for a cubic, which is positive where its Bernstein coefficients are; and a minimum between,
+    which shows in the signs of the rates, is looked at.
+    """
+    rate, third = math.copysign(1.0, run.tau) * rate, abs(h) / 3.0
+    above = run.height + run.rate * third > 0.0 and height - rate * third > 0.0
+    if not (above and 0.0 < height < math.inf) or (run.rate < 0.0 < rate):
         return False
-    run.rate = rate_end
-    run.leaving = 0
+    run.height, run.rate, run.leaving = height, rate, 0
     return True
 
 
 @_inline
-def outward_rate(run, rate, side, t, x, p):
-    """Rate at which the height over a side grows along the run."""
-    return math.copysign(1.0, run.tau) * side * rate(side, t, x, p)
+def look(motion, t):
+    """Look at `place`: g to w[G], and to run.own and run.other the rates into the side occupied and into the other."""
+    run, w = motion.run, motion.w
+    call(motion.functions[LOOK], t, 0.0, motion.p, w, motion.memo)
+    along = math.copysign(1.0, run.tau) * run.side
+    run.own = along * w[RATES + (run.side > 0)]
+    run.other = -along * w[RATES + (run.side < 0)]
 
 
 @_inline
-def probe(quantity, scheme, t, h):
-    """Height or rate after a step of length h, on the scheme itself; nan where there is none."""
-    run, trial = scheme.run, scheme.trial
-    count = scheme.step(t, h, scheme.x, scheme.carry, scheme.p, scheme.dx)
-    if count < 0:
-        return math.nan
-    run.evaluations += count
-    advance(scheme.x, scheme.carry, scheme.dx, trial)
-    if quantity == _HEIGHT:
-        return run.side * scheme.switching(t + h, trial, scheme.p)
-    return outward_rate(run, scheme.rate, run.side, t + h, trial, scheme.p)
+def take_side(motion, side, rate):
+    """Occupy a side, from its surface on."""
+    run = motion.run
+    run.side, run.height, run.rate = side, 0.0, rate
+    run.leaving = 1
+    if run.conservative == 1 or run.watched > 0:
+        call(motion.functions[SETTLE + (side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
 
 
 @_inline
-def root(quantity, scheme, t, low, high, f_low, f_high):
-    """Step length in [low, high] where a height or a rate changes sign, to the last digit.
-
-    Regula falsi (Illinois) with a bisection every third probe: superlinear, and never more than 3 × 104 probes. A
-    probe keeps an ulp's distance from either end, so that the end it has nearly reached is soon passed. Of the two
-    sides that remain, the one where the quantity is smaller.
-    """
-    best, f_best = (low, f_low) if abs(f_low) < abs(f_high) else (high, f_high)
-    for k in range(_MAX_PROBES):
-        ulp = _EPS * max(abs(high), abs(low), _EPS * abs(scheme.run.tau))
-        if abs(high - low) <= 2.0 * ulp or f_best == 0.0:
-            break
-        middle = low + 0.5 * (high - low)
-        if k % 3 < 2:
-            secant = high - f_high * ((high - low) / (f_high - f_low))
-            secant = min(max(secant, min(low, high) + ulp), max(low, high) - ulp)
-            if secant == secant:
-                middle = secant
-        f = probe(quantity, scheme, t, middle)
-        if not abs(f) < math.inf:
-            return math.nan
-        if abs(f) < abs(f_best):
-            best, f_best = middle, f
-        if (f > 0.0) == (f_high > 0.0):
-            high, f_high, f_low = middle, f, 0.5 * f_low
-        else:
-            low, f_low, f_high = middle, f, 0.5 * f_high
-    return best
-
-
-@_inline
-def first_crossing(scheme, t, h, height_end, rate_end):
-    """Look for the first crossing in a step of length h; its place goes to run.hit.
-
-    A change of sign shows itself. Two crossings in a step do not, but the extremum between them does, by the signs
-    of the rate at the two ends; and a state that is leaving the surface has to turn back before it can cross again.
-    """
-    run, height = scheme.run, 0.0
-    if run.leaving == 0:
-        if height_end > 0.0 and not (run.rate < 0.0 and rate_end > 0.0):
-            return _NONE
-        height = run.side * scheme.switching(t, scheme.x, scheme.p)
-        if height_end <= 0.0:
-            return settle(scheme, t, 0.0, h, height, height_end)
-        if min(height, height_end) > 2.0 * max(-run.rate, rate_end) * abs(h):
-            return _NONE  # it turns too far from the surface to have met it
-    elif height_end > 0.0 or rate_end >= 0.0:
-        return _NONE
-    turn = root(_RATE, scheme, t, 0.0, h, run.rate, rate_end)
-    height_turn = probe(_HEIGHT, scheme, t, turn)
-    if not abs(height_turn) < math.inf:
-        return _FAILED
-    if run.leaving == 0:
-        return settle(scheme, t, 0.0, turn, height, height_turn) if height_turn <= 0.0 else _NONE
-    if height_turn > 0.0:
-        return settle(scheme, t, turn, h, height_turn, height_end)
-    run.hit = turn
-    return _TOUCH
-
-
-@_inline
-def settle(scheme, t, low, high, f_low, f_high):
-    """Locate the crossing between low and high."""
-    scheme.run.hit = root(_HEIGHT, scheme, t, low, high, f_low, f_high)
-    return _FOUND if scheme.run.hit == scheme.run.hit else _FAILED
-
-
-@_inline
-def look_around(scheme, log, t, place):
-    """Rates at a place on the surface: into the side occupied (negative on arrival), and into the other."""
-    run = scheme.run
-    for i in range(place.size):
-        log.places[run.hits, 0, i] = place[i]
-    run.own = outward_rate(run, scheme.rate, run.side, t, place, scheme.p)
-    run.other = outward_rate(run, scheme.rate, -run.side, t, place, scheme.p)
+def enter(motion):
+    """Find the side of the initial value: by the sign of g, on the surface by where the fields lead."""
+    run, w = motion.run, motion.w
+    for i in range(motion.x.size):
+        motion.place[i] = motion.x[i]
+    run.side = 1
+    look(motion, run.t)
+    g, into_plus, into_minus = w[G], run.own, run.other
+    run.side = 0
+    if not abs(g) < math.inf:
+        return _NO_CONVERGENCE
+    side = 1 if g > 0.0 else -1
+    if abs(g) <= w[SLACK]:  # on the surface as exactly as floating point can say
+        if into_plus > 0.0 and into_minus > 0.0:
+            return _REPELLING
+        if not (into_plus > 0.0 or into_minus > 0.0):
+            return _GRAZING if into_plus == 0.0 or into_minus == 0.0 else _SLIDING
+        side = 1 if into_plus > 0.0 else -1
+        take_side(motion, side, into_plus if side > 0 else into_minus)
+    else:
+        take_side(motion, side, into_plus if side > 0 else into_minus)
+        run.height, run.leaving = side * g, 0
+    run.first_side = side
+    return RUNNING
 
 
 @_inline
@@ -200,37 +140,53 @@ def classify(run):
 
 
 @_inline
-def leap(scheme, jump, t):
-    """Jump, and look where the fields lead from there: status, kind and side entered."""
-    run, x = scheme.run, scheme.x
-    jump(t, x, scheme.p, scheme.trial)
+def leap(motion):
+    """Jump, and look where the fields lead from there: status, kind, side entered, and the rate into it."""
+    run, x, w = motion.run, motion.x, motion.w
+    call(motion.functions[JUMP], run.t, 0.0, motion.p, w, motion.memo)
     for i in range(x.size):
-        x[i], scheme.carry[i] = scheme.trial[i], 0.0
-    into_minus = outward_rate(run, scheme.rate, -1, t, x, scheme.p)
-    into_plus = outward_rate(run, scheme.rate, 1, t, x, scheme.p)
+        x[i], motion.carry[i] = motion.place[i], 0.0
+    call(motion.functions[LOOK], run.t, 0.0, motion.p, w, motion.memo)
+    along = math.copysign(1.0, run.tau)
+    into_minus, into_plus = -along * w[RATES], along * w[RATES + 1]
     if into_minus > 0.0 and into_plus > 0.0:
-        return _REPELLING, _REPELLING_KIND, 0
-    if into_minus > 0.0 or into_plus > 0.0:
-        return RUNNING, _JUMP_KIND, 1 if into_plus > 0.0 else -1
-    return _SLIDING, _SLIDING_KIND, 0
+        return _REPELLING, _REPELLING_KIND, 0, 0.0
+    if into_plus > 0.0:
+        return RUNNING, _JUMP_KIND, 1, into_plus
+    if into_minus > 0.0:
+        return RUNNING, _JUMP_KIND, -1, into_minus
+    return _SLIDING, _SLIDING_KIND, 0, 0.0
 
 
 @_inline
-def switch_side(scheme, jump, log, t):
+def accumulates(run):
+    """Whether crossings come ever closer and their accumulation point is no more than round-off away (Zeno).
+
+    A geometric sequence of gaps with ratio q has the sum gap·q/(1 − q) to come.
+    """
+    gap = abs((run.t - run.met) + (run.t_carry - run.met_carry))
+    ratio = gap / run.gap if run.gap > 0.0 else math.inf
+    run.shrinking = run.shrinking + 1 if ratio < 1.0 else 0
+    run.gap, run.met, run.met_carry = gap, run.t, run.t_carry
+    return run.shrinking >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
+
+
+@_inline
+def switch_side(motion, log):
     """At the surface: jump, classify, take the other side, write the crossing down."""
-    run, x, p = scheme.run, scheme.x, scheme.p
-    k = run.hits
-    hit = log.hits[k]
-    hit.t = t
-    hit.g = scheme.switching(t, x, p)
-    hit.rate_before = math.copysign(1.0, run.tau) * run.side * run.own
-    hit.rate_after = -math.copysign(1.0, run.tau) * run.side * run.other
+    run, x, k = motion.run, motion.x, motion.run.hits
+    hit, along = log.hits[k], math.copysign(1.0, motion.run.tau)
+    hit.t = run.t
+    hit.rate_before, hit.rate_after = along * run.side * run.own, -along * run.side * run.other
     for i in range(x.size):
-        log.places[k, 1, i] = x[i]
+        log.places[k, 1, i] = motion.place[i] = x[i]
+    own, other = run.own, run.other
+    look(motion, run.t)
+    hit.g, rate = motion.w[G], run.other
+    run.own, run.other = own, other
     if run.has_jump == 1:
-        status, kind, entered = leap(scheme, jump, t)
-        if status == RUNNING:
-            hit.rate_after = scheme.rate(entered, t, x, p)
+        status, kind, entered, rate = leap(motion)
+        hit.rate_after = along * entered * rate
     else:
         status, kind = classify(run)
         entered = -run.side
@@ -242,90 +198,101 @@ def switch_side(scheme, jump, log, t):
     run.crossings += 1
     if status != RUNNING:
         return status
-    run.side = entered
-    run.rate = outward_rate(run, scheme.rate, entered, t, x, p)
+    take_side(motion, entered, rate)
+    if accumulates(run):
+        return _ZENO
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING
 
 
 @_inline
-def land(scheme, log, t):
+def land(motion, log, t):
     """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
 
     Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ and x̂ anew there.
     """
-    run = scheme.run
-    height = probe(_HEIGHT, scheme, t, run.hit)
-    look_around(scheme, log, t + run.hit, scheme.trial)
+    run = motion.run
+    height = probe(motion, t, run.hit)
+    arrive(motion)
+    for i in range(motion.x.size):
+        log.places[run.hits, 0, i] = motion.place[i]
+    look(motion, t + run.hit)
     if run.shift != 0.0:
         run.hit += run.shift
-        height = probe(_HEIGHT, scheme, t, run.hit)
+        height = probe(motion, t, run.hit)
     if not abs(height) < math.inf:
         return False
-    accept(scheme.x, scheme.carry, scheme.dx)
+    accept(motion)
+    if run.conservative == 1 and run.shift == 0.0:
+        call(motion.functions[POLISH + (run.side > 0)], t + run.hit, 0.0, motion.p, motion.w, motion.memo)
+        run.hit += motion.w[DELAY]
+        for i in range(motion.x.size):
+            log.places[run.hits, 0, i] = motion.x[i]
+    pass_time(run, run.hit)
     return True
 
 
 @_inline
-def stop_at(run, t, status):
-    """Leave the run where it stopped."""
-    run.t, run.t_carry = t, 0.0
+def step_over(motion, log, t, h, height, rate):
+    """Without a transition: the step stands, and only then is the side looked at."""
+    run, x, place = motion.run, motion.x, motion.place
+    if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
+        part = run.height / (run.height - height) if run.height > 0.0 else 0.0
+        for i in range(x.size):
+            log.places[run.hits, 0, i] = place[i] = x[i] + part * motion.increment[i]
+        look(motion, t + part * h)
+    accept(motion)
+    pass_time(run, h)
+    run.height, run.rate = height, rate
+    if height > 0.0:
+        run.leaving = 0
+        return RUNNING
+    status = switch_side(motion, log)
+    run.leaving, run.height = 0, run.side * motion.w[G]
     return status
 
 
 @_inline
-def step_over(scheme, jump, log, t, h, height_end, rate_end):
-    """Without a transition: the step stands, and only then is the side looked at."""
-    run, x = scheme.run, scheme.x
-    if height_end <= 0.0:  # the fields are compared where the chord of the step meets the surface
-        height = run.side * scheme.switching(t, x, scheme.p)
-        part = height / (height - height_end) if height > 0.0 else 0.0
-        for i in range(x.size):
-            scheme.trial[i] = x[i] + part * scheme.dx[i]
-        look_around(scheme, log, t + part * h, scheme.trial)
-    accept(x, scheme.carry, scheme.dx)
-    run.rate = rate_end
-    if height_end > 0.0:
-        run.leaving = 0
-        return RUNNING
-    status = switch_side(scheme, jump, log, t + h)
-    return status if status == RUNNING else stop_at(run, t + h, status)
+def cut_to_reach(motion, t, h):
+    """The length that a variable-step method takes at most; whether that is all of h goes to run.final."""
+    run = motion.run
+    count = call(motion.functions[REACH + (run.side > 0)], t, h, motion.p, motion.w, motion.memo)
+    run.evaluations += count
+    length = motion.w[LENGTH]
+    run.final = 1 if not length < abs(h) else 0
+    return h if run.final == 1 else math.copysign(length, h)
 
 
 @_inline
-def take_step(step_minus, step_plus, jump, frame, log, h):
-    """One step of length h, with as many crossings as lie in it (Algorithm 1)."""
-    run, done = frame.run, 0.0
-    for _ in range(_MAX_CROSSINGS_A_STEP):
-        step = step_plus if run.side > 0 else step_minus
-        scheme = Scheme(step, frame.switching, frame.rate, run, frame.x, frame.carry, frame.p, frame.dx, frame.trial)
-        t, left = run.t + (run.t_carry + done), h - done
-        height_end = probe(_HEIGHT, scheme, t, left)
-        if is_lost(scheme.trial):
-            return stop_at(run, t, _ESCAPED if height_end == height_end else _NO_CONVERGENCE)
-        rate_end = outward_rate(run, scheme.rate, run.side, t + left, scheme.trial, scheme.p)
-        if not abs(height_end) < math.inf or not abs(rate_end) < math.inf:
-            return stop_at(run, t, _NO_CONVERGENCE)
-        if run.follow == 0:
-            return step_over(scheme, jump, log, t, left, height_end, rate_end)
-        # A perturbed crossing may lie beyond the end of the step; going back from there is no motion to be watched.
-        found = first_crossing(scheme, t, left, height_end, rate_end) if left * run.tau > 0.0 else _NONE
-        if found == _NONE:
-            probe(_HEIGHT, scheme, t, left)  # looking for a crossing may have moved the increment
-            accept(scheme.x, scheme.carry, scheme.dx)
-            run.rate = rate_end
-            if height_end > 0.0:
-                run.leaving = 0
-            return RUNNING
-        if found == _FAILED or not land(scheme, log, t):
-            return stop_at(run, t, _NO_CONVERGENCE)
-        if found == _TOUCH:
-            run.own = 0.0  # it turns at the surface, and does not arrive
-        done += run.hit
-        t = run.t + (run.t_carry + done)
-        status = switch_side(scheme, jump, log, t)
-        if status != RUNNING:
-            return stop_at(run, t, status)
-        run.leaving = 1
-        if done == h:
-            return RUNNING
-    return stop_at(run, run.t + (run.t_carry + done), _ZENO)
+def move(motion, log, h):
+    """Go on by h, or to the first crossing before that and onto its other side; run.rest is what is left of h."""
+    run = motion.run
+    t = run.t + run.t_carry
+    if run.adaptive == 1:
+        h = cut_to_reach(motion, t, h)
+    height, rate = probe(motion, t, h), climb(motion)
+    if not arrive(motion):
+        return _ESCAPED if height == height else _NO_CONVERGENCE
+    if not abs(height) < math.inf or not abs(rate) < math.inf:
+        return _NO_CONVERGENCE
+    run.rest = 0.0
+    if run.follow == 0:
+        return step_over(motion, log, t, h, height, rate)
+    found = NONE
+    if run.adaptive == 1:
+        found = first_on_series(motion, t, h)
+    elif h * run.tau > 0.0:  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
+        found = first_crossing(motion, t, h, height, rate)
+    if found == NONE:
+        probe(motion, t, h)  # looking for a crossing may have moved the increment
+        accept(motion)
+        pass_time(run, h)
+        run.height, run.rate = height, rate
+        run.leaving = 0 if height > 0.0 else run.leaving
+        return RUNNING
+    if found == FAILED or not land(motion, log, t):
+        return _NO_CONVERGENCE
+    if found == TOUCH:
+        run.own = 0.0  # it turns at the surface, and does not arrive
+    run.rest = h - run.hit if run.adaptive == 0 else 0.0
+    run.final = run.final if run.adaptive == 0 else 0
+    return switch_side(motion, log)

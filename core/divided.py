@@ -14,6 +14,11 @@ import math
 
 from numba import njit
 
+__all__ = [
+    "cos_slope", "cos_slope_b", "cosh_slope", "cosh_slope_b", "exp_slope", "exp_slope_b", "log_slope", "log_slope_b",
+    "sin_slope", "sin_slope_b", "sinh_slope", "sinh_slope_b", "tan_slope", "tan_slope_b", "tanh_slope", "tanh_slope_b",
+]  # fmt: skip
+
 _inline = njit(error_model="numpy")
 
 #: Below this distance (in units of the length over which φ'' changes) φ[a, b, b] is taken from φ'' at (a + 2b)/3,

@@ -129,7 +129,7 @@ def checked_settings(
         if order <= 0:
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
         shift = _number(perturbation_scale, "perturbation_scale") * tau**order
-    settings = Settings(tau, transition == "mannshardt", shift, cancel=cancel)
+    settings = Settings(tau, transition=transition == "mannshardt", shift=shift, cancel=cancel)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
     given = {name: _count(n, name) for name, n in limits.items() if n is not None}
     return Settings(**{**vars(settings), **given})

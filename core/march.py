@@ -1,4 +1,4 @@
-"""The time loop: compiled once for all systems and methods, which it calls through pointers of fixed signature."""
+"""The time loop: compiled once for all systems and methods, which it calls by their addresses."""
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 # numba takes the types from the signature below.
@@ -14,9 +14,11 @@ from typing import Any
 import numba
 from numba import njit, types
 
-from core import arithmetic, crossing, signatures, state, trajectory
+from core import arithmetic, crossing, isolation, locating, signatures, state, trajectory
 from core.arithmetic import two_sum
-from core.crossing import BOUND, RUNNING, Log, Scheme, is_plain, take_step
+from core.crossing import BOUND, RUNNING, Log, enter, is_plain, move
+from core.locating import Motion
+from core.signatures import EXCESS, G_END, RATE_END, STEP, Frame, call
 from core.trajectory import Status
 
 __all__ = ["compiled_march"]
@@ -26,16 +28,36 @@ _COMPLETED = int(Status.COMPLETED)
 #: The last step may be this much longer than τ (relatively), so that rounding leaves no sliver of a step at the end.
 _STRETCH = 1.0 + 1e-9
 
+_inline = njit(error_model="numpy")
+
+
+@_inline
+def write_row(run, x, rows, rows_x):
+    """Record a step."""
+    row = rows[run.rows]
+    row.t, row.side, row.segment = run.t, run.side, run.crossings
+    for i in range(x.size):
+        rows_x[run.rows, i] = x[i]
+    run.rows += 1
+
+
+@_inline
+def widen_envelope(motion, excess, envelope):
+    """Take the excess of ψ over its levels into the column of this time."""
+    run = motion.run
+    call(motion.functions[EXCESS + (run.side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
+    columns = envelope.shape[0]
+    column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
+    for j in range(excess.size):
+        envelope[column, j, 0] = min(envelope[column, j, 0], excess[j])
+        envelope[column, j, 1] = max(envelope[column, j, 1], excess[j])
+
 
 def _signature() -> Any:
-    pointer, vector = signatures.FunctionType, signatures.vector
-    matrix = types.Array(types.float64, 2, "C")
-    run, row, hit = (numba.from_dtype(d)[::1] for d in (state.RUN, state.ROW, state.HIT))
-    functions = [pointer(signatures.STEP)] * 2 + [
-        pointer(s) for s in (signatures.SWITCHING, signatures.RATE, signatures.JUMP)
-    ]
-    places = types.Array(types.float64, 3, "C")
-    return types.int64(*functions, vector, run, vector, vector, matrix, types.int64, row, matrix, hit, places)
+    vector, run, row, hit = (types.float64[::1], *(numba.from_dtype(d)[::1] for d in (state.RUN, state.ROW, state.HIT)))
+    matrix, places = types.float64[:, ::1], types.float64[:, :, ::1]
+    whole = types.int64
+    return whole(whole[::1], run, vector, vector, whole, matrix, matrix, matrix, whole, row, matrix, hit, places, places)
 
 
 @lru_cache(maxsize=1)
@@ -44,66 +66,73 @@ def compiled_march() -> Callable[..., int]:
 
     Returns
     -------
-    march(step_minus, step_plus, switching, rate, jump, p, run, x, carry, work, budget, rows, rows_x, hits, places)
-    -> Status as int
-        Takes up to `budget` steps from the state it is given, and leaves that state ready to go on: RUNNING means
-        that the budget or a buffer is used up. x and carry are (d,), work is (2, d) scratch; see `state` for the
-        records.
+    march(functions, run, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope) -> Status as int
+        Makes up to `budget` moves from the state it is given, and leaves that state ready to go on: RUNNING means
+        that the budget or a buffer is used up. See `signatures` for functions, p, the frame w and memo, `state` for
+        the records.
     """
     # numba looks for changes in this file only. The loop inlines others: a hash of them, being a closed-over
     # variable, becomes part of the key that numba caches under.
-    modules = (arithmetic, crossing, signatures, state, trajectory)
+    modules = (arithmetic, crossing, isolation, locating, signatures, state, trajectory)
     text = "\0".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in modules)
     inlined = hashlib.sha256(text.encode()).hexdigest()
+    head = Frame(0, 0).x
 
     @njit(_signature(), cache=True, nogil=True, error_model="numpy")
-    def march(
-        step_minus, step_plus, switching, rate, jump, p, state, x, carry, work, budget,
-        rows, rows_x, hits, places,
-    ):  # fmt: skip
+    def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope):
         inlined  # noqa: B018 - see above
-        run = state[0]
-        dx, trial = work[0], work[1]
+        run = records[0]
+        x, carry, increment, place = (
+            w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
+        )  # fmt: skip
+        excess = w[w.size - envelope.shape[1] :]
+        motion = Motion(functions, run, p, w, memo, x, carry, increment, place, nodes, pieces)
+        log = Log(hits, places)
         run.rows = 0
         run.hits = 0
+        if run.side == 0:
+            status = enter(motion)
+            if status != RUNNING:
+                return status
         for _ in range(budget):
-            if run.rows == rows.size or run.hits + 64 > hits.size:
+            if run.rows == rows.size or run.hits == hits.size:
                 return RUNNING
-            h = (run.t_end - run.t) - run.t_carry
-            last = abs(h) <= abs(run.tau) * _STRETCH
-            if not last:
-                h = run.tau
-            # Nearly every step is plain, and taken right here: a call with so many arrays costs more than the step.
-            step = step_plus if run.side > 0 else step_minus
-            t = run.t + run.t_carry
-            count = step(t, h, x, carry, p, dx)
-            bounded = count >= 0
-            for i in range(x.size):
-                trial[i] = x[i] + (carry[i] + dx[i])
-                bounded = bounded and abs(trial[i]) < BOUND
-            height, climb = run.side * switching(t + h, trial, p), run.side * rate(run.side, t + h, trial, p)
-            if bounded and is_plain(run, height, climb):
+            h = run.rest
+            if h == 0.0:
+                run.final = 0
+                h = (run.t_end - run.t) - run.t_carry
+                if abs(h) <= abs(run.tau) * _STRETCH:
+                    run.final = 1
+                else:
+                    h = run.tau
+            # Nearly every step is plain, and taken right here: passing so many arrays costs more than the step.
+            t, plain = run.t + run.t_carry, False
+            if run.adaptive == 0:
+                count = call(functions[STEP + (run.side > 0)], t, h, p, w, memo)
+                plain = count >= 0
+                for i in range(d):
+                    plain = plain and abs(x[i] + increment[i]) < BOUND
+                plain = plain and is_plain(run, h, run.side * w[G_END], run.side * w[RATE_END])
+            if plain:
                 run.evaluations += count
-                for i in range(x.size):
-                    x[i], carry[i] = two_sum(x[i], carry[i] + dx[i])
+                for i in range(d):
+                    x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
+                run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
+                run.rest = 0.0
             else:
-                scheme = Scheme(step, switching, rate, run, x, carry, p, dx, trial)
-                status = take_step(step_minus, step_plus, jump, scheme, Log(hits, places), h)
+                status = move(motion, log, h)
                 if status != RUNNING:
                     return status
+            if run.rest != 0.0:
+                continue
             run.steps += 1
-            run.t, low = two_sum(run.t, h + run.t_carry)
-            run.t_carry = low
-            if last:
+            if run.final == 1:
                 run.t, run.t_carry = run.t_end, 0.0
             if run.record == 1:
-                rows[run.rows].t = run.t
-                rows[run.rows].side = run.side
-                rows[run.rows].segment = run.crossings
-                for i in range(x.size):
-                    rows_x[run.rows, i] = x[i]
-                run.rows += 1
-            if last:
+                write_row(run, x, rows, rows_x)
+            if run.watched > 0:
+                widen_envelope(motion, excess, envelope)
+            if run.final == 1:
                 return _COMPLETED
         return RUNNING
 

@@ -7,10 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from sympy import Expr, Matrix, Rational, symbols
+from scipy.integrate import DOP853
+from sympy import Expr, Float, Matrix, Rational, symbols
 
-from core.codegen import StepCode
 from core.laws import Side
+from core.taylor import evaluation_lines
+from core.stepcode import StepCode
 
 __all__ = ["METHODS", "Method", "method_named"]
 
@@ -23,8 +25,8 @@ class Method:
 
     name: str
     """Its key in METHODS."""
-    order: int
-    """Order of its global error."""
+    order: int | None
+    """Order of its global error; None where it is chosen from the tolerance."""
     conservative: bool
     """Whether it keeps the conserved quantities to round-off."""
     symmetric: bool
@@ -33,10 +35,22 @@ class Method:
     """What it is, in a sentence."""
     build: Builder
     """Writes the step and returns its increments."""
+    needs_conserved: bool = False
+    """Whether it makes no sense without a conserved quantity."""
+
+    @property
+    def adaptive(self) -> bool:
+        """Whether it chooses its own step size, from a tolerance."""
+        return self.order is None
 
 
 def dmm2(side: Side, step: StepCode) -> Sequence[Expr]:
-    """x₁ = x₀ + h fᵗ(t₀, x₀, t₁, x₁), paper (eq:twoSchemes).
+    """x₁ = x₀ + h fᵗ(t₀, x₀, t₁, x₁), paper (eq:twoSchemes)."""
+    return step.hold(_dmm2(side, step))
+
+
+def _dmm2(side: Side, step: StepCode) -> Sequence[Expr]:
+    """Write dmm2 as such.
 
     Where ψ does not fix the orbit alone, the minimal-norm DMM is solved as a saddle-point system with multipliers λ,
     which has no inverse of ΛᵗΛᵗᵀ in it:  Δ − h f̄ + Λᵗᵀ λ = 0,  Λᵗ Δ + h s_t = 0.
@@ -73,43 +87,66 @@ def composition(half: Sequence[float]) -> Builder:
     weights = (*half, 1 - 2 * math.fsum(half), *reversed(half))
 
     def build(side: Side, step: StepCode) -> Sequence[Expr]:
-        return step.compose(weights, lambda: dmm2(side, step))
+        return step.hold(step.compose(weights, lambda: _dmm2(side, step)))
 
     return build
 
 
 def rk2(side: Side, step: StepCode) -> Sequence[Expr]:
     """Explicit midpoint, the paper's baseline."""
-    t, h, x = step.t, step.h, step.x
-    k1 = step.field(t, x)
-    k2 = step.field(t + h / 2, _along(x, h / 2, k1))
+    t, h = step.t, step.h
+    k1 = step.field(t)
+    k2 = step.field(t + h / 2, [h / 2 * a for a in k1])
     return [h * b for b in k2]
 
 
 def rk4(side: Side, step: StepCode) -> Sequence[Expr]:
     """The classical Runge-Kutta method."""
-    t, h, x = step.t, step.h, step.x
-    k1 = step.field(t, x)
-    k2 = step.field(t + h / 2, _along(x, h / 2, k1))
-    k3 = step.field(t + h / 2, _along(x, h / 2, k2))
-    k4 = step.field(t + h, _along(x, h, k3))
+    t, h = step.t, step.h
+    k1 = step.field(t)
+    k2 = step.field(t + h / 2, [h / 2 * a for a in k1])
+    k3 = step.field(t + h / 2, [h / 2 * b for b in k2])
+    k4 = step.field(t + h, [h * c for c in k3])
     return [h * Rational(1, 6) * (a + 2 * b + 2 * c + e) for a, b, c, e in zip(k1, k2, k3, k4, strict=True)]
 
 
-def _along(x: Sequence[Expr], h: Expr, slope: Sequence[Expr]) -> list[Expr]:
-    return [a + h * k for a, k in zip(x, slope, strict=True)]
+def rk8(side: Side, step: StepCode) -> Sequence[Expr]:
+    """The 8th-order weights of Dormand and Prince's DOP853 (Hairer, Nørsett, Wanner I, II.5), as SciPy holds them."""
+    slopes: list[Sequence[Expr]] = []
+    for nodes, row in zip(DOP853.C, DOP853.A, strict=True):
+        at = step.t + Float(nodes) * step.h if nodes else step.t
+        slopes.append(step.field(at, _weighted(step, row, slopes) if slopes else None))
+    return _weighted(step, DOP853.B, slopes)
+
+
+def _weighted(step: StepCode, weights: Sequence[float], slopes: Sequence[Sequence[Expr]]) -> list[Expr]:
+    used = [(Float(b), k) for b, k in zip(weights, slopes, strict=False) if b]
+    return [step.h * sum(b * k[i] for b, k in used) for i in range(len(step.x))]
+
+
+def prk8(side: Side, step: StepCode) -> Sequence[Expr]:
+    """rk8, its increment moved along the discrete gradient."""
+    return step.move_onto_levels(rk8(side, step))
+
+
+def taylor(side: Side, step: StepCode) -> Sequence[Expr]:
+    """The Taylor series of the solution, its increment moved along the discrete gradient."""
+    return step.move_onto_levels(step.series(evaluation_lines(len(side.field))))
 
 
 #: Every integrator by name.
 METHODS: Mapping[str, Method] = MappingProxyType({
     m.name: m
     for m in (
-        Method("dmm2", 2, True, True, "Discrete Multiplier Method: keeps every ψ to round-off, symmetric.", dmm2),
-        Method("dmm4", 4, True, True, "Five steps of dmm2 (Suzuki): ψ kept, symmetric.", composition(_SUZUKI4)),
-        Method("dmm6", 6, True, True, "Nine steps of dmm2 (Kahan, Li): ψ kept, symmetric.", composition(_KAHAN_LI6)),
-        Method("dmm8", 8, True, True, "17 steps of dmm2 (Kahan, Li): ψ kept, symmetric.", composition(_KAHAN_LI8)),
+        Method("dmm2", 2, True, True, "Discrete Multiplier Method: keeps every ψ to round-off, symmetric.", dmm2, True),
+        Method("dmm4", 4, True, True, "Five steps of dmm2 (Suzuki): ψ kept, symmetric.", composition(_SUZUKI4), True),
+        Method("dmm6", 6, True, True, "Nine of dmm2 (Kahan, Li): ψ kept, symmetric.", composition(_KAHAN_LI6), True),
+        Method("dmm8", 8, True, True, "17 of dmm2 (Kahan, Li): ψ kept, symmetric.", composition(_KAHAN_LI8), True),
         Method("rk2", 2, False, False, "Explicit midpoint: the paper's baseline, whose ψ drifts.", rk2),
         Method("rk4", 4, False, False, "Classical Runge-Kutta: accurate for a while, ψ drifts slowly.", rk4),
+        Method("rk8", 8, False, False, "Dormand and Prince's explicit method of order 8: ψ drifts, slower.", rk8),
+        Method("prk8", 8, True, False, "rk8 moved onto ψ: a conservative method that is explicit.", prk8, True),
+        Method("taylor", None, True, False, "Taylor series moved onto ψ; order and step from a tolerance.", taylor),
     )
 })  # fmt: skip
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,12 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import compile_steps, compile_surface
+from core.compiled import compile_run
+from core.isolation import scratch_shape
 from core.laws import Floats
+from core.locating import MAX_LOOKS
 from core.march import compiled_march
 from core.methods import Method
+from core.recurrences import order_of
+from core.signatures import ORDER, TOLERANCE, Frame
 from core.state import HIT, ROW, RUN
 from core.system import PiecewiseSystem
+from core.taylor import series_rows
 from core.trajectory import CROSSING_KINDS, Crossings, Status
 
 __all__ = ["Rows", "Runner", "Settings"]
@@ -32,6 +38,9 @@ class Settings:
     """How to step, apart from the method."""
 
     tau: float
+    """Step size; infinite where the method chooses it."""
+    tolerance: float = math.nan
+    """Of a method that chooses its step size."""
     transition: bool = True
     shift: float = 0.0
     """What is added to every crossing time: c·τᵖ."""
@@ -59,30 +68,47 @@ class Runner:
         Where the run is now, and the side it started on (0 if it could not leave the surface).
     rows
         States recorded at every step, where asked for.
+    envelope
+        (columns, m, 2) least and greatest excess of ψ over its level in each part of the time.
     seconds
         Processor time of the compiled loop: what else the process does at the same time does not count.
     """
 
     def __init__(
-        self, system: PiecewiseSystem, method: Method, t0: float, x0: tuple[float, ...], settings: Settings
-    ) -> None:
+        self, system: PiecewiseSystem, method: Method, t0: float, x0: tuple[float, ...], settings: Settings,
+        columns: int = 0,
+    ) -> None:  # fmt: skip
         self.system, self.settings = system, settings
-        surface = compile_surface(system.laws)
         self._march = compiled_march()
-        self._functions = (*compile_steps(system.laws, method), *surface)
+        self._compiled = compile_run(system.laws, method, levels=columns > 0)
         self._p = system.parameter_array
-        self._x, self._carry = np.array(x0, dtype=float), np.zeros(system.dimension)
-        self._work = np.empty((2, system.dimension))
+        d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
+        frame = Frame(d, m)
+        self._w = frame.empty()
+        self._x = self._w[frame.x : frame.x + d]
+        self._x[:] = x0
         self._hit_chunks: list[tuple[NDArray[Any], Floats]] = []
         self._size0 = float(np.linalg.norm(self._x))
         self.rows = Rows([], [], [], [])
+        self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
         self.status, self.seconds = Status.RUNNING, 0.0
         self.first_side = 0
         self._run = np.zeros(1, dtype=RUN)
-        self._run["t"] = t0
+        self._run["t"] = self._run["met"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._run["follow"] = settings.transition
         self._run["has_jump"] = system.jump is not None
+        self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
+        self._memo, self._scratch = np.empty((1, 1)), (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))
+        if method.adaptive:
+            self._prepare_series()
+
+    def _prepare_series(self) -> None:
+        order = order_of(self.settings.tolerance)
+        self._run["adaptive"] = 1
+        self._w[ORDER], self._w[TOLERANCE] = order, self.settings.tolerance
+        self._memo = np.empty((series_rows(self.system.laws), order + 1))
+        self._scratch = (self._scratch[0], np.empty(scratch_shape(order)))
 
     @property
     def t(self) -> float:
@@ -127,8 +153,6 @@ class Runner:
         run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
         run["shift"] = sign * self.settings.shift
         self.status = Status.COMPLETED if t_end == self.t else Status.RUNNING
-        if self.side == 0 and self.status is Status.RUNNING:
-            self.status = self._enter(sign)
         while self.status is Status.RUNNING:
             if self.steps >= self.settings.max_steps:
                 self.status = Status.STEP_LIMIT
@@ -143,7 +167,9 @@ class Runner:
     def glance(self, t: float) -> Floats | None:
         """State at time t, of a copy that goes on to there: this run itself stays on its grid. None if it stops."""
         ahead = copy.copy(self)
-        ahead._run, ahead._x, ahead._carry = self._run.copy(), self._x.copy(), self._carry.copy()
+        start = self._x.ctypes.data - self._w.ctypes.data
+        ahead._run, ahead._w = self._run.copy(), self._w.copy()
+        ahead._x = ahead._w[start // 8 : start // 8 + len(self._x)]
         return ahead.x if ahead.advance(t) is Status.COMPLETED else None
 
     def crossings(self) -> Crossings:
@@ -155,44 +181,24 @@ class Runner:
         columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "side", "rate_before", "rate_after")}
         return Crossings(x=x, x_after=after, surface=surface, kind=np.array(CROSSING_KINDS)[hits["kind"]], **columns)
 
-    def _enter(self, sign: float) -> Status:
-        """Find the side of the initial value: by the sign of g, on the surface by where the fields lead."""
-        run, t, x, p = self._run, self.t, self._x, self._p
-        switching, rate = self._functions[2], self._functions[3]
-        g = switching(t, x, p)
-        if not np.isfinite(g):
-            return Status.NO_CONVERGENCE
-        into = {side: sign * side * rate(side, t, x, p) for side in (-1, 1)}
-        # On the surface as exactly as floating point can say: rounding x alone could move g by as much.
-        slack = np.finfo(float).eps * float(np.abs(self.system.switching_gradient(t, x) * x).sum())
-        side = 1 if g > 0 else -1
-        if abs(g) <= slack:
-            inward = [s for s in (-1, 1) if into[s] > 0]
-            if len(inward) != 1:
-                stopped = Status.REPELLING if inward else Status.SLIDING
-                return Status.GRAZING if not inward and 0.0 in into.values() else stopped
-            side = inward[0]
-            run["leaving"] = 1
-        run["side"], run["rate"] = side, into[side]
-        self.first_side = side
-        return Status.RUNNING
-
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
-        size, d = (budget if record else 0), self.system.dimension
+        size, d = (budget if record else 1), self.system.dimension  # without recording, a buffer never full
         rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
         hits = (np.empty(_HITS, dtype=HIT), np.empty((_HITS, 3, d)))
-        if not record:
-            rows, rows_x = np.empty(1, dtype=ROW), np.empty((1, d))  # a buffer never full
+        entered = self.side == 0
         started = time.thread_time()
         status = self._march(
-            *self._functions, self._p, self._run, self._x, self._carry, self._work, budget, rows, rows_x, *hits
-        )
+            self._compiled.addresses, self._run, self._p, self._w, d, self._memo, *self._scratch, budget,
+            rows, rows_x, *hits, self.envelope,
+        )  # fmt: skip
         self.seconds += time.thread_time() - started
         self._collect(int(self._run["rows"][0]), rows, rows_x)
         if n := int(self._run["hits"][0]):
             chunk = (hits[0][:n], hits[1][:n])
             self._hit_chunks = [*self._hit_chunks, chunk] if keep_hits else [chunk]
+        if entered:
+            self.first_side = int(self._run["first_side"][0])
         return Status(status)
 
     def _collect(self, n: int, rows: NDArray[Any], rows_x: Floats) -> None:

@@ -1,29 +1,110 @@
-"""The fixed signatures through which compiled functions meet. One compiled loop serves every system and method.
+"""The one signature through which compiled functions meet, and the frame they share.
 
-step(t, h, x, carry, p, dx) -> int
-    One step of length h from x + carry: writes the *increment* to dx and returns how often the field was evaluated,
-    or `NO_SOLUTION`. Any h will do, of either sign: crossings are located on the scheme itself.
-switching(t, x, p) -> float
-    g.
-rate(side, t, x, p) -> float
-    ġ = g_t + ∇g·f with the field of a side.
-jump(t, x, p, after) -> None
-    The state after reaching the surface.
+    function(t, h, p, w, memo) -> int
 
-t is time, x the state (d,), carry the part of it that its digits could not hold (d,), p the parameters.
+is a C function: the loop knows it by its address, so that one compiled loop serves every system and method. p are the
+parameters, w is the frame of a run (`Frame`), memo is scratch that a variable-step method keeps between calls. The
+functions of a system and method, in the order of `FUNCTIONS`:
+
+reach (one a side)
+    Prepares a step from x: variable-step methods expand the solution in memo and write the step length to w[LENGTH].
+step (one a side)
+    One step of length h from x + carry: writes the *increment* to w, and g and ġ at its end to w[G_END], w[RATE_END].
+    Any h will do, of either sign: crossings are located on the scheme itself. Returns how often the field was
+    evaluated, or `NO_SOLUTION`.
+settle (one a side)
+    The levels of ψ at x + carry, in double-double.
+excess (one a side)
+    ψ at x + carry, less its level.
+polish (one a side)
+    Moves x + carry onto g = 0 and the levels of ψ, in double-double; w[DELAY] is how much later that is reached.
+look
+    g, and ġ = g_t + ∇g·f with the field of either side, at `place`; and what rounding x alone can do to g.
+jump
+    The state after reaching the surface, from x to place.
 """
 
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from llvmlite import ir
 from numba import types
-from numba.core.types import FunctionType, float64, int64, void
+from numba.extending import intrinsic
+from numpy.typing import NDArray
 
-__all__ = ["JUMP", "NO_SOLUTION", "RATE", "STEP", "SWITCHING", "FunctionType", "vector"]
+__all__ = [
+    "CALL", "DELAY", "EXCESS", "FUNCTIONS", "G", "G_END", "JUMP", "LENGTH", "LOOK", "NO_SOLUTION", "ORDER", "POLISH",
+    "RATES", "RATE_END", "REACH", "SETTLE", "SLACK", "STEP", "TOLERANCE", "Frame", "call",
+]  # fmt: skip
 
-vector = types.Array(float64, 1, "C")
+_POINTER = types.CPointer(types.float64)
+CALL = types.int64(types.float64, types.float64, _POINTER, _POINTER, _POINTER)
 
-STEP = int64(float64, float64, vector, vector, vector, vector)
-SWITCHING = float64(float64, vector, vector)
-RATE = float64(int64, float64, vector, vector)
-JUMP = void(float64, vector, vector, vector)
-
-#: What a step returns when its equations have no solution that Newton's method can find.
+#: What a step returns when its equations have no solution that can be found.
 NO_SOLUTION = -1
+
+#: The functions of a run, in the order of their addresses; those of the plus side follow those of the minus side.
+FUNCTIONS = ("reach", "reach", "step", "step", "settle", "settle", "excess", "excess", "polish", "polish", "look", "jump")
+REACH, STEP, SETTLE, EXCESS, POLISH, LOOK, JUMP = (FUNCTIONS.index(f) for f in dict.fromkeys(FUNCTIONS))
+
+#: Scalars at the head of a frame. RATES: ġ with the field of the minus side, then of the plus side.
+G_END, RATE_END, G, RATES, SLACK, LENGTH, ORDER, TOLERANCE, DELAY = 0, 1, 2, 3, 5, 6, 7, 8, 9
+_HEAD = 10
+
+
+class Frame(NamedTuple):
+    """Where the parts of a frame are: scalars, then vectors of d, then of m numbers."""
+
+    d: int
+    m: int
+
+    @property
+    def x(self) -> int:
+        """State."""
+        return _HEAD
+
+    @property
+    def carry(self) -> int:
+        """The part of the state that its digits could not hold."""
+        return _HEAD + self.d
+
+    @property
+    def increment(self) -> int:
+        """Increment of the step tried last."""
+        return _HEAD + 2 * self.d
+
+    @property
+    def place(self) -> int:
+        """A state to look at."""
+        return _HEAD + 3 * self.d
+
+    @property
+    def level(self) -> int:
+        """Levels of ψ where the side occupied was entered: their high parts, then their low parts."""
+        return _HEAD + 4 * self.d
+
+    @property
+    def excess(self) -> int:
+        """ψ less its levels."""
+        return self.level + 2 * self.m
+
+    def empty(self) -> NDArray[np.float64]:
+        """A frame of zeros."""
+        return np.zeros(self.excess + self.m)
+
+
+@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
+def call(_context: Any, address: Any, t: Any, h: Any, p: Any, w: Any, memo: Any) -> Any:
+    """Call the function at an address: four registers, where passing arrays costs more than a short step."""
+    signature = types.int64(address, t, h, p, w, memo)
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        arrays = zip(signature.args[3:], arguments[3:], strict=True)
+        pointers = [context.make_array(kind)(context, builder, value).data for kind, value in arrays]
+        number, whole = ir.DoubleType(), ir.IntType(64)
+        function = ir.FunctionType(whole, [number, number, *(pointer.type for pointer in pointers)])
+        return builder.call(builder.inttoptr(arguments[0], function.as_pointer()), [*arguments[1:3], *pointers])
+
+    return signature, build

@@ -4,21 +4,33 @@ import numpy as np
 
 __all__ = ["HIT", "ROW", "RUN"]
 
-#: Everything a run carries from step to step besides the state and its carry.
+#: Everything a run carries from move to move besides its frame (`signatures.Frame`).
 RUN = np.dtype(
     [
-        ("t", np.float64),  # start of the current step, and what its digits could not hold
+        ("t", np.float64),  # start of the current move, and what its digits could not hold
         ("t_carry", np.float64),
+        ("t_start", np.float64),  # of the envelope
         ("t_end", np.float64),
-        ("tau", np.float64),  # signed: negative where time runs back
+        ("tau", np.float64),  # signed: negative where time runs back; infinite where the method chooses
+        ("rest", np.float64),  # of a step that a crossing has cut; 0 at the end of a step
         ("shift", np.float64),  # c·τᵖ added to every crossing time
-        ("rate", np.float64),  # of g, counted away from the surface and along the run, at the current state
+        ("height", np.float64),  # over the surface, and its rate along the run, at the current state
+        ("rate", np.float64),
         ("own", np.float64),  # at the surface: rate into the side occupied, and into the other
         ("other", np.float64),
-        ("hit", np.float64),  # where in the step the surface is met
-        ("side", np.int64),  # carried, never read from the sign of g after a crossing
+        ("hit", np.float64),  # where in the move the surface is met
+        ("met", np.float64),  # when it was met last, and what the digits could not hold
+        ("met_carry", np.float64),
+        ("gap", np.float64),  # between the last two crossings
+        ("shrinking", np.int64),  # how many gaps in a row have shrunk
+        ("final", np.int64),  # 1: the step ends at t_end
+        ("side", np.int64),  # carried, never read from the sign of g after a crossing; 0 before the first move
+        ("first_side", np.int64),
         ("leaving", np.int64),  # 1 while g has not yet taken the sign of the side
         ("follow", np.int64),  # 1: Mannshardt's transition; 0: step over the surface
+        ("adaptive", np.int64),  # 1: the method chooses the length of its steps
+        ("conservative", np.int64),  # 1: the method holds ψ at its level
+        ("watched", np.int64),  # how many ψ have their excess recorded in the envelope
         ("has_jump", np.int64),
         ("record", np.int64),  # 1: write a row each step
         ("steps", np.int64),

@@ -66,8 +66,8 @@ _WORDS = {
         "The solution may have a pole: end the run before it. If it has none, take a smaller step size tau.",
     ),
     Status.ZENO: (
-        "too many crossings within one step",
-        "Take a smaller step size tau; crossings may accumulate at a point.",
+        "crossings come ever closer and accumulate here (Zeno)",
+        "The motion does not go on by these laws; say what follows with another system.",
     ),
     Status.CROSSING_LIMIT: ("reached max_crossings", "Raise max_crossings to go on."),
     Status.STEP_LIMIT: ("reached max_steps", "Take a larger step size tau, a shorter time, or raise max_steps."),

@@ -1,0 +1,90 @@
+"""Linear systems solved in generated lines: unrolled, without a loop or an allocation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import sympy
+from sympy import Expr, Symbol
+
+from core.printing import assignments
+
+__all__ = ["KEPT", "by_cofactors", "least_change", "with_pivots"]
+
+#: A pivot of so many parts of its column is round-off.
+_DEPENDENT = 4 * 2.0**-52
+#: And so many parts of gradient times state are what ψ may change by when its multiplier has none.
+KEPT = 16 * 2.0**-52
+
+
+def by_cofactors(matrix: sympy.Matrix, temporaries: Iterable[Symbol]) -> list[str]:
+    """Lines that solve matrix·e = r for n ≤ 3, e left in r0, r1, …: one division, and nothing to wait for.
+
+    Cramer's rule is as good as elimination where, as in Newton's method, the residual is looked at again.
+    """
+    n = matrix.rows
+    r = sympy.Matrix(sympy.symbols(f"r:{n}"))
+    scale = Symbol("scale")
+    lines = assignments(["scale"], [1 / matrix.det(method="berkowitz")], temporaries)
+    solved = matrix.adjugate() * r * scale
+    lines += assignments([f"e{k}" for k in range(n)], list(solved), temporaries)
+    return [*lines, *(f"r{k} = e{k}" for k in range(n))]
+
+
+def with_pivots(n: int, d: int) -> list[str]:
+    """Lines that solve the n × n system j·e = r by Gaussian elimination with partial pivoting, e left in r.
+
+    The unknowns from d on are multipliers of gradients. A pivot of zero leaves its unknown alone: gradients that
+    vanish, as at an equilibrium, bind nothing. So does one that depends on the others but for round-off: the pivot is
+    the square of its sine, and to that order its ψ is kept by keeping theirs.
+    """
+    several = n - d > 1
+    lines = []
+    if several:
+        lines += [f"s{k} = max({', '.join(f'abs(j{i}_{k})' for i in range(d))})" for k in range(d, n)]
+        lines.append(f"unit = {_DEPENDENT} * min(1.0, {', '.join(f's{k}' for k in range(d, n))})")
+        lines.append(f"excess = max({', '.join(f'abs(r{k})' for k in range(d, n))})")
+    for k in range(n):
+        for i in range(k + 1, n):
+            row, pivot = ([f"j{m}_{c}" for c in range(k, n)] + [f"r{m}"] for m in (i, k))
+            swap = f"{', '.join(row + pivot)} = {', '.join(pivot + row)}"
+            lines += [f"if abs(j{i}_{k}) > abs(j{k}_{k}):", f"    {swap}"]
+        least = f"unit * s{k}" if several and k >= d else "0.0"
+        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if not abs(j{k}_{k}) <= {least} else 0.0")
+        for i in range(k + 1, n):
+            lines.append(f"q = j{i}_{k} * j{k}_{k}")
+            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, n)]
+            lines.append(f"r{i} -= q * r{k}")
+    return lines + _back_substitution(n)
+
+
+def _back_substitution(n: int) -> list[str]:
+    lines = []
+    for k in reversed(range(n)):
+        known = "".join(f" - j{k}_{c} * r{c}" for c in range(k + 1, n))
+        lines.append(f"r{k} = (r{k}{known}) * j{k}_{k}")
+    return lines
+
+
+def least_change(rows: Sequence[Sequence[Expr]], changes: Sequence[Symbol], temporaries: Iterable[Symbol]) -> list[str]:
+    """Lines that give `changes` the smallest vector v with rows·v = r0, r1, …: v = Aᵀ(AAᵀ)⁻¹r.
+
+    Rows that vanish, or depend on those before them but for round-off, bind nothing.
+    """
+    m = len(rows)
+    matrix = sympy.Matrix(rows)
+    gram = matrix * matrix.T
+    lines = assignments([f"j{i}_{k}" for i in range(m) for k in range(i, m)],
+                        [gram[i, k] for i in range(m) for k in range(i, m)], temporaries)  # fmt: skip
+    for k in range(m):
+        least = f"{_DEPENDENT**0.5!r} * s{k}" if k else "0.0"
+        if k + 1 < m:
+            lines += [f"s{i} = j{i}_{i}" for i in range(k + 1, m)] if k == 0 else []
+        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} > {least} else 0.0")
+        for i in range(k + 1, m):
+            lines.append(f"q = j{k}_{i} * j{k}_{k}")
+            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(i, m)]
+            lines.append(f"r{i} -= q * r{k}")
+    lines += _back_substitution(m)
+    multipliers = sympy.Matrix(sympy.symbols(f"r:{m}"))
+    return lines + assignments([str(c) for c in changes], list(matrix.T * multipliers), temporaries)

@@ -1,0 +1,218 @@
+"""Find the first crossing in a step, on the scheme itself. Jitted; inlined into `march`.
+
+Throughout, σ = side·g is the height over the surface on the side occupied (positive there), and a *rate* is dσ/dt
+counted along the run: negative while it approaches the surface. Lengths s along a step have the sign of the step.
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# numba infers the types from the one signature in `march`.
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from numba import njit
+
+from core.isolation import DOUBLE, ROOT, first_root
+from core.signatures import G_END, ORDER, RATE_END, SLACK, STEP, call
+
+__all__ = ["FAILED", "FOUND", "MAX_LOOKS", "NONE", "TOUCH", "Motion", "climb", "first_crossing", "first_on_series", "probe"]
+
+_inline = njit(error_model="numpy")
+
+NONE, FOUND, TOUCH, FAILED = 0, 1, 2, 3
+_EPS = 2.0**-52
+MAX_LOOKS = 64  #: into one step
+_MAX_PROBES = 100  # for one root
+_MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
+
+
+class Motion(NamedTuple):
+    """A run at the start of a move: its compiled functions, its record and frame, and scratch."""
+
+    functions: Any  # addresses, as in `signatures.FUNCTIONS`
+    run: Any
+    p: Any
+    w: Any  # frame; x, carry, increment, place are parts of it
+    memo: Any  # (rows, order + 1) of a variable-step method
+    x: Any
+    carry: Any
+    increment: Any
+    place: Any
+    nodes: Any  # (MAX_LOOKS, 3): lengths, heights and rates where a step has been looked at
+    pieces: Any  # scratch of `first_root`
+
+
+@_inline
+def probe(motion, t, s):
+    """Height after a step of length s, on the scheme itself; nan where there is none."""
+    run = motion.run
+    count = call(motion.functions[STEP + (run.side > 0)], t, s, motion.p, motion.w, motion.memo)
+    if count < 0:
+        return math.nan
+    run.evaluations += count
+    return run.side * motion.w[G_END]
+
+
+@_inline
+def climb(motion):
+    """Rate at the end of the step tried last."""
+    return math.copysign(1.0, motion.run.tau) * motion.run.side * motion.w[RATE_END]
+
+
+@_inline
+def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
+    """Where the cubic in σ that has the lengths and slopes ds/dσ of both ends is at σ = 0."""
+    width, drop = abs(high - low), f_high - f_low
+    z = -f_low / drop
+    at_low, at_high = drop / (r_low * width), drop / (r_high * width)
+    part = z * z * (3.0 - 2.0 * z) + z * (1.0 - z) * ((1.0 - z) * at_low - z * at_high)
+    return low + part * (high - low)
+
+
+@_inline
+def root(motion, t, low, high, f_low, f_high, r_low, r_high):
+    """Step length between low and high, where the height changes sign, at which it vanishes: to the last digit.
+
+    Inverse cubic interpolation of heights and rates, with a bisection every fourth probe; ends when no probe could be
+    better. Returns the place where the height is smallest, whichever side of the surface that is; nan if there is
+    none.
+    """
+    best, f_best = (low, f_low) if abs(f_low) < abs(f_high) else (high, f_high)
+    for k in range(_MAX_PROBES):
+        guess = _inverse_interpolant(low, high, f_low, f_high, r_low, r_high)
+        if k % 4 == 3 or not min(low, high) < guess < max(low, high):
+            guess = low + 0.5 * (high - low)
+        if f_best == 0.0 or not abs(guess - best) > _EPS * abs(best) or guess == low or guess == high:
+            break
+        f = probe(motion, t, guess)
+        if not abs(f) < math.inf:
+            return math.nan
+        stalled = abs(f_best) <= abs(f) <= _MARGIN * motion.w[SLACK]
+        if abs(f) < abs(f_best):
+            best, f_best = guess, f
+        if stalled:
+            break
+        if f > 0.0:
+            low, f_low, r_low = guess, f, climb(motion)
+        else:
+            high, f_high, r_high = guess, f, climb(motion)
+    return best
+
+
+@_inline
+def dip(motion, t, low, high, f_low, f_high, r_low, r_high):
+    """Look for a place between low and high, where the height falls and rises again, at which it is not positive.
+
+    Returns (length, height, rate) there, or at the lowest place found. Looking ends once the tangents of both ends
+    meet above the surface.
+    """
+    s, f, r = high, f_high, r_high
+    for k in range(_MAX_PROBES):
+        width = abs(high - low)
+        meet = (f_high - f_low - r_high * width) / (r_low - r_high)  # where the two tangents do, from low
+        if f_low + r_low * meet > 0.0 or width <= 4.0 * _EPS * max(abs(low), abs(high)):
+            break
+        part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
+        s = low + part * (high - low)
+        f, r = probe(motion, t, s), climb(motion)
+        if not f > 0.0:
+            break
+        if r < 0.0:
+            low, f_low, r_low = s, f, r
+        else:
+            high, f_high, r_high = s, f, r
+    return s, f, r
+
+
+@_inline
+def peak(motion, t, high, r_low, r_high):
+    """Length in (0, high) at which the height stops rising: by regula falsi (Illinois) on the rate, and bisection."""
+    low, s, f, r = 0.0, high, 0.0, r_high
+    for k in range(_MAX_PROBES):
+        part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
+        s = low + part * (high - low)
+        f, r = probe(motion, t, s), climb(motion)
+        if not f <= 0.0 or s == low or s == high:
+            break  # well above the surface is all that is asked for
+        if r > 0.0:
+            low, r_low, r_high = s, r, 0.5 * r_high
+        else:
+            high, r_high, r_low = s, r, 0.5 * r_low
+    return s, f, r
+
+
+@_inline
+def settle(motion, t, low, high, f_low, f_high, r_low, r_high):
+    """Locate the crossing between low and high; its place goes to run.hit."""
+    motion.run.hit = root(motion, t, low, high, f_low, f_high, r_low, r_high)
+    return FOUND if motion.run.hit == motion.run.hit else FAILED
+
+
+@_inline
+def first_crossing(motion, t, h, f_end, r_end):
+    """Look for the first crossing in a step of length h; its place goes to run.hit.
+
+    Between two places that have been looked at, the height is taken for a cubic (Hermite): its Bernstein coefficients
+    tell by their signs (Descartes) whether it has a root there, and whether just one. Where it may have more, or the
+    rates show a minimum between, the scheme itself is looked at in between.
+    """
+    run, nodes = motion.run, motion.nodes
+    s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
+    if run.leaving == 1 and f_end <= 0.0 and r > 0.0 and r * abs(h) <= _MARGIN * motion.w[SLACK]:
+        return NONE  # too short a way to tell whether it has left
+    if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):
+        return NONE  # it was moved off the surface, to either side, and is not back
+    depth = 0
+    nodes[0, 0], nodes[0, 1], nodes[0, 2] = h, f_end, r_end
+    for _ in range(MAX_LOOKS):
+        s1, f1, r1 = nodes[depth, 0], nodes[depth, 1], nodes[depth, 2]
+        third = abs(s1 - s) / 3.0
+        low, high = f + r * third, f1 - r1 * third  # with f and f1 the coefficients of the cubic
+        above = f1 > 0.0 and low > 0.0 and high > 0.0
+        if f1 <= 0.0 < f and not low < 0.0 < high:
+            return settle(motion, t, s, s1, f, f1, r, r1)
+        if f == 0.0 and f1 <= 0.0 and r1 <= 0.0:  # it has left the surface, and is back
+            s, f, r = peak(motion, t, s1, r, r1)
+            if not f > 0.0:
+                run.hit = s
+                return TOUCH if f <= 0.0 else FAILED
+            return settle(motion, t, s, s1, f, f1, r, r1)
+        if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
+            s2, f2, r2 = dip(motion, t, s, s1, f, f1, r, r1)
+            if not f2 > 0.0:
+                return settle(motion, t, s, s2, f, f2, r, r2) if f2 <= 0.0 else FAILED
+            above = True
+        if above or third <= _EPS * abs(h):
+            if depth == 0:
+                return NONE
+            s, f, r = s1, f1, r1
+            depth -= 1
+            continue
+        depth += 1
+        nodes[depth, 0] = s + 0.5 * (s1 - s)
+        nodes[depth, 1] = probe(motion, t, nodes[depth, 0])
+        nodes[depth, 2] = climb(motion)
+        if not abs(nodes[depth, 1]) < math.inf:
+            return FAILED
+    return FAILED
+
+
+@_inline
+def first_on_series(motion, t, h):
+    """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself."""
+    run, row = motion.run, motion.x.size
+    kind, low, high = first_root(motion.memo[row], int(motion.w[ORDER]), h, run.leaving, motion.pieces)
+    if kind != ROOT and kind != DOUBLE:
+        return NONE
+    f_high = probe(motion, t, high)
+    r_high = climb(motion)
+    f_low = probe(motion, t, low)
+    r_low = climb(motion)
+    if f_low > 0.0 >= f_high:
+        return settle(motion, t, low, high, f_low, f_high, r_low, r_high)
+    if not abs(f_low) < math.inf or not abs(f_high) < math.inf:
+        return FAILED
+    run.hit = low if abs(f_low) < abs(f_high) else high  # the two differ by no more than round-off
+    return FOUND if kind == ROOT else NONE

@@ -1,0 +1,156 @@
+"""Expressions → lines of Python that numba compiles: in floating point, or in double-double.
+
+What is written here comes from sympy trees alone, in names of our own: no text of a user's gets in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import sympy
+from sympy import Expr, Symbol
+from sympy.printing.precedence import PRECEDENCE
+from sympy.printing.pycode import PythonCodePrinter
+
+from core.doubled import split
+from core.multiplier import DividedDifference, SecondDifference
+
+__all__ = ["assignments", "doubled_assignments", "named"]
+
+
+class _Printer(PythonCodePrinter):
+    """Python text in floating point: whole numbers and ratios as floats, roots as square roots."""
+
+    def _print_Integer(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    _print_Rational = _print_Half = _print_One = _print_Zero = _print_NegativeOne = _print_Integer
+    _print_Pi = _print_Exp1 = _print_Integer
+
+    def _print_Float(self, expr: Any) -> str:
+        return repr(float(expr))  # sympy would print 15 digits
+
+    def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+        base, exponent = self.parenthesize(expr.base, PRECEDENCE["Pow"]), expr.exp
+        if expr.base.is_Symbol and exponent in (2, 3):  # half the compile time of the general power
+            return f"({'*'.join([base] * int(exponent))})"
+        if exponent.is_Integer and exponent > 0:
+            return f"{base}**{int(exponent)}"
+        if exponent == sympy.Rational(1, 2):
+            return f"math.sqrt({self._print(expr.base)})"
+        if exponent.is_number and exponent < 0:
+            return f"(1.0/{self._print_Pow(sympy.Pow(expr.base, -exponent, evaluate=False))})"
+        return f"{base}**({self._print(exponent)})"
+
+    def _print_Function(self, expr: Any) -> str:
+        if isinstance(expr, DividedDifference | SecondDifference):
+            return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
+        return str(super()._print_Function(expr))
+
+
+def _print(expression: Expr) -> str:
+    return str(_Printer({"fully_qualified_modules": True}).doprint(expression))
+
+
+def named(stem: str, count: int) -> tuple[Symbol, ...]:
+    """Symbols stem0, stem1, …"""
+    return tuple(Symbol(f"{stem}{k}") for k in range(count))
+
+
+def assignments(targets: Sequence[str], expressions: Sequence[Expr], temporaries: Iterable[Symbol]) -> list[str]:
+    """Lines that give `targets` the values of `expressions`, common subexpressions worked out once."""
+    shared, final = sympy.cse(list(expressions), symbols=iter(temporaries), order="none")
+    pairs = [(str(name), value) for name, value in shared] + list(zip(targets, final, strict=True))
+    return [f"{name} = {_print(value)}" for name, value in pairs]
+
+
+#: A number in double-double: the names (or literals) of its two parts; the lower one is None where it is zero.
+Pair = tuple[str, str | None]
+
+
+def doubled_assignments(
+    targets: Sequence[str], expressions: Sequence[Expr], known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol]
+) -> list[str]:
+    """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double."""
+    writer = _Doubled(known, temporaries)
+    for target, expression in zip(targets, expressions, strict=True):
+        high, low = writer.pair(expression)
+        writer.lines.append(f"{target}, {target}_low = {high}, {low or '0.0'}")
+    return writer.lines
+
+
+class _Doubled:
+    """The recursion of `doubled_assignments`, which works out every shared subexpression once."""
+
+    def __init__(self, known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol]) -> None:
+        self.known: dict[Expr, Pair] = dict(known)
+        self.temporaries = iter(temporaries)
+        self.lines: list[str] = []
+
+    def pair(self, u: Expr) -> Pair:
+        if u not in self.known:
+            self.known[u] = self.work_out(u)
+        return self.known[u]
+
+    def call(self, function: str, *operands: Pair | str) -> Pair:
+        """Write a line that calls one of `doubled`."""
+        name = next(self.temporaries)
+        parts = [part for o in operands for part in ((o,) if isinstance(o, str) else (o[0], o[1] or "0.0"))]
+        self.lines.append(f"{name}, {name}_low = {function}({', '.join(parts)})")
+        return str(name), f"{name}_low"
+
+    def let(self, high: str, low: str) -> Pair:
+        """Write a line that names a pair."""
+        name = next(self.temporaries)
+        self.lines.append(f"{name}, {name}_low = {high}, {low}")
+        return str(name), f"{name}_low"
+
+    def work_out(self, u: Expr) -> Pair:
+        if not u.free_symbols:
+            high, low = split(u)
+            return repr(high), repr(low) if low else None
+        if u.is_Add:
+            total = self.pair(u.args[0])
+            for term in u.args[1:]:
+                minus = term.could_extract_minus_sign()
+                high, low = self.pair(-term if minus else term)
+                term_pair = (f"-{high}", f"-{low}" if low else None) if minus else (high, low)
+                total = self.call("pair_add", total, term_pair)
+            return total
+        if u.is_Mul:
+            number, rest = u.as_coeff_Mul()
+            if number.is_Rational and number != 1 and abs(number.p) == 1 and (number.q & (number.q - 1)) == 0:
+                high, low = self.pair(rest)  # a power of two scales exactly
+                factor = repr(float(number))
+                return self.let(f"{factor} * {high}", f"{factor} * {low}" if low else "0.0")
+            above, below = sympy.fraction(u)
+            return self.product(above) if below == 1 else self.call("dd_div", self.product(above), self.product(below))
+        if u.is_Pow:
+            return self.power(u.base, u.exp)
+        return self.call(f"dd_{type(u).__name__}", self.pair(u.args[0]))
+
+    def product(self, u: Expr) -> Pair:
+        total, *others = map(self.pair, sympy.Mul.make_args(u))
+        for factor in others:
+            if total[1] is None and factor[1] is None:
+                total = self.call("two_product", total[0], factor[0])
+            elif factor[1] is None:
+                total = self.call("pair_scale", total, factor[0])
+            elif total[1] is None:
+                total = self.call("pair_scale", factor, total[0])
+            else:
+                total = self.call("pair_mul", total, factor)
+        return total
+
+    def power(self, base: Expr, exponent: Expr) -> Pair:
+        if exponent == 2:
+            return self.call("pair_square", self.pair(base))
+        if exponent.is_Integer:
+            return self.call("dd_power", self.pair(base), str(int(exponent)))
+        if exponent.is_Rational and exponent.q == 2:
+            root = self.call("dd_sqrt", self.pair(base))
+            return root if exponent.p == 1 else self.call("dd_power", root, str(int(exponent.p)))
+        if base == sympy.E:
+            return self.call("dd_exp", self.pair(exponent))
+        return self.call("dd_pow", self.pair(base), self.pair(exponent))

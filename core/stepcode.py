@@ -1,0 +1,236 @@
+"""The text of one step, which a method's builder writes in terms of symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+import sympy
+from sympy import Expr, Symbol
+
+from core import signatures
+from core.codegen import Names, excess_lines, function_text
+from core.elimination import KEPT, by_cofactors, least_change, with_pivots
+from core.expressions import TIME
+from core.laws import Laws, Side
+from core.printing import assignments, named
+
+__all__ = ["StepCode"]
+
+#: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
+_MAX_CORRECTIONS = 30
+_STAGNATION = 1e-10
+#: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
+_SETTLED = 1e-8
+_MAX_MOVES = 8
+#: What rounding of a step can have taken from ψ moves the state by no more than this part of the increment.
+_ROUNDING = 1e-6
+#: Up to so many unknowns a system is solved by cofactors.
+_SMALL = 3
+
+
+class StepCode:
+    """The text of one step, written by a method's builder.
+
+    Attributes
+    ----------
+    t, h
+        Start and length of the step.
+    x
+        The d coordinates of the state at its start.
+    """
+
+    def __init__(self, laws: Laws, side: Side) -> None:
+        self._names = Names(laws)
+        self._laws, self._side = laws, side
+        self._temporaries = self._names.temporaries
+        self._lines = list(self._names.unpack)
+        self._evaluations: list[str] = []
+        self.t, self.h = Symbol("t"), Symbol("h")
+        self.x = self._names.x
+
+    def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
+        """Work expressions out here; returns the names of their values."""
+        names = [next(self._temporaries) for _ in expressions]
+        self._lines += assignments([str(n) for n in names], expressions, self._temporaries)
+        return names
+
+    def field(self, t: Expr, increment: Sequence[Expr] | None = None) -> list[Symbol]:
+        """Work out f here, at time t and the start of the step moved by an increment; returns its d values."""
+        x = self.x
+        if increment is not None:
+            x = tuple(next(self._temporaries) for _ in x)
+            moved = assignments([f"{y}_moved" for y in x], increment, self._temporaries)
+            ends = zip(x, self.x, self._names.carry, strict=True)
+            self._lines += moved + [f"{y} = {a} + ({c} + {y}_moved)" for y, a, c in ends]
+        at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
+        self._evaluations.append("1")
+        return self.let([f.xreplace(at) for f in self._side.field])
+
+    def at_ends(self, expressions: Iterable[Expr]) -> list[Expr]:
+        """Discrete expressions in this step's symbols: x at its start, ``y`` = x + increment at its end."""
+        ends = self._side.discrete.ends
+        names = {**dict(zip(ends.start, self.x, strict=True)), **dict(zip(ends.end, self.end, strict=True))}
+        names |= {**self._names.parameters, ends.times[0]: self.t, ends.times[1]: Symbol("t1")}
+        return [e.xreplace(names) for e in expressions]
+
+    @property
+    def end(self) -> tuple[Symbol, ...]:
+        """The state at the end of the step, where `solve` is after its current increment."""
+        return named("y", len(self.x))
+
+    @property
+    def increment(self) -> tuple[Symbol, ...]:
+        """The unknown increment of `solve`."""
+        return named("d", len(self.x))
+
+    @property
+    def _arrive(self) -> list[str]:
+        """Lines that take the state to the end of the step."""
+        return [f"y{k} = x{k} + (c{k} + d{k})" for k in range(len(self.x))]
+
+    def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = ()) -> list[Symbol]:
+        """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from rest.
+
+        In increment form, so that what is iterated is small and its round-off too; the last correction is the one
+        after which quadratic convergence leaves less than half an ulp, or the one that no longer shrinks.
+        """
+        d = len(self.x)
+        unknowns = [*self.increment, *multipliers]
+        # The end of the step moves with the increment: y = x + d.
+        moving = [
+            [r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals
+        ]
+        inner = self._arrive + self._newton(residuals, moving, d)
+        inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
+        self._lines += ["t1 = t + h", *(f"{u} = 0.0" for u in unknowns), "last = math.inf", "corrections = 0"]
+        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(len(unknowns), d)))]
+        self._evaluations.append("corrections")
+        return list(self.increment)
+
+    def _newton(self, residuals: Sequence[Expr], jacobian: Sequence[Sequence[Expr]], d: int) -> list[str]:
+        """Lines that leave the next correction in r0, r1, …"""
+        n = len(residuals)
+        targets = [f"r{i}" for i in range(n)]
+        if n == d <= _SMALL:
+            entries = {(i, k): e for i, row in enumerate(jacobian) for k, e in enumerate(row) if not e.is_number}
+            names = [f"j{i}_{k}" for i, k in entries]
+            matrix = sympy.Matrix(n, n, lambda i, k: Symbol(f"j{i}_{k}") if (i, k) in entries else jacobian[i][k])
+            lines = assignments([*targets, *names], [*residuals, *entries.values()], self._temporaries)
+            return lines + by_cofactors(matrix, self._temporaries)
+        names = [f"j{i}_{k}" for i in range(n) for k in range(n)]
+        values = [*residuals, *(e for row in jacobian for e in row)]
+        return assignments([*targets, *names], values, self._temporaries) + with_pivots(n, d)
+
+    def compose(self, weights: Sequence[float], build: Callable[[], Sequence[Expr]]) -> list[Symbol]:
+        """Steps of length weight·h one after another, in a loop of the compiled step; returns the whole increment.
+
+        Between the steps, state and increment are kept with what rounding loses of them.
+        """
+        d, frame = range(len(self.x)), self._names.frame
+        outer, self._lines, self._evaluations = self._lines, [], []
+        part = build()
+        inner = ["h = whole_h * weight", "t = whole_t + whole_h * passed", "passed += weight"]
+        inner += [f"x{k}, c{k} = two_sum(w[{frame.x + k}], w[{frame.carry + k}] + (w{k} + z{k}))" for k in d]
+        inner += self._lines + assignments([f"a{k}" for k in d], part, self._temporaries)
+        for k in d:
+            inner += [f"w{k}, q = two_sum(w{k}, a{k})", f"z{k} += q"]
+        inner.append(f"count += {' + '.join(self._evaluations)}")
+        self._lines = [*outer, "whole_t, whole_h, passed, count = t, h, 0.0, 0", *(f"w{k} = z{k} = 0.0" for k in d)]
+        self._lines += [f"for weight in {tuple(weights)!r}:", *(f"    {line}" for line in inner)]
+        self._lines += ["t, h = whole_t, whole_h", *self._names.unpack]
+        self._evaluations = ["count"]
+        return self.let([Symbol(f"w{k}") + Symbol(f"z{k}") for k in d])
+
+    def series(self, kernel: Sequence[str]) -> list[Symbol]:
+        """The increment at h of the Taylor series that `reach` has left in memo."""
+        self._lines += kernel
+        self._evaluations.append("1")
+        return list(self.increment)
+
+    def hold(self, increments: Sequence[Expr]) -> list[Expr]:
+        """Give back with this step what rounding has taken from ψ before it, worked out in double-double.
+
+        So the round-off of a conservative method does not add up: ψ stays at its level for ever.
+        """
+        m = len(self._side.conserved)
+        if m == 0:
+            return list(increments)
+        changes = named("e", len(self.x))
+        given = self.let(increments)
+        self._lines += excess_lines(self._names, self._side)
+        gradients = [self._names.own(psi.diff(v) for v in self._laws.x) for psi in self._side.conserved]
+        self._lines += least_change(gradients, changes, self._temporaries)
+        size = f"max({', '.join(f'abs({e})' for e in changes)})"
+        whole = f"max({', '.join(f'abs({d})' for d in given)}, 0.0)"
+        self._lines.append(f"if not {size} <= {_ROUNDING} * {whole}:")
+        self._lines.append(f"    {' = '.join(map(str, changes))} = 0.0")
+        return [d - e for d, e in zip(given, changes, strict=True)]
+
+    def move_onto_levels(self, increments: Sequence[Expr]) -> list[Expr]:
+        """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(excess at the start).
+
+        With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017).
+        """
+        side, d = self._side, len(self.x)
+        m = len(side.conserved)
+        if m == 0:
+            return list(increments)
+        lines = [*assignments([f"d{k}" for k in range(d)], increments, self._temporaries), "t1 = t + h"]
+        lines += [*excess_lines(self._names, side), *(f"o{j} = r{j}" for j in range(m))]
+        rows = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
+        slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))
+        left = rows * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
+        changes = named("e", d)
+        slots = [[Symbol(f"g{j}_{k}") for k in range(d)] for j in range(m)]
+        inner = self._arrive
+        inner += assignments([str(g) for row in slots for g in row] + [f"r{j}" for j in range(m)],
+                             [*rows, *left], self._temporaries)  # fmt: skip
+        inner += least_change(slots, changes, self._temporaries)
+        inner += [f"d{k} -= e{k}" for k in range(d)]
+        inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
+        inner.append(f"if size <= {_SETTLED} * max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0):")
+        inner.append("    break")
+        self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]
+        self._lines += ["else:", f"    return {signatures.NO_SOLUTION}"]
+        return list(self.increment)
+
+    def text(self, increments: Sequence[Expr]) -> str:
+        """The whole function, its increments being as given: it looks at the end of the step, too."""
+        names, d = self._names, len(self.x)
+        lines = self._lines + assignments([f"i{k}" for k in range(d)], increments, self._temporaries)
+        lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
+        lines += [f"y{k} = x{k} + (c{k} + i{k})" for k in range(d)]
+        at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
+        values = [e.xreplace(at_end) for e in (self._laws.g, self._side.g_dot)]
+        targets = [f"w[{k}]" for k in (signatures.G_END, signatures.RATE_END)]
+        lines += ["t1 = t + h", *assignments(targets, values, self._temporaries)]
+        lines.append(f"return {' + '.join(self._evaluations)}")
+        return function_text("step", lines)
+
+
+def _verdict(n: int, d: int) -> list[str]:
+    """Lines that end Newton's loop: solved, or not to be solved."""
+    state = ", ".join(f"abs(x{k})" for k in range(d))
+    kept = ""
+    check = []
+    if n - d > 1:  # a ψ that has been left alone must be kept all the same
+        check.append(
+            f"kept = {' and '.join(f'j{k}_{k} != 0.0' for k in range(d, n))} or excess <= "
+            f"{KEPT} * max({', '.join(f's{k}' for k in range(d, n))}) * max(whole, {state})"
+        )
+        kept = "kept and "
+    return [
+        f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
+        f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
+        "corrections += 1",
+        "if not size < math.inf:",
+        f"    return {signatures.NO_SOLUTION}",
+        *check,
+        f"if {kept}(size == 0.0 or (corrections > 1 and size * size * size < 1e-17 * whole * last * last)):",
+        "    break",
+        f"if {kept}size >= last and size <= {_STAGNATION} * max(whole, {state}):",
+        "    break",
+        f"if corrections >= {_MAX_CORRECTIONS}:",
+        f"    return {signatures.NO_SOLUTION}",
+        "last = size",
+    ]
