@@ -253,13 +253,14 @@ def step_over(motion, log, t, h, height, rate):
 
 @_inline
 def cut_to_reach(motion, t, h):
-    """The length that a variable-step method takes at most; whether that is all of h goes to run.final."""
+    """The length that a variable-step method takes, at most h."""
     run = motion.run
-    count = call(motion.functions[REACH + (run.side > 0)], t, h, motion.p, motion.w, motion.memo)
-    run.evaluations += count
+    run.evaluations += call(motion.functions[REACH + (run.side > 0)], t, h, motion.p, motion.w, motion.memo)
     length = motion.w[LENGTH]
-    run.final = 1 if not length < abs(h) else 0
-    return h if run.final == 1 else math.copysign(length, h)
+    if not length < abs(h):
+        return h
+    run.final = 0
+    return math.copysign(length, h)
 
 
 @_inline
@@ -274,7 +275,7 @@ def move(motion, log, h):
         return _ESCAPED if height == height else _NO_CONVERGENCE
     if not abs(height) < math.inf or not abs(rate) < math.inf:
         return _NO_CONVERGENCE
-    run.rest = 0.0
+    run.rest, looks = 0.0, run.evaluations
     if run.follow == 0:
         return step_over(motion, log, t, h, height, rate)
     found = NONE
@@ -283,7 +284,8 @@ def move(motion, log, h):
     elif h * run.tau > 0.0:  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
         found = first_crossing(motion, t, h, height, rate)
     if found == NONE:
-        probe(motion, t, h)  # looking for a crossing may have moved the increment
+        if run.evaluations != looks:  # looking for a crossing has moved the increment
+            probe(motion, t, h)
         accept(motion)
         pass_time(run, h)
         run.height, run.rate = height, rate

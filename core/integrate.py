@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.laws import Floats
-from core.methods import Method, method_named
+from core.methods import METHODS, Method, method_named
 from core.runner import Runner, Settings
 from core.system import PiecewiseSystem
 from core.trajectory import Status, Trajectory
@@ -18,6 +18,8 @@ __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
 
 _TRANSITIONS = ("mannshardt", "none")
 _RECORDS = ("steps", "crossings", "end")
+_TAU, _TOLERANCE = 1e-2, 1e-12
+_EPS, _COARSEST = 2.0**-52, 1e-2
 _MAX_ROWS = 10**7  #: with record="steps", where max_steps is not given
 
 
@@ -25,9 +27,10 @@ def integrate(
     system: PiecewiseSystem,
     t_span: tuple[float, float],
     x0: Iterable[float] | None = None,
-    tau: float = 1e-2,
+    tau: float | None = None,
     method: str = "dmm2",
     *,
+    tolerance: float | None = None,
     transition: str = "mannshardt",
     perturbation_order: int | None = None,
     perturbation_scale: float = 1.0,
@@ -47,9 +50,12 @@ def integrate(
     x0
         d numbers; the system's own x0 where not given.
     tau
-        Step size, positive. The last step is shortened to end at the end time.
+        Step size, positive; 1e-2 where not given. The last step is shortened to end at the end time. A method that
+        chooses its own steps ("taylor") takes none longer than this.
     method
         A key of METHODS.
+    tolerance
+        Of a method that chooses its own steps, relative to the state: 1e-12 where not given. Others take none.
     transition
         "mannshardt": locate the crossing on the scheme, land on it, go on with the other field (paper, Algorithm 1).
         "none": step over the surface, and only then take the other field.
@@ -80,7 +86,7 @@ def integrate(
     if max_steps is None and record == "steps":
         max_steps = _MAX_ROWS
     settings = checked_settings(
-        tau, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel
+        chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel
     )
     runner = Runner(system, chosen, t0, start, settings)
     runner.advance(t1, record=record == "steps", keep_hits=record != "end")
@@ -90,8 +96,11 @@ def integrate(
 def checked_method(system: PiecewiseSystem, name: str) -> Method:
     """Return the method of that name, if it can be used on the system, else raise ValueError."""
     method = method_named(name)
-    if method.conservative and not (system.psi_minus or system.psi_plus):
-        raise ValueError(f"method {name!r} keeps conserved quantities, and {system.name!r} has none: use rk2 or rk4")
+    if method.needs_conserved and not (system.psi_minus or system.psi_plus):
+        others = ", ".join(m.name for m in METHODS.values() if not m.needs_conserved)
+        raise ValueError(
+            f"method {name!r} keeps conserved quantities, and {system.name!r} has none: use one of {others}"
+        )
     return method
 
 
@@ -109,7 +118,9 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Iterable[float] | None
 
 
 def checked_settings(
-    tau: float,
+    method: Method,
+    tau: float | None,
+    tolerance: float | None = None,
     transition: str = "mannshardt",
     perturbation_order: int | None = None,
     perturbation_scale: float = 1.0,
@@ -118,21 +129,41 @@ def checked_settings(
     cancel: Callable[[], bool] | None = None,
 ) -> Settings:
     """Return the settings of a run, if they make sense, else raise ValueError."""
-    tau = _number(tau, "tau")
-    if not tau > 0:
-        raise ValueError(f"tau = {tau!r}: the step size must be positive")
+    step, accuracy = _step_size(method, tau), _accuracy(method, tolerance)
     if transition not in _TRANSITIONS:
         raise ValueError(f"transition = {transition!r}: choose from {', '.join(_TRANSITIONS)}")
     shift = 0.0
     if perturbation_order is not None:
         order = _number(perturbation_order, "perturbation_order")
+        if method.adaptive:
+            raise ValueError(f"perturbation_order = {order:g}: method {method.name!r} has no fixed step size tau")
         if order <= 0:
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
-        shift = _number(perturbation_scale, "perturbation_scale") * tau**order
-    settings = Settings(tau, transition=transition == "mannshardt", shift=shift, cancel=cancel)
+        shift = _number(perturbation_scale, "perturbation_scale") * step**order
+    settings = Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
     given = {name: _count(n, name) for name, n in limits.items() if n is not None}
     return Settings(**{**vars(settings), **given})
+
+
+def _step_size(method: Method, tau: float | None) -> float:
+    if tau is None:
+        return math.inf if method.adaptive else _TAU
+    step = _number(tau, "tau")
+    if not step > 0:
+        raise ValueError(f"tau = {step!r}: the step size must be positive")
+    return step
+
+
+def _accuracy(method: Method, tolerance: float | None) -> float:
+    if tolerance is None:
+        return _TOLERANCE
+    if not method.adaptive:
+        raise ValueError(f"tolerance = {tolerance!r}: method {method.name!r} takes steps of size tau, and no tolerance")
+    accuracy = _number(tolerance, "tolerance")
+    if not _EPS <= accuracy <= _COARSEST:
+        raise ValueError(f"tolerance = {accuracy!r} is outside {_EPS:.2g} … {_COARSEST:g}")
+    return accuracy
 
 
 def _span(t_span: tuple[float, float]) -> tuple[float, float]:
@@ -178,7 +209,7 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) ->
         segment = np.arange(len(t))
         crossings = crossings.first(0)
     return Trajectory(
-        runner.system, method.name, runner.settings.tau, t, x, side, segment, entered_t, entered_x, crossings,
+        runner.system, method.name, runner.settings.tau if math.isfinite(runner.settings.tau) else math.nan, t, x, side, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
     )  # fmt: skip
 

@@ -11,7 +11,6 @@ from scipy.integrate import DOP853
 from sympy import Expr, Float, Matrix, Rational, symbols
 
 from core.laws import Side
-from core.taylor import evaluation_lines
 from core.stepcode import StepCode
 
 __all__ = ["METHODS", "Method", "method_named"]
@@ -131,7 +130,7 @@ def prk8(side: Side, step: StepCode) -> Sequence[Expr]:
 
 def taylor(side: Side, step: StepCode) -> Sequence[Expr]:
     """The Taylor series of the solution, its increment moved along the discrete gradient."""
-    return step.move_onto_levels(step.series(evaluation_lines(len(side.field))))
+    return step.move_onto_levels(step.polynomial())
 
 
 #: Every integrator by name.

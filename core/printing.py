@@ -16,7 +16,7 @@ from sympy.printing.pycode import PythonCodePrinter
 from core.doubled import split
 from core.multiplier import DividedDifference, SecondDifference
 
-__all__ = ["assignments", "doubled_assignments", "named"]
+__all__ = ["assignments", "doubled_assignments", "named", "printed"]
 
 
 class _Printer(PythonCodePrinter):
@@ -49,7 +49,8 @@ class _Printer(PythonCodePrinter):
         return str(super()._print_Function(expr))
 
 
-def _print(expression: Expr) -> str:
+def printed(expression: Expr) -> str:
+    """Text of an expression in floating point."""
     return str(_Printer({"fully_qualified_modules": True}).doprint(expression))
 
 
@@ -62,7 +63,7 @@ def assignments(targets: Sequence[str], expressions: Sequence[Expr], temporaries
     """Lines that give `targets` the values of `expressions`, common subexpressions worked out once."""
     shared, final = sympy.cse(list(expressions), symbols=iter(temporaries), order="none")
     pairs = [(str(name), value) for name, value in shared] + list(zip(targets, final, strict=True))
-    return [f"{name} = {_print(value)}" for name, value in pairs]
+    return [f"{name} = {printed(value)}" for name, value in pairs]
 
 
 #: A number in double-double: the names (or literals) of its two parts; the lower one is None where it is zero.

@@ -22,7 +22,7 @@ from core.recurrences import order_of
 from core.signatures import ORDER, TOLERANCE, Frame
 from core.state import HIT, ROW, RUN
 from core.system import PiecewiseSystem
-from core.taylor import series_rows
+from core.taylor import memo_rows
 from core.trajectory import CROSSING_KINDS, Crossings, Status
 
 __all__ = ["Rows", "Runner", "Settings"]
@@ -107,7 +107,7 @@ class Runner:
         order = order_of(self.settings.tolerance)
         self._run["adaptive"] = 1
         self._w[ORDER], self._w[TOLERANCE] = order, self.settings.tolerance
-        self._memo = np.empty((series_rows(self.system.laws), order + 1))
+        self._memo = np.empty((memo_rows(self.system.laws), order + 1))
         self._scratch = (self._scratch[0], np.empty(scratch_shape(order)))
 
     @property

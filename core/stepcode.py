@@ -141,10 +141,18 @@ class StepCode:
         self._evaluations = ["count"]
         return self.let([Symbol(f"w{k}") + Symbol(f"z{k}") for k in d])
 
-    def series(self, kernel: Sequence[str]) -> list[Symbol]:
-        """The increment at h of the Taylor series that `reach` has left in memo."""
-        self._lines += kernel
-        self._evaluations.append("1")
+    def polynomial(self) -> list[Symbol]:
+        """The increment at h of the Taylor polynomial that `reach` has left in memo.
+
+        Even and odd powers apart: two chains of half the length (Horner in h²), and those of all rows overlap.
+        """
+        d = range(len(self.x))
+        inner = [line for k in d for line in (f"d{k} = d{k}*square + c[{k}, j]", f"z{k} = z{k}*square + c[{k}, j + 1]")]
+        self._lines += [f"order = int(w[{signatures.ORDER}])", f"c = carray(memo, ({len(d)}, order + 1))"]
+        self._lines += ["square = h*h", "top = order - 1 + order % 2"]
+        self._lines += [f"d{k}, z{k} = c[{k}, top], 0.0 if top == order else c[{k}, order]" for k in d]
+        self._lines += ["for j in range(top - 2, 0, -2):", *(f"    {line}" for line in inner)]
+        self._lines += [f"d{k} = d{k}*h + z{k}*square" for k in d]
         return list(self.increment)
 
     def hold(self, increments: Sequence[Expr]) -> list[Expr]:
@@ -204,7 +212,7 @@ class StepCode:
         values = [e.xreplace(at_end) for e in (self._laws.g, self._side.g_dot)]
         targets = [f"w[{k}]" for k in (signatures.G_END, signatures.RATE_END)]
         lines += ["t1 = t + h", *assignments(targets, values, self._temporaries)]
-        lines.append(f"return {' + '.join(self._evaluations)}")
+        lines.append(f"return {' + '.join(self._evaluations) or '0'}")
         return function_text("step", lines)
 
 

@@ -1,3 +1,32 @@
-def reach_text(laws, side): raise NotImplementedError
-def series_rows(laws): return 1
-def evaluation_lines(d): return []
+"""How a variable-step method prepares a step: the Taylor coefficients of the solution, and the length they allow."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from core.codegen import function_text
+from core.laws import Laws, Side
+from core.series import SeriesCode, series_code
+from core.signatures import LENGTH, ORDER, TOLERANCE
+
+__all__ = ["memo_rows", "reach_text"]
+
+
+@lru_cache(maxsize=64)
+def _series(laws: Laws, sign: int) -> SeriesCode:
+    return series_code(laws, laws.sides[sign])
+
+
+def memo_rows(laws: Laws) -> int:
+    """Rows of coefficients that a step of either side needs."""
+    return max(_series(laws, sign).rows for sign in laws.sides)
+
+
+def reach_text(laws: Laws, side: Side) -> str:
+    """Text of `reach`: coefficients to memo, those of the height over the surface in row d; the length to w[LENGTH]."""
+    code, d = _series(laws, side.sign), len(laws.x)
+    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", *code.lines]
+    if side.sign < 0:
+        lines += ["for k in range(order + 1):", f"    c[{d}, k] = -c[{d}, k]"]
+    lines += [f"w[{LENGTH}] = reach(c, {d}, order, w[{TOLERANCE}])", "return 1"]
+    return function_text("reach", lines)

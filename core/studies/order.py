@@ -88,11 +88,13 @@ def order_study(
         On arguments that make no sense, and where the trajectory has fewer crossings than asked for.
     """
     chosen = checked_method(system, method)
+    if chosen.adaptive:
+        raise ValueError(f"method {method!r} chooses its step size and its order: there is no order to study")
     start = checked_start(system, t0, x0)
     steps = _checked_taus(taus)
     numbers = _checked_crossings(crossings)
     options = (transition, perturbation_order, perturbation_scale)
-    settings = [checked_settings(tau, *options, cancel=cancel) for tau in steps]
+    settings = [checked_settings(chosen, tau, None, *options, cancel=cancel) for tau in steps]
     exact = reference_solution(system, start, t0)
     times, states, crossing_times = _targets(exact, t0, numbers)
     time_error = np.full((len(numbers), len(steps)), np.nan)

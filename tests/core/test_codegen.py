@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import sympy
 from exact import EPS
+from frames import Framed
 from systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
 
 from core import METHODS, PiecewiseSystem, integrate
-from core.compiled import compile_steps
 from core.signatures import NO_SOLUTION
 
 SIDES = [pytest.param(system, side, id=f"{system.name} {side:+d}") for system in ALL for side in (-1, 1)]
@@ -25,11 +25,9 @@ def step(
     system: PiecewiseSystem, side: int, method: str, h: float, x: Any, carry: Any = 0.0, t: float = 0.25
 ) -> tuple[int, np.ndarray]:
     """Verdict and increment of one compiled step."""
-    compiled = compile_steps(system.laws, METHODS[method])[side > 0]
-    x = np.asarray(x, dtype=float)
-    dx = np.zeros(len(x))
-    verdict = compiled(t, h, x, np.broadcast_to(carry, x.shape).copy(), system.parameter_array, dx)
-    return verdict, dx
+    framed = Framed(system, method, side, x, carry)
+    framed.call("settle", t)
+    return framed.call("step", t, h), framed.part("increment").copy()
 
 
 def starts(system: PiecewiseSystem, steps: tuple[float, ...], count: int = 60) -> Iterator[tuple[np.ndarray, float]]:

@@ -9,6 +9,7 @@ import numpy as np
 import core
 from core import compiled
 from core.march import compiled_march
+from core.signatures import STEP
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 
@@ -16,18 +17,20 @@ _SECOND_PROCESS = """
 import core, numba
 from core.march import compiled_march
 run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 5.0))
-steps = core.compiled.compile_steps(core.CATALOGUE["elliptic_curve"].laws, core.METHODS["dmm2"])
-for function in (compiled_march(), *steps):
-    print(sum(function.stats.cache_hits.values()), sum(function.stats.cache_misses.values()))
+modules = core.compiled.compile_run(core.CATALOGUE["elliptic_curve"].laws, core.METHODS["dmm2"]).modules
+steps = [module.step for module in modules if hasattr(module, "step")]
+print(sum(compiled_march().stats.cache_hits.values()), sum(compiled_march().stats.cache_misses.values()))
+for step in steps:
+    print(step.cache_hits, 1 - step.cache_hits)
 """
 
 
 def test_changing_parameters_compiles_nothing():
     core.integrate(ELLIPTIC, (0.0, 1.0))
-    before = compiled.compile_steps.cache_info().misses
+    before = compiled.compile_run.cache_info().misses
     for a in np.linspace(-3, -1, 5):
         core.integrate(ELLIPTIC.with_parameters(a_plus=a, radius=1 + a / 10), (0.0, 1.0), tau=0.01 - a / 1000)
-    assert compiled.compile_steps.cache_info().misses == before
+    assert compiled.compile_run.cache_info().misses == before
 
 
 def test_one_loop_serves_every_system_and_method():
@@ -52,8 +55,8 @@ def test_a_second_process_loads_instead_of_compiling(tmp_path):
 
 def test_sides_of_the_same_law_are_compiled_once():
     system = core.PiecewiseSystem("same", ("x", "y"), ("y", "-x"), ("y", "-x"), "y")
-    steps = compiled.compile_steps(system.laws, core.METHODS["rk2"])
-    assert steps.minus is steps.plus
+    addresses = compiled.compile_run(system.laws, core.METHODS["rk2"]).addresses
+    assert addresses[STEP] == addresses[STEP + 1]
 
 
 def test_a_tampered_cache_file_is_not_run(tmp_path, monkeypatch):

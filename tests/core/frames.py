@@ -1,0 +1,39 @@
+"""Compiled functions of a run, called one at a time from Python."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import numpy as np
+
+from core import METHODS, PiecewiseSystem
+from core.compiled import compile_run
+from core.signatures import FUNCTIONS, Frame
+
+_double = ctypes.POINTER(ctypes.c_double)
+_PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_double, _double, _double, _double)
+
+
+class Framed:
+    """A frame, and the functions that work on it."""
+
+    def __init__(self, system: PiecewiseSystem, method: str, side: int, x: Any, carry: Any = 0.0) -> None:
+        self.compiled = compile_run(system.laws, METHODS[method], levels=True)
+        self.system, self.side, self.method = system, side, METHODS[method]
+        m = max(len(s.conserved) for s in system.laws.sides.values())
+        self.frame = Frame(system.dimension, m)
+        self.w, self.p, self.memo = self.frame.empty(), np.array([*system.parameter_array, 0.0]), np.zeros((1, 1))
+        self.part("x")[:], self.part("carry")[:] = x, carry
+
+    def part(self, name: str) -> Any:
+        """A vector of the frame."""
+        start = getattr(self.frame, name)
+        counts = {"level": 2 * self.frame.m, "excess": self.frame.m}
+        return self.w[start : start + counts.get(name, self.frame.d)]
+
+    def call(self, name: str, t: float, h: float = 0.0) -> int:
+        """Call one of `FUNCTIONS`."""
+        place = FUNCTIONS.index(name) + (self.side > 0 and FUNCTIONS.count(name) == 2)
+        pointers = [array.ctypes.data_as(_double) for array in (self.p, self.w, self.memo)]
+        return int(_PROTOTYPE(int(self.compiled.addresses[place]))(t, h, *pointers))
