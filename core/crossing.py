@@ -15,13 +15,13 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from core.arithmetic import two_sum
-from core.locating import FAILED, FOUND, NONE, TOUCH, climb, first_crossing, first_on_series, probe
+from core.locating import FAILED, NONE, SHORT, TOUCH, climb, first_crossing, first_on_series, probe
 from core.signatures import DELAY, G, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, call
 from core.trajectory import CROSSING_KINDS, Status
 
 __all__ = ["BOUND", "RUNNING", "Log", "enter", "is_plain", "move"]
 
-_inline = njit(error_model="numpy")
+_inline = njit(error_model="numpy", _nrt=False)
 
 RUNNING = int(Status.RUNNING)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
@@ -283,6 +283,10 @@ def move(motion, log, h):
         found = first_on_series(motion, t, h)
     elif h * run.tau > 0.0:  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
         found = first_crossing(motion, t, h, height, rate)
+    if found == SHORT:
+        h, run.final = run.hit, 0
+        height, rate = probe(motion, t, h), climb(motion)
+        found, looks = NONE, run.evaluations
     if found == NONE:
         if run.evaluations != looks:  # looking for a crossing has moved the increment
             probe(motion, t, h)

@@ -17,14 +17,16 @@ from numba import njit
 from core.isolation import DOUBLE, ROOT, first_root
 from core.signatures import G_END, ORDER, RATE_END, SLACK, STEP, call
 
-__all__ = ["FAILED", "FOUND", "MAX_LOOKS", "NONE", "TOUCH", "Motion", "climb", "first_crossing", "first_on_series", "probe"]
+__all__ = ["FAILED", "FOUND", "MAX_LOOKS", "NONE", "SHORT", "TOUCH", "Motion", "climb", "first_crossing", "first_on_series", "probe"]
 
-_inline = njit(error_model="numpy")
+_inline = njit(error_model="numpy", _nrt=False)
 
-NONE, FOUND, TOUCH, FAILED = 0, 1, 2, 3
+NONE, FOUND, TOUCH, SHORT, FAILED = 0, 1, 2, 3, 4
 _EPS = 2.0**-52
 MAX_LOOKS = 64  #: into one step
 _MAX_PROBES = 100  # for one root
+_MAX_NEWTON = 6
+_ROUGH = 1e-9  # relative accuracy of a polynomial's root that is only a first guess
 _MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
 
 
@@ -200,19 +202,61 @@ def first_crossing(motion, t, h, f_end, r_end):
 
 
 @_inline
+def _polynomial_root(row, order, low, high):
+    """Root of Σ row[k] sᵏ between low and high, where it falls from positive values: by Newton's method, bisecting."""
+    s = low + 0.5 * (high - low)
+    for _ in range(_MAX_PROBES):
+        f, r = row[order], 0.0
+        for k in range(order - 1, -1, -1):
+            r = r * s + f
+            f = f * s + row[k]
+        low, high = (s, high) if f > 0.0 else (low, s)
+        near = s - f / r
+        if not min(low, high) < near < max(low, high):
+            near = low + 0.5 * (high - low)
+        if abs(near - s) <= _ROUGH * abs(s):
+            return near
+        s = near
+    return s
+
+
+@_inline
+def _newton(motion, t, low, high):
+    """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
+    run = motion.run
+    best, f_best, s = run.hit, math.inf, run.hit
+    for _ in range(_MAX_NEWTON):
+        f = probe(motion, t, s)
+        if not abs(f) < abs(f_best):
+            break
+        best, f_best = s, f
+        s -= math.copysign(1.0, s) * f / climb(motion)
+        if s == best or not min(low, high) <= s <= max(low, high):
+            break
+    run.hit = best
+    return abs(f_best) <= _MARGIN * motion.w[SLACK] or s == best
+
+
+@_inline
 def first_on_series(motion, t, h):
-    """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself."""
+    """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself.
+
+    SHORT: nothing up to run.hit, which is as far as can be said.
+    """
     run, row = motion.run, motion.x.size
     kind, low, high = first_root(motion.memo[row], int(motion.w[ORDER]), h, run.leaving, motion.pieces)
-    if kind != ROOT and kind != DOUBLE:
+    if kind == DOUBLE:  # two crossings or none, as round-off will have it
+        run.hit = low + 0.5 * (high - low)
+        height = probe(motion, t, run.hit)
+        return SHORT if height > 0.0 else TOUCH if height <= 0.0 else FAILED
+    if kind != ROOT:
         return NONE
-    f_high = probe(motion, t, high)
-    r_high = climb(motion)
-    f_low = probe(motion, t, low)
-    r_low = climb(motion)
-    if f_low > 0.0 >= f_high:
-        return settle(motion, t, low, high, f_low, f_high, r_low, r_high)
-    if not abs(f_low) < math.inf or not abs(f_high) < math.inf:
-        return FAILED
-    run.hit = low if abs(f_low) < abs(f_high) else high  # the two differ by no more than round-off
-    return FOUND if kind == ROOT else NONE
+    run.hit = _polynomial_root(motion.memo[row], int(motion.w[ORDER]), low, high)
+    if _newton(motion, t, low, high):
+        return FOUND
+    # The scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later.
+    f_high, r_high = probe(motion, t, high), climb(motion)
+    if f_high <= 0.0:
+        return first_crossing(motion, t, high, f_high, r_high)
+    run.hit = high
+    return SHORT if f_high > 0.0 else FAILED

@@ -28,7 +28,7 @@ _COMPLETED = int(Status.COMPLETED)
 #: The last step may be this much longer than τ (relatively), so that rounding leaves no sliver of a step at the end.
 _STRETCH = 1.0 + 1e-9
 
-_inline = njit(error_model="numpy")
+_inline = njit(error_model="numpy", _nrt=False)
 
 
 @_inline
@@ -78,7 +78,7 @@ def compiled_march() -> Callable[..., int]:
     inlined = hashlib.sha256(text.encode()).hexdigest()
     head = Frame(0, 0).x
 
-    @njit(_signature(), cache=True, nogil=True, error_model="numpy")
+    @njit(_signature(), cache=True, nogil=True, error_model="numpy", _nrt=False)
     def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope):
         inlined  # noqa: B018 - see above
         run = records[0]

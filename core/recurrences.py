@@ -13,6 +13,7 @@ References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -22,9 +23,10 @@ __all__ = ["MAX_ORDER", "convolution", "evaluate", "order_of", "power_sum", "rea
 #: Beyond this order the coefficients of a step cost more than the longer step saves.
 MAX_ORDER = 30
 
-#: Without reference counts, which cost more than a short sum and are not always optimised away; always inlined.
-_inline = njit(error_model="numpy", forceinline=True, _nrt=False)
-_plain = njit(error_model="numpy", _nrt=False)
+#: Without reference counts of arrays, which take longer than a short sum and are not always optimised away.
+_OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
+_plain = njit(**_OPTIONS)
+_inline = njit(forceinline=True, **_OPTIONS)
 
 #: Indices known not to be negative, which need no test for counting from the end.
 _u = np.uint64
@@ -166,7 +168,7 @@ def reach(c, d, order, tolerance):
         order = _last_nonzero(c, d, order)
         if order == 0:
             return math.inf
-    factor = min(-2.0, math.log(tolerance) / order) - 0.7 / (order - 1)
+    factor = min(-1.0, math.log(tolerance) / order) - 0.7 / (order - 1)
     state = _norm(c, d, 0)
     before, last = math.log(_norm(c, d, order - 1)), math.log(_norm(c, d, order))
     h = math.exp(_log_radius(math.log(state), before, last, order, 0) + factor)
