@@ -8,7 +8,25 @@ from core.system import PiecewiseSystem
 
 __all__ = ["CATALOGUE"]
 
-_NAMES = ("harmonic_oscillator", "elliptic_curve")
+_NAMES = (
+    "harmonic_oscillator",
+    "elliptic_curve",
+    "pendulum",
+    "predator_prey",
+    "rigid_body",
+    "kepler",
+    "damped_oscillator",
+    "coulomb_friction",
+    "bouncing_ball",
+    "diode_circuit",
+    "relay_feedback",
+    "gene_switch",
+    "type_upward",
+    "type_downward",
+    "type_repelling",
+    "type_sliding",
+    "moving_interface",
+)
 
 #: Every built-in system by name, in display order.
 CATALOGUE: Mapping[str, PiecewiseSystem] = MappingProxyType(

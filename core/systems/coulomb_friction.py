@@ -1,0 +1,17 @@
+"""Dry friction: turning points are transversal crossings until the block sticks, where the surface attracts."""
+
+from core.system import Parameter, PiecewiseSystem
+
+SYSTEM = PiecewiseSystem(
+    name="Coulomb friction",
+    variables=("y", "v"),
+    f_minus=("v", "-y + mu"),
+    f_plus=("v", "-y - mu"),
+    g="v",
+    psi_minus=("(v**2 + (y - mu)**2)/2",),
+    psi_plus=("(v**2 + (y + mu)**2)/2",),
+    parameters=(Parameter("mu", 0.4, (0.01, 2.0), "friction, against the motion"),),
+    x0=(3.0, 0.0),
+    doc="A block on a spring rubs on a dry table. Each turning point is nearer by 2μ, until the spring is too weak to "
+    "move the block and it sticks: the run ends there, sliding along v = 0.",
+)

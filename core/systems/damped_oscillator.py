@@ -1,0 +1,22 @@
+"""The paper's damped oscillator, whose conserved quantity names time."""
+
+from core.system import Parameter, PiecewiseSystem
+
+SYSTEM = PiecewiseSystem(
+    name="Damped oscillator",
+    variables=("x", "v"),
+    f_minus=("v", "-(gamma_minus*v + k*x)/m"),
+    f_plus=("v", "-(gamma_plus*v + k*x)/m"),
+    g="x",
+    psi_minus=("(m*v**2 + gamma_minus*x*v + k*x**2)/2*exp(gamma_minus*t/m)",),
+    psi_plus=("(m*v**2 + gamma_plus*x*v + k*x**2)/2*exp(gamma_plus*t/m)",),
+    parameters=(
+        Parameter("gamma_minus", 0.05, (0.0, 1.0), "damping where x < 0"),
+        Parameter("gamma_plus", 0.2, (0.0, 1.0), "damping where x > 0"),
+        Parameter("k", 4.0, (0.5, 20.0), "stiffness of the spring"),
+        Parameter("m", 1.0, (0.2, 5.0), "mass"),
+    ),
+    x0=(1.0, 0.0),
+    doc="A mass on a spring moves in thick oil where x > 0 and in thin oil where x < 0. Energy is lost, yet a quantity "
+    "that names time is kept.",
+)
