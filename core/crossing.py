@@ -93,6 +93,13 @@ def look(motion, t):
 
 
 @_inline
+def note(motion, log, which):
+    """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
+    for i in range(motion.place.size):
+        log.places[motion.run.hits, which, i] = motion.place[i]
+
+
+@_inline
 def take_side(motion, side, rate):
     """Occupy a side, from its surface on."""
     run = motion.run
@@ -174,27 +181,28 @@ def accumulates(run):
 @_inline
 def switch_side(motion, log):
     """At the surface: jump, classify, take the other side, write the crossing down."""
-    run, x, k = motion.run, motion.x, motion.run.hits
-    hit, along = log.hits[k], math.copysign(1.0, motion.run.tau)
+    run, x = motion.run, motion.x
+    hit, along = log.hits[run.hits], math.copysign(1.0, motion.run.tau)
     hit.t = run.t
     hit.rate_before, hit.rate_after = along * run.side * run.own, -along * run.side * run.other
-    for i in range(x.size):
-        log.places[k, 1, i] = motion.place[i] = x[i]
     own, other = run.own, run.other
-    look(motion, run.t)
+    if run.shift != 0.0 or run.follow == 0:  # it is not where the surface was met
+        for i in range(x.size):
+            motion.place[i] = x[i]
+        look(motion, run.t)
     hit.g, rate = motion.w[G], run.other
     run.own, run.other = own, other
+    note(motion, log, 1)
     if run.has_jump == 1:
         status, kind, entered, rate = leap(motion)
         hit.rate_after = along * entered * rate
     else:
         status, kind = classify(run)
         entered = -run.side
-    for i in range(x.size):
-        log.places[k, 2, i] = x[i]
+    note(motion, log, 2)
     hit.kind = kind
     hit.side = entered if status == RUNNING else 0
-    run.hits = k + 1
+    run.hits += 1
     run.crossings += 1
     if status != RUNNING:
         return status
@@ -210,24 +218,25 @@ def land(motion, log, t):
 
     Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ and x̂ anew there.
     """
-    run = motion.run
-    height = probe(motion, t, run.hit)
-    arrive(motion)
-    for i in range(motion.x.size):
-        log.places[run.hits, 0, i] = motion.place[i]
-    look(motion, t + run.hit)
+    run, x, place = motion.run, motion.x, motion.place
     if run.shift != 0.0:
+        probe(motion, t, run.hit)
+        arrive(motion)
+        note(motion, log, 0)
+        look(motion, t + run.hit)
         run.hit += run.shift
-        height = probe(motion, t, run.hit)
-    if not abs(height) < math.inf:
+    if run.probed != run.hit and not abs(probe(motion, t, run.hit)) < math.inf:
         return False
     accept(motion)
     if run.conservative == 1 and run.shift == 0.0:
         call(motion.functions[POLISH + (run.side > 0)], t + run.hit, 0.0, motion.p, motion.w, motion.memo)
         run.hit += motion.w[DELAY]
-        for i in range(motion.x.size):
-            log.places[run.hits, 0, i] = motion.x[i]
     pass_time(run, run.hit)
+    if run.shift == 0.0:
+        for i in range(x.size):
+            place[i] = x[i]
+        note(motion, log, 0)
+        look(motion, run.t)
     return True
 
 
@@ -238,7 +247,8 @@ def step_over(motion, log, t, h, height, rate):
     if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
         part = run.height / (run.height - height) if run.height > 0.0 else 0.0
         for i in range(x.size):
-            log.places[run.hits, 0, i] = place[i] = x[i] + part * motion.increment[i]
+            place[i] = x[i] + part * motion.increment[i]
+        note(motion, log, 0)
         look(motion, t + part * h)
     accept(motion)
     pass_time(run, h)
@@ -275,7 +285,7 @@ def move(motion, log, h):
         return _ESCAPED if height == height else _NO_CONVERGENCE
     if not abs(height) < math.inf or not abs(rate) < math.inf:
         return _NO_CONVERGENCE
-    run.rest, looks = 0.0, run.evaluations
+    run.rest = 0.0
     if run.follow == 0:
         return step_over(motion, log, t, h, height, rate)
     found = NONE
@@ -286,9 +296,9 @@ def move(motion, log, h):
     if found == SHORT:
         h, run.final = run.hit, 0
         height, rate = probe(motion, t, h), climb(motion)
-        found, looks = NONE, run.evaluations
+        found = NONE
     if found == NONE:
-        if run.evaluations != looks:  # looking for a crossing has moved the increment
+        if run.probed != h:  # looking for a crossing has moved the increment
             probe(motion, t, h)
         accept(motion)
         pass_time(run, h)

@@ -26,7 +26,7 @@ _EPS = 2.0**-52
 MAX_LOOKS = 64  #: into one step
 _MAX_PROBES = 100  # for one root
 _MAX_NEWTON = 6
-_ROUGH = 1e-9  # relative accuracy of a polynomial's root that is only a first guess
+_ROUGH = 1e-4  # relative accuracy of a polynomial's root that is only a first guess
 _MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
 
 
@@ -54,6 +54,7 @@ def probe(motion, t, s):
     if count < 0:
         return math.nan
     run.evaluations += count
+    run.probed = s
     return run.side * motion.w[G_END]
 
 
@@ -94,7 +95,7 @@ def root(motion, t, low, high, f_low, f_high, r_low, r_high):
         stalled = abs(f_best) <= abs(f) <= _MARGIN * motion.w[SLACK]
         if abs(f) < abs(f_best):
             best, f_best = guess, f
-        if stalled:
+        if stalled or abs(f) <= motion.w[SLACK]:
             break
         if f > 0.0:
             low, f_low, r_low = guess, f, climb(motion)
@@ -230,6 +231,8 @@ def _newton(motion, t, low, high):
         if not abs(f) < abs(f_best):
             break
         best, f_best = s, f
+        if abs(f) <= motion.w[SLACK]:
+            break
         s -= math.copysign(1.0, s) * f / climb(motion)
         if s == best or not min(low, high) <= s <= max(low, high):
             break

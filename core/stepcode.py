@@ -89,7 +89,7 @@ class StepCode:
         return [f"y{k} = x{k} + (c{k} + d{k})" for k in range(len(self.x))]
 
     def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = ()) -> list[Symbol]:
-        """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from rest.
+        """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from Euler's step.
 
         In increment form, so that what is iterated is small and its round-off too; the last correction is the one
         after which quadratic convergence leaves less than half an ulp, or the one that no longer shrinks.
@@ -102,7 +102,9 @@ class StepCode:
         ]
         inner = self._arrive + self._newton(residuals, moving, d)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
-        self._lines += ["t1 = t + h", *(f"{u} = 0.0" for u in unknowns), "last = math.inf", "corrections = 0"]
+        start = [f"{u} = h*{f}" for u, f in zip(unknowns, self.field(self.t), strict=False)]
+        start += [f"{u} = 0.0" for u in multipliers]
+        self._lines += ["t1 = t + h", *start, "last = math.inf", "corrections = 0"]
         self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(len(unknowns), d)))]
         self._evaluations.append("corrections")
         return list(self.increment)
