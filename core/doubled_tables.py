@@ -1,0 +1,52 @@
+"""Constants of the elementary functions of double-double numbers, worked out once, when this is imported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import mpmath
+import numpy as np
+from numpy.typing import NDArray
+
+_mp = mpmath.mp.clone()
+_mp.dps = 80
+
+Table = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def _parts(value: Any, count: int = 2) -> tuple[float, ...]:
+    """Leading `count` doubles of a number, each the nearest to what the ones before it leave."""
+    rest, parts = _mp.mpf(value), []
+    for _ in range(count):
+        parts.append(float(rest))
+        rest -= parts[-1]
+    return tuple(parts)
+
+
+def _table(values: Iterable[Any]) -> Table:
+    """High parts, and low parts, of many numbers."""
+    pairs = np.array([_parts(value) for value in values])
+    return pairs[:, 0].copy(), pairs[:, 1].copy()
+
+
+#: 1/n!, 1/3 and 1/5.
+INVERSE_FACTORIALS = tuple(_parts(1 / _mp.factorial(n)) for n in range(8))
+THIRD = _parts(1 / _mp.mpf(3))
+FIFTH = _parts(1 / _mp.mpf(5))
+
+#: log(2)/128 in three parts, its inverse, and 2^(j/128) − 1 for −64 ≤ j < 64.
+EXP_STEP = _parts(_mp.log(2) / 128, 3)
+EXP_STEPS_PER_UNIT = float(128 / _mp.log(2))
+EXP_HIGH, EXP_LOW = _table(_mp.mpf(2) ** (_mp.mpf(j) / 128) - 1 for j in range(-64, 64))
+
+#: log 2; then c = 128/i to double precision, and −log c, for i = 128 m of every m between 1/√2 and √2.
+LOG_2 = _parts(_mp.log(2))
+LOG_FIRST = 90
+LOG_C = np.array([128.0 / i for i in range(LOG_FIRST, 182)])
+LOG_HIGH, LOG_LOW = _table(-_mp.log(c) for c in LOG_C.tolist())
+
+#: π/64 in three parts, its inverse, and the sine of n π/64 over a whole turn.
+SIN_STEP = _parts(_mp.pi / 64, 3)
+SIN_STEPS_PER_UNIT = float(64 / _mp.pi)
+SIN_HIGH, SIN_LOW = _table(_mp.sinpi(_mp.mpf(n) / 64) for n in range(128))

@@ -1,0 +1,193 @@
+"""The first root of a polynomial on an interval: Descartes' rule of signs in the Bernstein basis, and bisection.
+
+The coefficients b₀ … bₙ of p in the Bernstein basis of an interval change sign V times; p has V roots inside, or fewer
+by an even number. V = 0: none. V = 1: one. Otherwise the interval is halved (de Casteljau), the earlier half first.
+
+Where |bⱼ| ≤ `NOISE`·Σ|aₖ hᵏ|, round-off hides the sign: an interval that is short enough for all its coefficients to be
+so, and still has V ≥ 2, holds two roots or a touch, which cannot be told apart. Roots of a parabola near the middle of
+the interval can be told apart from about 1e-7 h on.
+
+References: Collins, Akritas, SYMSAC (1976); Lane, Riesenfeld, BIT 21 (1981); Rouillier, Zimmermann, J. Comput. Appl.
+Math. 162 (2004).
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# jitted: numba infers the types
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+__all__ = ["DEPTH", "DOUBLE", "NOISE", "NONE", "ROOT", "first_root", "scratch_shape"]
+
+NONE, ROOT, DOUBLE = 0, 1, 2
+
+#: Halvings at most. Two roots in an interval of 2⁻⁴⁰ h leave coefficients of n² 2⁻⁸¹ Σ|aₖ hᵏ|, far below `NOISE`: the
+#: bound only ends what is not finite.
+DEPTH = 40
+NOISE = 2.0**-52
+
+#: Without reference counts of arrays, which take longer than the sums.
+_OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
+_plain = njit(**_OPTIONS)
+_inline = njit(forceinline=True, **_OPTIONS)
+
+#: Indices known not to be negative, which need no test for counting from the end.
+_u = np.uint64
+
+
+def scratch_shape(order: int) -> tuple[int, int]:
+    """Shape of the scratch that `first_root` needs for polynomials of this degree at most."""
+    return DEPTH + 2, order + 3
+
+
+@_plain
+def first_root(row, order, h, leaving, scratch):
+    """Find the first s of (0, h] at which a polynomial that starts above 0 is at or below 0.
+
+    Parameters
+    ----------
+    row
+        (> order,) coefficients of the height, a polynomial in s.
+    h
+        End of the interval, of either sign: s runs from 0 to h.
+    leaving
+        0: the height is positive at s = 0. 1: it is 0 there but for round-off, row[0] is left out, and roots of
+        height/s are looked for.
+    scratch
+        float64, at least `scratch_shape` of the order.
+
+    Returns
+    -------
+    kind, low, high
+        `NONE`. Or `ROOT`: on the way from low to high the height goes from positive to zero or less, once; low = high
+        = 0 where it does so at once, and low = 0 is possible (where, leaving, the height is 0). Or `DOUBLE`: between
+        low and high are two roots closer than round-off lets one see, or a touch; or, with low = 0 and high = h, a
+        coefficient is not finite and nothing can be told.
+    """
+    shift = 1 if leaving != 0 else 0
+    n = order - shift
+    size, fall = _scale(row, n, shift, h, scratch)
+    start = scratch[0, 0]
+    if _least(scratch, n) > fall and size < math.inf:
+        return NONE, 0.0, 0.0
+    if not size < math.inf:
+        return DOUBLE, 0.0, h
+    if start <= 0.0:
+        first = 0
+        while first < n and scratch[0, _u(first)] == 0.0:
+            first += 1
+        if leaving == 0 or scratch[0, _u(first)] <= 0.0:
+            return ROOT, 0.0, 0.0
+        n -= first  # it rises like s**(first + 1)
+        for k in range(n + 1):
+            scratch[0, k] = scratch[0, _u(k + first)]
+    _to_bernstein(scratch, n)
+    return _search(scratch, n, NOISE * size, h)
+
+
+@_inline
+def _scale(row, n, shift, h, scratch):
+    """Coefficients for s = h u, u in [0, 1], to scratch[0].
+
+    Returns the sum of their sizes, and how far the terms from the third power on can pull the polynomial down.
+    """
+    size, fall = 0.0, 0.0
+    power = h if shift == 1 else 1.0
+    for k in range(n + 1):
+        a = row[_u(k + shift)] * power
+        scratch[0, k] = a
+        size += abs(a)
+        if k > 2:
+            fall -= min(a, 0.0)
+        power *= h
+    return size, fall
+
+
+@_inline
+def _least(scratch, n):
+    """Least value on [0, 1] of the terms up to the second power; the others, of a Taylor polynomial, are small."""
+    a = scratch[0, 0]
+    b = scratch[0, 1] if n > 0 else 0.0
+    c = scratch[0, 2] if n > 1 else 0.0
+    if b < 0.0 and -b < 2.0 * c:
+        return a - b * b / (4.0 * c)
+    return min(a, a + b + c)
+
+
+@_inline
+def _to_bernstein(scratch, n):
+    """From powers to the Bernstein basis of [0, 1]: bⱼ = Σ C(j, i) / C(n, i) aᵢ, by sums of neighbours."""
+    inverse = 1.0  # 1 / C(n, i)
+    for i in range(1, n + 1):
+        inverse *= i / (n - i + 1)
+        scratch[0, i] *= inverse
+    for level in range(1, n + 1):
+        i = n
+        while i >= level:
+            scratch[0, _u(i)] += scratch[0, _u(i - 1)]
+            i -= 1
+
+
+@_inline
+def _variations(scratch, slot, n):
+    """Changes of sign, zeros left out; the last coefficient, the value at the end, counts as negative if zero."""
+    count = 0
+    positive = True  # every interval that is looked at starts above 0
+    for j in range(1, n + 1):
+        b = scratch[slot, j]
+        if (b < 0.0) if positive else (b > 0.0):
+            positive = not positive
+            count += 1
+    if positive and scratch[slot, _u(n)] == 0.0:
+        count += 1
+    return count
+
+
+@_inline
+def _is_noise(scratch, slot, first, n, noise):
+    """Whether round-off hides the signs of coefficients first … n."""
+    largest = 0.0
+    for j in range(first, n + 1):
+        largest = max(largest, abs(scratch[slot, j]))
+    return largest <= noise
+
+
+@_inline
+def _halve(scratch, slot, n):
+    """De Casteljau at the middle: the later half stays in its slot, the earlier goes to the next."""
+    left = slot + 1
+    scratch[left, 0] = scratch[slot, 0]
+    for level in range(1, n + 1):
+        for j in range(n - level + 1):
+            scratch[slot, j] = 0.5 * (scratch[slot, j] + scratch[slot, _u(j + 1)])
+        scratch[left, level] = scratch[slot, 0]
+    low, width = scratch[slot, _u(n + 1)], 0.5 * scratch[slot, _u(n + 2)]
+    scratch[slot, _u(n + 1)], scratch[slot, _u(n + 2)] = low + width, width
+    scratch[left, _u(n + 1)], scratch[left, _u(n + 2)] = low, width
+
+
+@_inline
+def _search(scratch, n, noise, h):
+    """Look through the interval in slot 0: a stack of intervals, the earliest on top."""
+    scratch[0, _u(n + 1)], scratch[0, _u(n + 2)] = 0.0, 1.0
+    slot = 0
+    while slot >= 0:
+        count = _variations(scratch, slot, n)
+        if count == 0:
+            slot -= 1
+            continue
+        low = scratch[slot, _u(n + 1)]
+        high = low + scratch[slot, _u(n + 2)]
+        # One that ends in noise, and level, may be the first of two.
+        if count == 1 and not _is_noise(scratch, slot, max(n - 1, 0), n, noise):
+            return ROOT, low * h, high * h
+        if slot > DEPTH or _is_noise(scratch, slot, 0, n, noise):
+            return DOUBLE, low * h, high * h
+        _halve(scratch, slot, n)
+        slot += 1
+    return NONE, 0.0, 0.0

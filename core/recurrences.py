@@ -1,0 +1,193 @@
+"""Taylor coefficients: the sums their recurrences are made of, the step they allow, the polynomial's value.
+
+Row i of c holds the coefficients c[i, 0], c[i, 1], … of one function of time. Every recurrence that `series` writes is
+built of three sums over 1 ≤ j ≤ k − 1; the two terms that hold the newest coefficients, j = 0 and j = k, are written
+out by `series` with values that are still in registers, so that they are all a coefficient has to wait for.
+
+References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# jitted: numba infers the types
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+__all__ = ["MAX_ORDER", "convolution", "evaluate", "order_of", "power_sum", "reach", "symmetric"]
+
+#: Beyond this order the coefficients of a step cost more than the longer step saves.
+MAX_ORDER = 30
+
+#: Without reference counts of arrays, which take longer than a short sum and are not always optimised away.
+_OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
+_plain = njit(**_OPTIONS)
+_inline = njit(forceinline=True, **_OPTIONS)
+
+#: Indices known not to be negative, which need no test for counting from the end.
+_u = np.uint64
+
+
+@_inline
+def convolution(c, a, b, k):
+    """Σ aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1, of rows a and b.
+
+    From both ends at once: two independent sums, and the loads of one serve as those of the other's mirror image.
+    """
+    forward, backward = 0.0, 0.0
+    i, j = 1, k - 1
+    while i < j:
+        forward += c[a, _u(i)] * c[b, _u(j)]
+        backward += c[a, _u(j)] * c[b, _u(i)]
+        i += 1
+        j -= 1
+    if i == j:
+        forward += c[a, _u(i)] * c[b, _u(i)]
+    return forward + backward
+
+
+@_inline
+def symmetric(c, a, k):
+    """Σ aⱼ aₖ₋ⱼ over 1 ≤ j ≤ k − 1, of row a: each pair once, the middle term apart."""
+    half, middle = 0.0, 0.0
+    i, j = 1, k - 1
+    while i < j:
+        half += c[a, _u(i)] * c[a, _u(j)]
+        i += 1
+        j -= 1
+    if i == j:
+        middle = c[a, _u(i)] * c[a, _u(i)]
+    return (half + half) + middle
+
+
+@_inline
+def power_sum(c, a, b, k, exponent):
+    """Σ (j (exponent + 1) − k) aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1: the recurrence of b = a**exponent."""
+    forward, backward = 0.0, 0.0
+    step = exponent + 1.0
+    i, j = 1, k - 1
+    while i < j:
+        forward += (i * step - k) * (c[a, _u(i)] * c[b, _u(j)])
+        backward += (j * step - k) * (c[a, _u(j)] * c[b, _u(i)])
+        i += 1
+        j -= 1
+    if i == j:
+        forward += (i * step - k) * (c[a, _u(i)] * c[b, _u(i)])
+    return forward + backward
+
+
+@_plain
+def evaluate(c, d, order, h, out):
+    """Write the increments Σ c[i, k] hᵏ over 1 ≤ k ≤ order, of the first d rows, to out.
+
+    Even and odd powers apart: two chains of half the length (Horner in h²), and the rows overlap.
+    """
+    square = h * h
+    top = order if order % 2 == 1 else order - 1
+    for i in range(d):
+        odd, even = c[i, _u(top)], 0.0
+        if top < order:
+            even = c[i, _u(order)]
+        k = top - 2
+        while k > 0:
+            odd = odd * square + c[i, _u(k)]
+            even = even * square + c[i, _u(k + 1)]
+            k -= 2
+        out[i] = odd * h + even * square
+
+
+@_inline
+def _norm(c, d, k):
+    """Sum of the sizes of the state's coefficients k. A sum, not a maximum: nan stays nan."""
+    size = 0.0
+    for i in range(d):
+        size += abs(c[i, _u(k)])
+    return size
+
+
+@_inline
+def _log_radius(log_scale, log_before, log_last, order, power):
+    """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order; nan stays nan."""
+    last = (log_scale - log_last) / (order - power)
+    if order - 1 > power:
+        before = (log_scale - log_before) / (order - 1 - power)
+        if before < last or before != before:
+            last = before
+    return last
+
+
+@_plain
+def _last_nonzero(c, d, order):
+    """The last coefficient that is not zero; 0 if all those beyond half the order are."""
+    m = order
+    while m > order // 2 and _norm(c, d, m) == 0.0:
+        m -= 1
+    return m if m > order // 2 else 0
+
+
+@_inline
+def _first_moving(c, d, order):
+    """The first coefficient from 1 on that is not zero, `order` at most."""
+    q = 1
+    while q < order and _norm(c, d, q) == 0.0:
+        q += 1
+    return q
+
+
+@_plain
+def reach(c, d, order, tolerance):
+    r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
+
+    h = min ρₘ · e⁻² · exp(−0.7 / (order − 1)) over m = order − 1 and order, with ρₘ = (scale / ‖c[:, m]‖)**(1/m): the
+    terms left out are then about `tolerance` parts of the scale. The scale is ‖x‖ or, where that is larger, the motion
+    in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 at which the state moves: so units of state or time make no
+    difference, and x = 0 may be passed.
+
+    Parameters
+    ----------
+    c
+        (rows, > order) coefficients, those of the state in the first d rows.
+    d
+        Dimension of the state.
+    order
+        At least 2.
+    tolerance
+        Shortens the step where `order` is less than `order_of` it.
+
+    Returns
+    -------
+    float
+        Positive; inf where all coefficients beyond half the order vanish (equilibria, and solutions that are
+        polynomials of so low a degree), or all but the last; 0 or nan where a coefficient is not finite.
+    """
+    if _norm(c, d, order) == 0.0 and _norm(c, d, order - 1) == 0.0:
+        order = _last_nonzero(c, d, order)
+        if order == 0:
+            return math.inf
+    factor = min(-2.0, math.log(tolerance) / order) - 0.7 / (order - 1)
+    state = _norm(c, d, 0)
+    before, last = math.log(_norm(c, d, order - 1)), math.log(_norm(c, d, order))
+    h = 0.0
+    if state != 0.0:
+        h = math.exp(_log_radius(math.log(state), before, last, order, 0) + factor)
+    if _norm(c, d, 1) * h >= state:
+        q = _first_moving(c, d, order)
+        if q == order:
+            return math.inf
+        motion = math.log(_norm(c, d, q)) - 2.0 * q  # ‖c[:, m]‖ hᵐ = e^(−2m) ‖c[:, q]‖ h**q with h = ρ e⁻²
+        moving = math.exp(_log_radius(motion, before, last, order, q) + factor)
+        if moving > h:
+            return moving
+    return h
+
+
+def order_of(tolerance: float) -> int:
+    """Order at which a step of `reach` leaves out terms of the size of the tolerance, with the least work.
+
+    −½ ln(tolerance) + 1 (Jorba, Zou 2005, eq. 3-7), from 2 to `MAX_ORDER`.
+    """
+    return min(max(2, math.ceil(-math.log(tolerance) / 2.0) + 1), MAX_ORDER)
