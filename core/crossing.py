@@ -263,14 +263,14 @@ def step_over(motion, log, t, h, height, rate):
 
 @_inline
 def cut_to_reach(motion, t, h):
-    """The length that a variable-step method takes, at most h."""
+    """The length that a variable-step method takes, at most h; nan where there is none."""
     run = motion.run
     run.evaluations += call(motion.functions[REACH + (run.side > 0)], t, h, motion.p, motion.w, motion.memo)
     length = motion.w[LENGTH]
-    if not length < abs(h):
+    if length >= abs(h):
         return h
     run.final = 0
-    return math.copysign(length, h)
+    return math.copysign(length, h) if length > _EPS * _EPS * abs(t) else math.nan
 
 
 @_inline

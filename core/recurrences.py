@@ -20,8 +20,8 @@ from numba import njit
 
 __all__ = ["MAX_ORDER", "convolution", "evaluate", "order_of", "power_sum", "reach", "symmetric"]
 
-#: Beyond this order the coefficients of a step cost more than the longer step saves.
-MAX_ORDER = 30
+#: Outside these orders a step gains less than it costs.
+_LEAST_ORDER, MAX_ORDER = 8, 24
 
 #: Without reference counts of arrays, which take longer than a short sum and are not always optimised away.
 _OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
@@ -131,9 +131,9 @@ def _last_nonzero(c, d, order):
 
 @_inline
 def _first_moving(c, d, order):
-    """The first coefficient from 1 on that is not zero, order − 1 at most."""
+    """The first coefficient from 1 on that is not zero, `order` at most."""
     q = 1
-    while q < order - 1 and _norm(c, d, q) == 0.0:
+    while q < order and _norm(c, d, q) == 0.0:
         q += 1
     return q
 
@@ -142,8 +142,9 @@ def _first_moving(c, d, order):
 def reach(c, d, order, tolerance):
     r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
 
-    h = min ρₘ · e⁻² · exp(−0.7 / (order − 1)) over m = order − 1 and order, with ρₘ = (scale / ‖c[:, m]‖)**(1/m): the
-    terms left out are then about `tolerance` parts of the scale. The scale is ‖x‖ or, where that is larger, the motion
+    h = min ρₘ · tolerance**(1/order) · exp(−0.7 / (order − 1)) over m = order − 1 and order, with
+    ρₘ = (scale / ‖c[:, m]‖)**(1/m): the terms left out are then about `tolerance` parts of the scale. (Jorba and Zou
+    take the order that makes the second factor e⁻²; never is it more than e⁻¹ here.) The scale is ‖x‖ or, where that is larger, the motion
     in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 at which the state moves: so units of state or time make no
     difference, and x = 0 may be passed.
 
@@ -156,25 +157,30 @@ def reach(c, d, order, tolerance):
     order
         At least 2.
     tolerance
-        Shortens the step where `order` is less than `order_of` it.
+        Relative to the scale.
 
     Returns
     -------
     float
         Positive; inf where all coefficients beyond half the order vanish (equilibria, and solutions that are
-        polynomials of so low a degree); 0 or nan where a coefficient is not finite.
+        polynomials of so low a degree), or all but the last; 0 or nan where a coefficient is not finite.
     """
     if _norm(c, d, order) == 0.0 and _norm(c, d, order - 1) == 0.0:
         order = _last_nonzero(c, d, order)
         if order == 0:
             return math.inf
-    factor = min(-1.0, math.log(tolerance) / order) - 0.7 / (order - 1)
+    shrink = min(-1.0, math.log(tolerance) / order)
+    factor = shrink - 0.7 / (order - 1)
     state = _norm(c, d, 0)
     before, last = math.log(_norm(c, d, order - 1)), math.log(_norm(c, d, order))
-    h = math.exp(_log_radius(math.log(state), before, last, order, 0) + factor)
+    h = 0.0
+    if state != 0.0:
+        h = math.exp(_log_radius(math.log(state), before, last, order, 0) + factor)
     if _norm(c, d, 1) * h >= state:
         q = _first_moving(c, d, order)
-        motion = math.log(_norm(c, d, q)) - 2.0 * q  # ‖c[:, m]‖ hᵐ = e^(−2m) ‖c[:, q]‖ h**q with h = ρ e⁻²
+        if q == order:
+            return math.inf
+        motion = math.log(_norm(c, d, q)) + shrink * q  # with h = ρ·exp(shrink), as the scale
         moving = math.exp(_log_radius(motion, before, last, order, q) + factor)
         if moving > h:
             return moving
@@ -182,8 +188,9 @@ def reach(c, d, order, tolerance):
 
 
 def order_of(tolerance: float) -> int:
-    """Order at which a step of `reach` leaves out terms of the size of the tolerance, with the least work.
+    """Order with which a step of `reach` costs least for the time it covers: measured.
 
-    −½ ln(tolerance) + 1 (Jorba, Zou 2005, eq. 3-7), from 2 to `MAX_ORDER`.
+    Jorba and Zou's −½ ln(tolerance) + 1 counts the coefficients alone; with what else a step costs, longer steps of
+    higher order pay.
     """
-    return min(max(2, math.ceil(-math.log(tolerance) / 2.0) + 1), MAX_ORDER)
+    return min(max(_LEAST_ORDER, math.ceil(6.0 - 0.6 * math.log(tolerance))), MAX_ORDER)

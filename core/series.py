@@ -76,7 +76,7 @@ class _Sum:
     """A linear combination of nodes, plus a constant; the factors are expressions in the parameters."""
 
     terms: dict[int, Expr]
-    constant: Expr = Integer(0)
+    constant: Expr = sympy.S.Zero
 
     def scaled(self, factor: Expr) -> _Sum:
         return _Sum({n: a * factor for n, a in self.terms.items()}, self.constant * factor)
@@ -99,7 +99,6 @@ class _Writer:
         self.known: dict[Any, int] = {}
         self.series = {v: _Sum({i: Integer(1)}) for i, v in enumerate(names.x)}  # symbol -> its series
         self.fixed: dict[Symbol, Expr] = {}  # symbols that stand for constants
-        self.expressions: dict[Expr, _Sum] = {}
 
     # Expressions → sums of nodes -------------------------------------------------------------------------------------
 
@@ -115,11 +114,6 @@ class _Writer:
 
     def of(self, u: Expr) -> _Sum:
         """An expression as a sum of nodes; operations that are not linear become nodes."""
-        if u not in self.expressions:
-            self.expressions[u] = self.derive(u)
-        return self.expressions[u]
-
-    def derive(self, u: Expr) -> _Sum:
         if self.is_constant(u):
             return _Sum({}, u.xreplace(self.fixed))
         if u == TIME:
@@ -201,16 +195,17 @@ class _Writer:
 
     def add(self, key: Any, first: str, recurrence: Callable[[_Node], str]) -> int:
         """A new node, unless there is one under this key."""
-        if key not in self.known:
-            n = self.known[key] = len(self.nodes)
+        n = self.known.setdefault(key, len(self.nodes))
+        if n == len(self.nodes):
             self.nodes.append(node := _Node(f"z{n}", f"y{n}", first, ""))
             node.recurrence = recurrence(node)
-        return self.known[key]
+        return n
 
     def node(self, u: _Sum) -> int:
         """The node of a sum, worked out if it is not a node already."""
         if len(u.terms) == 1 and u.constant == 0 and 1 in u.terms.values():
-            return next(iter(u.terms))
+            (only,) = u.terms
+            return only
         key = ("sum", tuple(sorted(u.terms.items(), key=lambda term: term[0])), u.constant)
         return self.add(key, self.start(u), lambda _: self.newest(u))
 
@@ -285,9 +280,7 @@ class _Writer:
         """Functions with φ' = u' χ, χ' = ±u' φ: sine and cosine, of the circle or the hyperbola."""
         rate, key = self.rate(u), _key(u)
         if (names[0], *key) not in self.known:
-            pair = []
-            for name in names:
-                pair.append(self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: ""))
+            pair = [self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "") for name in names]
             first, second = (self.nodes[n] for n in pair)
             first.recurrence, second.recurrence = rate(second), sign + rate(first)
         return self.known[names[which], *key]
@@ -321,7 +314,8 @@ class _Writer:
     def constant(self, a: Expr) -> str:
         """Text of a constant: a number, a parameter, or the name of what is worked out of them once."""
         if a.is_number:
-            return repr(float(a))
+            value = complex(a)
+            return repr(value.real) if value.imag == 0 else "math.nan"
         if a.is_Symbol:
             return str(a)
         return self.constants.setdefault(a, f"a{len(self.constants)}")

@@ -15,6 +15,11 @@ _double = ctypes.POINTER(ctypes.c_double)
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_double, _double, _double, _double)
 
 
+def pointer(array: Any) -> Any:
+    """Where an array's numbers are."""
+    return array.ctypes.data_as(_double)
+
+
 class Framed:
     """A frame, and the functions that work on it."""
 
@@ -35,5 +40,5 @@ class Framed:
     def call(self, name: str, t: float, h: float = 0.0) -> int:
         """Call one of `FUNCTIONS`."""
         place = FUNCTIONS.index(name) + (self.side > 0 and FUNCTIONS.count(name) == 2)
-        pointers = [array.ctypes.data_as(_double) for array in (self.p, self.w, self.memo)]
+        pointers = map(pointer, (self.p, self.w, self.memo))
         return int(_PROTOTYPE(int(self.compiled.addresses[place]))(t, h, *pointers))

@@ -30,7 +30,30 @@ def test_others_are_integrated_by_scipy_and_say_so():
     assert np.isfinite(solution.state(5.0)).all()
 
 
-def test_systems_that_jump_have_none():
-    system = core.PiecewiseSystem("ball", ("y", "v"), ("v", "-1"), ("v", "-1"), "y", x0=(1, 0), jump=("0", "-v"))
-    with pytest.raises(ValueError, match="jumps"):
-        core.reference_solution(system)
+def test_exact_solutions_own_to_no_error_and_the_peer_to_its_tolerance():
+    assert core.reference_solution(core.CATALOGUE["elliptic_curve"]).error is None
+    forced = core.PiecewiseSystem("forced", ("x", "y"), ("y", "-x + sin(t)"), ("y", "-x"), "x", x0=(1.0, 0.1))
+    assert core.reference_solution(forced).error == pytest.approx(1e-12)  # 10 × rtol 1e-13 × |x0| = 1
+
+
+def test_pendulum_beside_an_oscillator_and_rigid_bodies_are_exact():
+    pendulum = core.PiecewiseSystem("half", ("q", "p"), ("p", "-k*q"), ("p", "-k*sin(q)"), "q", parameters={"k": 9.8})
+    assert core.reference_solution(pendulum, (0.3, 0.2)).name == "exact (Jacobi am, linear flow)"
+    turn = ("a*y*z", "-z*x", "-x*y*0.5")
+    body = core.PiecewiseSystem("body", ("x", "y", "z"), turn, turn, "x - 0.3", parameters={"a": 1.5})
+    assert core.reference_solution(body, (0.0, 1.0, 1.2)).name == "exact (Jacobi sn, cn, dn)"
+
+
+def test_a_system_that_jumps_is_exact_where_its_fields_are_and_else_scipys():
+    declared = {"variables": ("y", "v"), "g": "y", "x0": (1.0, 0.0), "jump": ("0", "-r*v"), "parameters": {"r": 0.5}}
+    ball = core.PiecewiseSystem("ball", f_minus=("v", "-9.8"), f_plus=("v", "-9.8"), **declared)
+    solution = core.reference_solution(ball)
+    assert solution.name == "exact (linear flow)"
+    assert solution.after(1) == pytest.approx([0, np.sqrt(2 * 9.8) / 2], abs=4e-16)
+    dragged = core.PiecewiseSystem("drag", f_minus=("v", "-9.8 + v**2"), f_plus=("v", "-9.8 + v**2"), **declared)
+    solution = core.reference_solution(dragged)
+    assert "SciPy" in solution.name
+    # falls as v = −√g tanh(√g t), y = 1 − log cosh(√g t): it lands at cosh(√g t) = e
+    t, x = solution.crossing(1)
+    assert t == pytest.approx(np.arccosh(np.e) / np.sqrt(9.8), rel=1e-12)
+    assert solution.after(1) == pytest.approx([0, -x[1] / 2], rel=1e-12)

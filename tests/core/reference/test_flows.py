@@ -9,7 +9,8 @@ import sympy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from core.reference.flows import Flow, LinearFlow, WeierstrassFlow, recognise
+from core.reference.flows import Flow, LinearFlow, PendulumFlow, RigidBodyFlow, WeierstrassFlow
+from core.reference.recognition import recognise
 
 mp.mp.dps = 50
 X, Y, Z, T = sympy.symbols("x y z t")
@@ -263,13 +264,26 @@ def test_either_order_of_the_variables_gives_the_same_orbit() -> None:
         ((2 * Y, 3 * X**2 + Y), (X, Y), type(None)),
         ((2 * Y + X, 3 * X**2), (X, Y), type(None)),
         ((Y, X**3), (X, Y), type(None)),
-        ((Y, -sympy.sin(X)), (X, Y), type(None)),
+        ((Y, -sympy.sin(X)), (X, Y), PendulumFlow),
+        ((3 * sympy.cos(1 - 2 * Y), -X / 2), (X, Y), PendulumFlow),
+        ((Y, -sympy.sin(X) - Y), (X, Y), type(None)),
+        ((Y, -sympy.sin(X) + 1), (X, Y), type(None)),
+        ((Y, -sympy.sin(X**2)), (X, Y), type(None)),
+        ((Y, -sympy.sin(X + Y)), (X, Y), type(None)),
+        ((Y, -sympy.sin(X + T)), (X, Y), type(None)),
+        ((Y, -sympy.tan(X)), (X, Y), type(None)),
+        ((Y * Z, -Z * X, -X * Y / 2), (X, Y, Z), RigidBodyFlow),
+        ((Y * Z, -Z * X, sympy.Integer(0)), (X, Y, Z), RigidBodyFlow),
+        ((Y * Z, Z * X, X * Y), (X, Y, Z), type(None)),
+        ((Y * Z, Z * X, sympy.Integer(0)), (X, Y, Z), type(None)),
+        ((Y * Z, -Z * X, -X * Y / 2 + 1), (X, Y, Z), type(None)),
+        ((Y * Z, -Z * X, -(X**2)), (X, Y, Z), type(None)),
         ((Y, 1 / X), (X, Y), type(None)),
         ((Y, X**2, Z), (X, Y, Z), type(None)),
         ((Y, sympy.I * X), (X, Y), type(None)),
     ],
 )
-def test_only_affine_and_weierstrass_fields_are_recognised(
+def test_fields_are_recognised_by_their_form_and_no_others(
     field: tuple[sympy.Expr, ...], variables: tuple[sympy.Symbol, ...], kind: type
 ) -> None:
     assert isinstance(recognise(field, variables), kind)

@@ -1,0 +1,207 @@
+"""diagnose(): the theory's constants of a run, and what they say of its step size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.diagnostics.constants import (
+    Encounters,
+    discrete_constants,
+    encounters,
+    second_rate_bound,
+    wellposed_bound,
+)
+from core.diagnostics.scheme import Scheme
+from core.laws import Floats
+from core.trajectory import Crossings, Trajectory
+
+__all__ = ["Diagnosis", "diagnose", "step_warning"]
+
+_CHUNK = 65536  #: crossings worked on at a time, times d²: so that memory stays small
+_FIRST = 256  #: crossings that `step_warning` looks at
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What the theory says of each crossing; (k,) each."""
+
+    rate_minus: Floats
+    """∇g·f₋ (+ g_t) at the crossing, paper (eq:transverseA)."""
+    rate_plus: Floats
+    """∇g·f₊ (+ g_t) there, paper (eq:transverseA)."""
+    alpha2: Floats
+    """α_S² at this crossing, paper (eq:transverseA): the smaller in size of the rates at which the trajectory arrives
+    and leaves. nan where it does not cross transversally."""
+    alpha_hat2: Floats
+    """α̂_S² at this crossing, paper (eq:discrete_transversality) of lem:discTC: the least ∇g(x̂)·fᵗ (+ g_t), counted in
+    the direction of the crossing, over steps of length 0, τ/2 and τ to and from the surface. Not positive where the
+    condition fails, nan where the crossing is not transversal or the step's equation is not solved by iteration."""
+    M: Floats
+    """M of lem:ctsTimeError, paper (eq:M): ½ sup |x'·H_g x' + ∇g·x''| over five points of the exact solution within τ
+    before the crossing and five after it, and not beyond the neighbouring ones. Where g names t, with the derivatives
+    in t. As the sup is over what a step can reach on this trajectory, it is also M^ε of (eq:PerturbedM) and
+    (eq:PerturbedM2) for ε = τ, but for the initial data y ∈ B_ε(x*), of which x̂ alone is looked at."""
+    M_hat: Floats
+    """M̂ of lem:discTimeError, paper (eq:hatM): ½ sup |fᵗ·H_g fᵗ| over the same steps as `alpha_hat2`, H_g at both ends
+    and the middle of the chord. In size, as in lem:discMonotonicTime, so that it holds in either direction."""
+    tau_minus: Floats
+    """τ₋* of lem:wellposed-lemma1, for the step from x_k to the surface with the field of the side left. x_k is taken
+    as far away as one step reaches back. An estimate: see `constants.wellposed_bound` for δ, L₂ and M."""
+    tau_plus: Floats
+    """τ₊* of lem:wellposed-lemma2, for the step on from x̂* with the field of the side entered."""
+    window: Floats
+    """α²/M of lem:ctsMonotonicTime and lem:ctsMonotonicTime2, paper (eq:ctsMonoLemma), (eq:ctsMonoLemma2): within so
+    much time the exact solution does not meet the surface again. Sharp for a parabola; taken from steps up to τ, so
+    beyond τ it says no more than that. inf where M = 0, as for uniform motion to a plane."""
+    window_hat: Floats
+    """α̂²/M̂ of lem:discMonotonicTime and lem:discMonotonicTime2, paper (eq:disMonoLemma), (eq:disMonoLemma2): the same
+    of the discrete solution, with the ½ that (eq:discGX-) gives and (eq:PerturbedHatM) leaves out. inf where g is
+    linear, 0 where the discrete transversality fails."""
+
+
+@dataclass(frozen=True)
+class Diagnosis(Constants):
+    """The constants of the paper's theory, at every crossing of a run and over all of them.
+
+    At a jump, of which the paper has no theory, the branch before it starts at the surface, the branch after it where
+    the run went on from. A crossing moved by a perturbation is looked at where the scheme met the surface, one that was
+    stepped over (``transition="none"``) where the chord of the step meets it.
+    """
+
+    alpha_S2: float  # noqa: N815 - the paper's symbol
+    """α_S², paper (eq:transverseA): the least of `alpha2`; nan where there is none."""
+    alpha_hat_S2: float  # noqa: N815
+    """α̂_S², paper (eq:discrete_transversality): the least of `alpha_hat2`."""
+    tau: float
+    """Step size of the run."""
+    warnings: tuple[str, ...]
+    """Where τ exceeds a bound, in plain words; () where it exceeds none."""
+    summary: str
+    """All this in a line."""
+
+
+def diagnose(run: Trajectory) -> Diagnosis:
+    """Compute the theory's constants and step bounds at every crossing of a run.
+
+    Parameters
+    ----------
+    run
+        A run that kept its crossings: ``record="steps"`` or ``"crossings"``, with the same result. With ``"end"``
+        there is nothing to look at, and the summary says so.
+
+    Returns
+    -------
+    Diagnosis
+        Without crossings its arrays are empty, its scalars nan, and there are no warnings.
+    """
+    return _diagnosis(run, run.crossings)
+
+
+def step_warning(run: Trajectory) -> str:
+    """The first of `Diagnosis.warnings` as a sentence, from the first 256 crossings only; '' where there is none."""
+    warnings = _diagnosis(run, run.crossings.first(_FIRST)).warnings
+    return f"{warnings[0]}." if warnings else ""
+
+
+def _diagnosis(run: Trajectory, crossings: Crossings) -> Diagnosis:
+    met = encounters(run, crossings)
+    scheme = Scheme(run.system, run.method)
+    size = _CHUNK // run.system.dimension**2
+    with np.errstate(all="ignore"):  # what has no finite value is told by inf or nan
+        chunks = [_constants(scheme, met.where(slice(k, k + size))) for k in range(0, len(crossings), size)]
+    names = [f.name for f in fields(Constants)]
+    columns = {n: np.concatenate([np.empty(0), *(getattr(c, n) for c in chunks)]) for n in names}
+    constants = Constants(**columns)
+    least, least_hat = _least(constants.alpha2), _least(constants.alpha_hat2)
+    warnings = tuple(_warnings(run.tau, crossings.t, constants))
+    summary = _summary(run, crossings, constants, warnings)
+    return Diagnosis(**columns, alpha_S2=least, alpha_hat_S2=least_hat, tau=run.tau, warnings=warnings, summary=summary)
+
+
+def _constants(scheme: Scheme, met: Encounters) -> Constants:
+    system, before, after = scheme.system, met.before, met.after
+    alpha2 = np.where(met.transversal, np.minimum(np.abs(before.rate), np.abs(after.rate)), np.nan)
+    m = np.maximum(second_rate_bound(scheme, before), second_rate_bound(scheme, after))
+    hat_before, m_before, start = discrete_constants(scheme, before)
+    hat_after, m_after, _ = discrete_constants(scheme, after)
+    alpha_hat2 = np.where(met.transversal, np.minimum(hat_before, hat_after), np.nan)
+    m_hat = np.maximum(m_before, m_after)
+    # Where the step back has no solution, its far end is not known: the surface itself is near enough.
+    start = np.where(np.isfinite(start), start, before.x)
+    tau_minus = wellposed_bound(scheme, before.side, before.t + before.length, start, before.t)
+    tau_plus = wellposed_bound(scheme, after.side, after.t, after.x, after.t + after.length)
+    window = alpha2 / m
+    window_hat = np.where(alpha_hat2 <= 0.0, 0.0, alpha_hat2 / m_hat)
+    minus, plus = (system.switching_rate(side, before.t, before.x) for side in (-1, 1))
+    return Constants(minus, plus, alpha2, alpha_hat2, m, m_hat, tau_minus, tau_plus, window, window_hat)
+
+
+def _least(values: Floats) -> float:
+    known = values[~np.isnan(values)]
+    return float(known.min()) if known.size else math.nan
+
+
+_SECOND = "a second crossing within the step cannot be excluded"
+_UNSOLVED = "the step {} the surface may have no solution, or more than one"
+_BOUNDS = (
+    ("window", "the window alpha^2/M", _SECOND),
+    ("window_hat", "the discrete window alpha_hat^2/M_hat", _SECOND),
+    ("tau_minus", "the bound tau_-^*", _UNSOLVED.format("to")),
+    ("tau_plus", "the bound tau_+^*", _UNSOLVED.format("from")),
+)
+
+
+def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
+    for name, bound, consequence in _BOUNDS:
+        values = getattr(constants, name)
+        if name == "window_hat":  # where it is 0 there is a better word for it
+            yield from _failures(tau, t, constants.alpha_hat2)
+            values = np.where(values > 0.0, values, np.nan)
+        rows = np.flatnonzero(values < tau)
+        if rows.size:
+            worst = rows[np.argmin(values[rows])]
+            advice = f"tau below {_round_down(values[worst]):g}" if values[worst] > 0.0 else "a smaller tau"
+            where = _place(t, rows, worst)
+            yield f"tau = {tau:.3g} exceeds {bound} = {values[worst]:.3g}{where}: {consequence}; take {advice}"
+
+
+def _failures(tau: float, t: Floats, alpha_hat2: Floats) -> Iterator[str]:
+    rows = np.flatnonzero(alpha_hat2 <= 0.0)
+    if rows.size:
+        yield (
+            f"tau = {tau:.3g} breaks the discrete transversality condition"
+            f"{_place(t, rows, rows[np.argmin(alpha_hat2[rows])])}: a step from the surface meets it again, "
+            "or points back through it; take a smaller tau"
+        )
+
+
+def _place(t: Floats, rows: NDArray[np.intp], worst: np.intp) -> str:
+    among = f", the worst of {len(rows)}" if len(rows) > 1 else ""
+    return f" at crossing {worst + 1} (t = {t[worst]:.3g}{among})"
+
+
+def _round_down(value: float) -> float:
+    """The first digit of a positive number alone."""
+    unit = 10.0 ** math.floor(math.log10(value))
+    return math.floor(value / unit) * unit
+
+
+def _summary(run: Trajectory, crossings: Crossings, constants: Constants, warnings: tuple[str, ...]) -> str:
+    count = len(crossings)
+    if not count:
+        lost = run.crossing_count
+        return f"{lost} crossings, none kept: record them to diagnose the run." if lost else "No crossings."
+    through = int((~np.isnan(constants.alpha2)).sum())
+    parts = [f"{count} crossing{'s' * (count != 1)}"]
+    if through < count:
+        parts[0] += f" ({count - through} not transversal)"
+    if through:
+        parts.append(f"alpha_S^2 = {_least(constants.alpha2):.3g}, alpha_hat_S^2 = {_least(constants.alpha_hat2):.3g}")
+        parts.append(f"least window {_least(constants.window):.3g}")
+    bounds = "exceeds a bound" if warnings else "keeps every bound"
+    return f"{'; '.join(parts)}: tau = {run.tau:.3g} {bounds}."

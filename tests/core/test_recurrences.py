@@ -1,0 +1,114 @@
+"""The sums of the recurrences, the length of a step, and the value of a polynomial."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from exact import EPS
+
+from core.recurrences import MAX_ORDER, convolution, evaluate, order_of, power_sum, reach, symmetric
+
+
+def rows(count: int = 4, length: int = 32) -> Any:
+    return np.random.default_rng(20260102).uniform(-1, 1, (count, length))
+
+
+def exact_sum(a: Any, b: Any, k: int, weights: Any = lambda _: 1) -> tuple[Fraction, Fraction]:
+    """Σ of the terms, and of their sizes."""
+    terms = [Fraction(weights(j)) * Fraction(a[j]) * Fraction(b[k - j]) for j in range(1, k)]
+    return sum(terms, Fraction(0)), sum(map(abs, terms), Fraction(0))
+
+
+@pytest.mark.parametrize("k", range(1, 32))
+def test_sums_are_exact_but_for_one_rounding_a_term(k: int) -> None:
+    c = rows()
+    for value, (exact, size) in (
+        (convolution(c, 1, 3, k), exact_sum(c[1], c[3], k)),
+        (symmetric(c, 2, k), exact_sum(c[2], c[2], k)),
+        (power_sum(c, 0, 1, k, -1.5), exact_sum(c[0], c[1], k, lambda j: -0.5 * j - k)),
+    ):
+        assert abs(Fraction(value) - exact) <= Fraction((k + 4) * EPS / 2) * size
+
+
+@pytest.mark.parametrize("order", range(1, 31))
+def test_increment_is_the_polynomial_without_its_constant(order: int) -> None:
+    c, out = rows(), np.zeros(3)
+    for h in (0.37, -1.1):
+        evaluate(c, 3, order, h, out)
+        for i in range(3):
+            terms = [Fraction(c[i, k]) * Fraction(h) ** k for k in range(1, order + 1)]
+            # Horner in h²: two roundings a step, order/2 steps, and those of h² itself.
+            assert abs(Fraction(out[i]) - sum(terms)) <= Fraction(2 * (order + 2) * EPS) * sum(map(abs, terms))
+
+
+def geometric(radius: float, size: float = 1.0) -> Any:
+    """A state (1 row) of size/(1 − s/radius), and a row of something else."""
+    return np.array([[size * radius**-k for k in range(32)], np.full(32, 1e9)])
+
+
+def safety(order: int) -> float:
+    return math.exp(-2 - 0.7 / (order - 1))
+
+
+@pytest.mark.parametrize("order", [2, 3, 8, 16, 30])
+@pytest.mark.parametrize("radius", [1e-3, 1.0, 50.0])
+def test_reach_is_the_radius_of_convergence_times_the_factor_of_jorba_and_zou(order: int, radius: float) -> None:
+    tolerance = math.exp(-2.0 * order)
+    # ‖x‖ and ‖x'‖ h are alike here, so that the state is the scale.
+    assert reach(geometric(radius), 1, order, tolerance) == pytest.approx(radius * safety(order), rel=1e-12)
+
+
+@pytest.mark.parametrize("scale", [2.0**-330, 2.0**330])
+def test_reach_does_not_depend_on_units(scale: float) -> None:
+    c = rows() * 0.7 ** np.arange(32)
+    h = reach(c, 3, 16, 1e-14)
+    assert reach(scale * c, 3, 16, 1e-14) == pytest.approx(h, rel=1e-12)
+    shrunk = c * 2.0 ** (20 * np.arange(32))
+    assert reach(shrunk, 3, 16, 1e-14) == pytest.approx(h / 2**20, rel=1e-12)
+
+
+def test_reach_passes_zero_and_starts_from_rest() -> None:
+    order, tolerance = 16, 1e-14
+    tangent = np.zeros((1, 32))  # of s: x = 0, radius π/2
+    tangent[0, 1::2] = [2.0 * (2.0 / math.pi) ** (k + 1) for k in range(1, 32, 2)]
+    for power in (0, 1, 3):  # times s**power: at rest
+        moved = np.roll(tangent, power, axis=1)
+        moved[0, :power] = 0.0
+        assert 0.5 * safety(order) * math.pi / 2 < reach(moved, 1, order, tolerance) < math.pi / 2
+
+
+def test_what_is_left_out_is_below_the_tolerance() -> None:
+    for tolerance in (1e-4, 1e-8, 1e-12, 1e-15):
+        order = order_of(tolerance)
+        for low in (3, order):  # a lower order than that takes shorter steps
+            h = reach(geometric(1.0), 1, low, tolerance)
+            assert h ** (low + 1) / (1 - h) <= tolerance
+
+
+def test_reach_is_unlimited_where_nothing_limits_it() -> None:
+    c = np.zeros((3, 32))
+    assert reach(c, 2, 16, 1e-14) == math.inf
+    c[0, 0] = 1.0
+    assert reach(c, 2, 16, 1e-14) == math.inf
+    c[:2, :3] = [[1.0, 2.0, -4.9], [2.0, -9.8, 0.0]]  # a ball in flight
+    assert reach(c, 2, 16, 1e-14) == math.inf
+    c[0, 9] = 1.0  # a gap at the end is not a polynomial yet
+    assert reach(c, 2, 16, 1e-14) < 1.0
+
+
+@pytest.mark.parametrize("place", [(0, 0), (0, 16), (1, 15), (1, 16)])
+def test_reach_of_what_is_not_finite_is_no_step(place: tuple[int, int]) -> None:
+    c = rows()
+    c[place] = math.nan
+    assert math.isnan(reach(c, 2, 16, 1e-14))
+    c[place] = math.inf
+    assert not 0.0 < reach(c, 2, 16, 1e-14) < math.inf
+
+
+def test_orders_are_those_of_jorba_and_zou() -> None:
+    assert [order_of(tolerance) for tolerance in (0.9, 1e-1, 1e-6, 1e-10, 1e-16)] == [2, 3, 8, 13, 20]
+    assert order_of(1e-300) == MAX_ORDER
