@@ -5,9 +5,10 @@ the others, which count some 2⁻⁵³ times less, in double precision. Where a 
 is as in double precision, with lo = 0.
 
 Relative errors as measured, at most, with u = 2⁻⁵³: exp 1.1 u², log 6 u² (near 1 too), sinh and cosh 3 u², tanh 7 u².
-Sine and cosine have an absolute error of 2.5 u², and a relative one of 4 u² (tangent: 6 u²) except beside a multiple of
-π/2, where it is 1400 u² at the worst of all doubles up to 10⁵. This holds up to |a| = 2⁴⁶; beyond, the result is one of
-double precision. Results below 2⁻⁹⁶⁸ lose digits, as low parts below 10⁻³⁰⁸ do.
+Sine and cosine have an absolute error of 2.5 u² up to |a| = 2⁴⁶, and up to 10⁵ a relative one of 4 u² (tangent: 6 u²).
+The relative one grows beside the multiples of π/2: to 1900 u² at the doubles nearest to them, and without bound for
+pairs nearer still. Beyond 2⁴⁶ the result is one of double precision. Results below 2⁻⁹⁶⁸ lose digits, as low parts
+below 2⁻¹⁰²² do.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
