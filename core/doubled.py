@@ -40,11 +40,7 @@ def _fma(typing_context, a, b, c):
     """a b + c, rounded once.
 
     A processor that has the instruction does it in one. For one that has not, LLVM calls the C library's ``fma``,
-<<<<<<< HEAD
-    which is rounded once too, and takes some fifty times as long.
-=======
     which is rounded once too, but is a call, and slow where it has to work in software.
->>>>>>> main
     """
 
     def generate(context, builder, signature, arguments):

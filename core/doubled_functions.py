@@ -1,18 +1,14 @@
 """Elementary functions of double-double numbers; see `doubled`.
 
 Each reduces its argument with a table, and sums a short Taylor series of the rest: the first terms in double-double,
-<<<<<<< HEAD
-the others, which count 2⁻⁵³ times less, in double precision. Where a result overflows, underflows or is nan, it is
-as in double precision, with lo = 0.
-=======
 the others, which count some 2⁻⁵³ times less, in double precision. Where a result overflows, underflows or is nan, it
 is as in double precision, with lo = 0.
 
 Relative errors as measured, at most, with u = 2⁻⁵³: exp 1.1 u², log 6 u² (near 1 too), sinh and cosh 3 u², tanh 7 u².
-Sine and cosine have an absolute error of 2.5 u², and a relative one of 4 u² (tangent: 6 u²) except beside a multiple of
-π/2, where it is 1400 u² at the worst of all doubles up to 10⁵. This holds up to |a| = 2⁴⁶; beyond, the result is one of
-double precision. Results below 2⁻⁹⁶⁸ lose digits, as low parts below 10⁻³⁰⁸ do.
->>>>>>> main
+Sine and cosine have an absolute error of 2.5 u² up to |a| = 2⁴⁶, and up to 10⁵ a relative one of 4 u² (tangent: 6 u²).
+The relative one grows beside the multiples of π/2: to 1900 u² at the doubles nearest to them, and without bound for
+pairs nearer still. Beyond 2⁴⁶ the result is one of double precision. Results below 2⁻⁹⁶⁸ lose digits, as low parts
+below 2⁻¹⁰²² do.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -42,11 +38,7 @@ from core.doubled_tables import (
     SIN_STEP,
     SIN_STEPS_PER_UNIT,
     THIRD,
-<<<<<<< HEAD
-)
-=======
 )  # fmt: skip
->>>>>>> main
 
 __all__ = ["dd_cos", "dd_cosh", "dd_exp", "dd_log", "dd_pow", "dd_sin", "dd_sinh", "dd_tan", "dd_tanh"]
 
@@ -183,11 +175,7 @@ def _log_near_one(fh, fl):
     sh, sl = dd_add(fh, fl, 2.0, 0.0)
     sh, sl = dd_div(fh, fl, sh, sl)
     zh, zl = dd_square(sh, sl)
-<<<<<<< HEAD
-    tail = 1 / 7 + zh * (1 / 9 + zh * (1 / 11 + zh * (1 / 13)))
-=======
     tail = 1 / 7 + zh * (1 / 9 + zh * (1 / 11))
->>>>>>> main
     h, low = fast_two_sum(FIFTH[0], FIFTH[1] + zh * tail)
     h, low = _horner(zh, zl, h, low, THIRD[0], THIRD[1])
     h, low = _horner(zh, zl, h, low, 1.0, 0.0)
@@ -206,12 +194,8 @@ def dd_log(ah, al):
     i = math.floor(128.0 * mh + 0.5) - LOG_FIRST
     h, low = two_product(mh, LOG_C[i])
     fh, fl = two_product(ml, LOG_C[i])
-<<<<<<< HEAD
-    fh, fl = dd_add(h - 1.0, low, fh, fl)
-=======
     h, low = fast_two_sum(h - 1.0, low)
     fh, fl = dd_add(h, low, fh, fl)
->>>>>>> main
     h, low = _log_near_one(fh, fl)
     h, low = dd_add(LOG_HIGH[i], LOG_LOW[i], h, low)
     th, tl = dd_scale(LOG_2[0], LOG_2[1], float(k))
@@ -220,20 +204,6 @@ def dd_log(ah, al):
 
 @_inline
 def dd_pow(ah, al, bh, bl):
-<<<<<<< HEAD
-    """a^b of a real b through e^(b log a): the relative error is that of the logarithm times |b log a|, and more.
-
-    A negative a has powers of whole numbers b only, as in double precision.
-    """
-    sign = 1.0
-    if ah < 0.0:
-        if bl != 0.0 or math.floor(bh) != bh:
-            return math.nan, 0.0
-        sign = 1.0 if math.fmod(bh, 2.0) == 0.0 else -1.0
-    if ah == 0.0 or not (math.isfinite(ah) and math.isfinite(bh)):
-        return math.pow(ah, bh), 0.0
-    h, low = dd_log(abs(ah), math.copysign(1.0, ah) * al)
-=======
     """a^b of a real b through e^(b log a): relative error about 4 u² (1 + |b log a|).
 
     A negative a has powers of whole numbers b only, as in double precision.
@@ -247,7 +217,6 @@ def dd_pow(ah, al, bh, bl):
         sign = 1.0 if (bh % 2.0) == (bl % 2.0) else -1.0
         ah, al = -ah, -al
     h, low = dd_log(ah, al)
->>>>>>> main
     if not abs(h * bh) <= _LARGEST_EXPONENT:
         return sign * math.exp(h * bh), 0.0
     h, low = dd_mul(h, low, bh, bl)
@@ -305,12 +274,6 @@ def _sin_turned(n, sh, sl, ch, cl):
 
 
 @_inline
-<<<<<<< HEAD
-def dd_sin(ah, al):
-    """Sine of a; beyond |a| = 2⁴⁶ to double precision only."""
-    if not abs(ah) <= _LARGEST_ANGLE:
-        return math.sin(ah) + al * math.cos(ah), 0.0
-=======
 def _sin_of_large(ah, al):
     return math.sin(ah) * math.cos(al) + math.cos(ah) * math.sin(al)
 
@@ -325,7 +288,6 @@ def dd_sin(ah, al):
     """Sine of a; beyond |a| = 2⁴⁶ to double precision only."""
     if not abs(ah) <= _LARGEST_ANGLE:
         return _sin_of_large(ah, al), 0.0
->>>>>>> main
     n, sh, sl, ch, cl = _sin_parts(ah, al)
     return _sin_turned(n, sh, sl, ch, cl)
 
@@ -334,11 +296,7 @@ def dd_sin(ah, al):
 def dd_cos(ah, al):
     """Cosine of a; beyond |a| = 2⁴⁶ to double precision only."""
     if not abs(ah) <= _LARGEST_ANGLE:
-<<<<<<< HEAD
-        return math.cos(ah) - al * math.sin(ah), 0.0
-=======
         return _cos_of_large(ah, al), 0.0
->>>>>>> main
     n, sh, sl, ch, cl = _sin_parts(ah, al)
     return _sin_turned(n + _QUARTER, sh, sl, ch, cl)
 
@@ -347,11 +305,7 @@ def dd_cos(ah, al):
 def dd_tan(ah, al):
     """Tangent of a; beyond |a| = 2⁴⁶ to double precision only."""
     if not abs(ah) <= _LARGEST_ANGLE:
-<<<<<<< HEAD
-        return math.tan(ah + al), 0.0
-=======
         return _sin_of_large(ah, al) / _cos_of_large(ah, al), 0.0
->>>>>>> main
     n, sh, sl, ch, cl = _sin_parts(ah, al)
     yh, yl = _sin_turned(n, sh, sl, ch, cl)
     xh, xl = _sin_turned(n + _QUARTER, sh, sl, ch, cl)
