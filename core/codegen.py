@@ -117,7 +117,7 @@ def _polish_text(laws: Laws, side: Side) -> str:
     names = Names(laws)
     m, d = len(side.conserved), len(laws.x)
     moves = named("a", d)
-    lines = [*names.unpack, *excess_lines(names, side), *names.doubled([f"r{m}"], [laws.g])]
+    lines = [*names.unpack, *excess_lines(names, side), *names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
     gradients = [names.own(psi.diff(v) for v in laws.x) for psi in side.conserved] + [names.own(laws.gradient)]
     lines += least_change(gradients, moves, names.temporaries)
     lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)

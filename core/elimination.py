@@ -66,24 +66,28 @@ def _back_substitution(n: int) -> list[str]:
     return lines
 
 
-def least_change(rows: Sequence[Sequence[Expr]], changes: Sequence[Symbol], temporaries: Iterable[Symbol]) -> list[str]:
-    """Lines that give `changes` the smallest vector v with rows·v = r0, r1, …: v = Aᵀ(AAᵀ)⁻¹r.
+def least_change(
+    rows: Sequence[Sequence[Expr]],
+    changes: Sequence[Symbol],
+    temporaries: Iterable[Symbol],
+    slopes: Sequence[Sequence[Expr]] | None = None,
+) -> list[str]:
+    """Lines that give `changes` the v along the rows A with B·v = r0, r1, …: v = Aᵀ(BAᵀ)⁻¹r, B being `slopes`, or A.
 
-    Rows that vanish, or depend on those before them but for round-off, bind nothing.
+    With B = A the smallest such v. Rows that vanish, or depend on those before them but for round-off, bind nothing.
     """
     m = len(rows)
     matrix = sympy.Matrix(rows)
-    gram = matrix * matrix.T
-    lines = assignments([f"j{i}_{k}" for i in range(m) for k in range(i, m)],
-                        [gram[i, k] for i in range(m) for k in range(i, m)], temporaries)  # fmt: skip
+    product = sympy.Matrix(rows if slopes is None else slopes) * matrix.T
+    places = [(i, k) for i in range(m) for k in range(m)]
+    lines = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries)
+    lines += [f"s{i} = abs(j{i}_{i})" for i in range(1, m)]
     for k in range(m):
         least = f"{_DEPENDENT**0.5!r} * s{k}" if k else "0.0"
-        if k + 1 < m:
-            lines += [f"s{i} = j{i}_{i}" for i in range(k + 1, m)] if k == 0 else []
-        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} > {least} else 0.0")
+        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if abs(j{k}_{k}) > {least} else 0.0")
         for i in range(k + 1, m):
-            lines.append(f"q = j{k}_{i} * j{k}_{k}")
-            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(i, m)]
+            lines.append(f"q = j{i}_{k} * j{k}_{k}")
+            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, m)]
             lines.append(f"r{i} -= q * r{k}")
     lines += _back_substitution(m)
     multipliers = sympy.Matrix(sympy.symbols(f"r:{m}"))

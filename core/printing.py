@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Expr, Integer, Symbol
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.pycode import PythonCodePrinter
 
@@ -145,13 +145,19 @@ class _Doubled:
         return total
 
     def power(self, base: Expr, exponent: Expr) -> Pair:
-        if exponent == 2:
-            return self.call("pair_square", self.pair(base))
+        if exponent.is_Integer and exponent > 0:
+            half = self.pair(base ** (exponent // 2))
+            square = self.call("pair_square", half)
+            return square if exponent % 2 == 0 else self.call("pair_mul", square, self.pair(base))
         if exponent.is_Integer:
-            return self.call("dd_power", self.pair(base), str(int(exponent)))
+            return self.call("dd_div", ("1.0", None), self.pair(base**-exponent))
         if exponent.is_Rational and exponent.q == 2:
             root = self.call("dd_sqrt", self.pair(base))
-            return root if exponent.p == 1 else self.call("dd_power", root, str(int(exponent.p)))
+            if exponent.p == 1:
+                return root
+            name = Symbol(root[0])
+            self.known[name] = root
+            return self.power(name, Integer(exponent.p))
         if base == sympy.E:
             return self.call("dd_exp", self.pair(exponent))
         return self.call("dd_pow", self.pair(base), self.pair(exponent))

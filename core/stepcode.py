@@ -176,6 +176,11 @@ class StepCode:
         self._lines.append(f"    {' = '.join(map(str, changes))} = 0.0")
         return [d - e for d, e in zip(given, changes, strict=True)]
 
+    def _gradients_at_end(self) -> list[Expr]:
+        """∇ψ at the end of the step, row after row."""
+        at = {**self._names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
+        return [psi.diff(v).xreplace(at) for psi in self._side.conserved for v in self._laws.x]
+
     def move_onto_levels(self, increments: Sequence[Expr]) -> list[Expr]:
         """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(excess at the start).
 
@@ -191,11 +196,11 @@ class StepCode:
         slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))
         left = rows * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
         changes = named("e", d)
-        slots = [[Symbol(f"g{j}_{k}") for k in range(d)] for j in range(m)]
+        along, slopes = ([[Symbol(f"{u}{j}_{k}") for k in range(d)] for j in range(m)] for u in "gs")
+        names = [*(str(g) for row in (*along, *slopes) for g in row), *(f"r{j}" for j in range(m))]
         inner = self._arrive
-        inner += assignments([str(g) for row in slots for g in row] + [f"r{j}" for j in range(m)],
-                             [*rows, *left], self._temporaries)  # fmt: skip
-        inner += least_change(slots, changes, self._temporaries)
+        inner += assignments(names, [*rows, *self._gradients_at_end(), *left], self._temporaries)
+        inner += least_change(along, changes, self._temporaries, slopes)
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
         inner.append(f"if size <= {_SETTLED} * max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0):")

@@ -134,7 +134,7 @@ def test_several_crossings_within_one_step_are_all_made(method):
                                   ("y",), ("y",), x0=(0.0, 0.5))  # fmt: skip
     run = core.integrate(system, (0.0, 1.0), tau=1.0, method=method)
     assert run.crossings.t == pytest.approx([0.3, 0.31], abs=8 * EPS)
-    assert run.steps == 1
+    assert run.steps == (3 if core.METHODS[method].adaptive else 1)
 
 
 def test_start_on_the_surface_takes_the_side_the_fields_lead_to():
@@ -348,5 +348,5 @@ def test_arguments_that_make_no_sense_are_refused_with_the_value(change, words):
 
 def test_conservative_methods_say_so_where_nothing_is_conserved():
     system = one_law("none", psi=(), x0=(1.0, 0.0))
-    with pytest.raises(ValueError, match="use rk2 or rk4"):
+    with pytest.raises(ValueError, match="use one of rk2, rk4, rk8, taylor"):
         core.integrate(system, (0.0, 1.0), method="dmm2")
