@@ -1,5 +1,6 @@
 """Conservative integrators for piecewise smooth systems: the public names, nothing else."""
 
+from core.diagnostics import Diagnosis, diagnose
 from core.integrate import integrate
 from core.methods import METHODS, Method
 from core.reference import reference_solution
@@ -12,12 +13,14 @@ __all__ = [
     "CATALOGUE",
     "METHODS",
     "Crossings",
+    "Diagnosis",
     "Method",
     "OrderStudy",
     "Parameter",
     "PiecewiseSystem",
     "Status",
     "Trajectory",
+    "diagnose",
     "integrate",
     "order_study",
     "reference_solution",

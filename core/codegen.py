@@ -104,7 +104,7 @@ def levels_texts(laws: Laws, side: Side) -> list[str]:
     for j in range(m):
         settle += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
     excess = [*names.unpack, *excess_lines(names, side)]
-    excess += [f"w[{names.frame.excess + j}] = r{j}" for j in range(m)]
+    excess += [f"w[{names.frame.excess + j}] = {f'r{j}' if j < m else 'math.nan'}" for j in range(names.frame.m)]
     texts = [function_text(name, [*lines, "return 0"]) for name, lines in (("settle", settle), ("excess", excess))]
     return [*texts, _polish_text(laws, side)]
 

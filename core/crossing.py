@@ -304,6 +304,7 @@ def move(motion, log, h):
         pass_time(run, h)
         run.height, run.rate = height, rate
         run.leaving = 0 if height > 0.0 else run.leaving
+        run.longest = max(run.longest, abs(h))
         return RUNNING
     if found == FAILED or not land(motion, log, t):
         return _NO_CONVERGENCE

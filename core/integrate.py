@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from core.diagnostics import step_warning
 from core.laws import Floats
 from core.methods import METHODS, Method, method_named
 from core.runner import Runner, Settings
@@ -37,6 +38,7 @@ def integrate(
     record: str = "steps",
     max_crossings: int | None = None,
     max_steps: int | None = None,
+    envelope: int | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Trajectory:
     """Integrate a piecewise system across its switching surface.
@@ -65,6 +67,9 @@ def integrate(
         "steps": every step; "crossings": first and last state, and the crossings; "end": first and last state only.
     max_crossings, max_steps
         Where to stop at the latest.
+    envelope
+        In how many equal parts of the time to keep the least and the greatest error of ψ, taken at every step in the
+        loop itself: of a run of any length, with nothing else recorded.
     cancel
         Asked every few milliseconds; the run stops when it returns True.
 
@@ -88,7 +93,8 @@ def integrate(
     settings = checked_settings(
         chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel
     )
-    runner = Runner(system, chosen, t0, start, settings)
+    columns = 0 if envelope is None else _count(envelope, "envelope")
+    runner = Runner(system, chosen, t0, start, settings, columns)
     runner.advance(t1, record=record == "steps", keep_hits=record != "end")
     return _wrap(runner, chosen, t0, np.array(start), record)
 
@@ -209,9 +215,19 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) ->
         segment = np.arange(len(t))
         crossings = crossings.first(0)
     return Trajectory(
-        runner.system, method.name, runner.settings.tau if math.isfinite(runner.settings.tau) else math.nan, t, x, side, segment, entered_t, entered_x, crossings,
+        runner.system, method.name, runner.longest if method.adaptive else runner.settings.tau, t, x, side, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
+        _envelope(runner), step_warning,
     )  # fmt: skip
+
+
+def _envelope(runner: Runner) -> Floats | None:
+    """What the loop has kept of the errors of ψ; nan where no step ended."""
+    if not len(runner.envelope):
+        return None
+    kept = runner.envelope.copy()
+    kept[~np.isfinite(kept)] = np.nan
+    return kept
 
 
 def _message(runner: Runner) -> str:

@@ -49,8 +49,10 @@ def widen_envelope(motion, excess, envelope):
     columns = envelope.shape[0]
     column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
     for j in range(excess.size):
-        envelope[column, j, 0] = min(envelope[column, j, 0], excess[j])
-        envelope[column, j, 1] = max(envelope[column, j, 1], excess[j])
+        if excess[j] < envelope[column, j, 0]:  # never so where a side has fewer ψ, and its excess is nan
+            envelope[column, j, 0] = excess[j]
+        if excess[j] > envelope[column, j, 1]:
+            envelope[column, j, 1] = excess[j]
 
 
 def _signature() -> Any:

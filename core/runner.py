@@ -126,6 +126,11 @@ class Runner:
         return int(self._run["side"][0])
 
     @property
+    def longest(self) -> float:
+        """The longest step that a method has chosen."""
+        return float(self._run["longest"][0])
+
+    @property
     def steps(self) -> int:
         """Steps taken."""
         return int(self._run["steps"][0])

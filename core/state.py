@@ -19,6 +19,7 @@ RUN = np.dtype(
         ("own", np.float64),  # at the surface: rate into the side occupied, and into the other
         ("other", np.float64),
         ("hit", np.float64),  # where in the move the surface is met
+        ("longest", np.float64),  # step so far of a method that chooses its steps
         ("probed", np.float64),  # length of the step tried last
         ("met", np.float64),  # when it was met last, and what the digits could not hold
         ("met_carry", np.float64),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +111,10 @@ class Crossings:
         return Crossings(*(getattr(self, f.name)[:count] for f in fields(self)))
 
 
+def _nothing(_run: Trajectory) -> str:
+    return ""
+
+
 @dataclass(frozen=True)
 class Trajectory:
     """A run: what was recorded, where it crossed, how it ended."""
@@ -116,6 +122,7 @@ class Trajectory:
     system: PiecewiseSystem
     method: str
     tau: float
+    """Step size; of a method that chooses its own, the longest it took."""
     t: Floats
     """(n,) times recorded; the first and the last state are always among them."""
     x: Floats
@@ -132,7 +139,7 @@ class Trajectory:
     crossing_count: int
     """How many crossings there were; with ``record="end"`` they are counted but not kept."""
     status: Status
-    message: str
+    outcome: str
     """Where it stopped, why, and what to do about it."""
     steps: int
     """Steps taken."""
@@ -140,6 +147,16 @@ class Trajectory:
     """Evaluations of the (discrete) field."""
     seconds: float
     """Processor time inside the compiled loop."""
+    envelope: Floats | None = None
+    """(columns, m, 2) least and greatest error of ψ in equal parts of the time asked for, where `integrate` was asked
+    to keep it: ψ of the side occupied less its value where that side was entered, worked out in double-double."""
+    warn: Callable[[Trajectory], str] = field(default=_nothing, repr=False, compare=False)
+    """What the theory has to say against the step size of such a run, worked out when `message` is asked for."""
+
+    @cached_property
+    def message(self) -> str:
+        """The outcome, and a warning where the step size exceeds a bound of the theory (see `diagnose`)."""
+        return f"{self.outcome} {self.warn(self)}".strip()
 
     def conserved_error(self) -> Floats:
         """ψ of the side occupied, less its value where that side was entered.
