@@ -21,8 +21,9 @@ def reference_solution(
 ) -> ReferenceSolution:
     """Exact solution where both fields have a known closed form, else SciPy's DOP853 at its tightest tolerance.
 
-    A closed form is recognised from the declaration: fields linear in the state, and fields whose orbits are elliptic
-    curves. Its `name` says which it is.
+    A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
+    curves, pendulums and free rigid bodies; one side may be of one kind and the other of another, and the surface may
+    move. Its `name` says which it is.
 
     Parameters
     ----------
@@ -34,21 +35,22 @@ def reference_solution(
     Returns
     -------
     ReferenceSolution
-        ``.crossing(k)`` -> (t, x) for k = 1, 2, …; ``.state(t)``, ``.side(t)``; worked out when first asked for.
+        ``.crossing(k)`` -> (t, x) on the surface and ``.after(k)`` -> x after its jump, for k = 1, 2, …; ``.state(t)``,
+        ``.side(t)``; worked out when first asked for. ``.error`` is its own estimate of its error, None where it is
+        exact to round-off.
 
     Raises
     ------
     ValueError
-        If the initial state is on the surface and cannot leave it to one side, or the system jumps at the surface.
+        If the initial state is on the surface and cannot leave it to one side.
     """
-    if system.jump is not None:
-        raise ValueError(f"{system.name!r} jumps at the surface: no reference solution is known for jumps")
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
     laws = system.laws
     # The very numbers that the compiled functions use: a float is a ratio.
     numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
     fields = {side: tuple(f.xreplace(numbers) for f in laws.sides[side].field) for side in (-1, 1)}
-    exact = exact_solution(fields[-1], fields[1], laws.g.xreplace(numbers), laws.x, t0, start)
+    jump = None if laws.jump is None else tuple(u.xreplace(numbers) for u in laws.jump)
+    exact = exact_solution(fields[-1], fields[1], laws.g.xreplace(numbers), laws.x, t0, start, jump=jump)
     if exact is not None:
         return exact
 
@@ -61,4 +63,7 @@ def reference_solution(
     def rate(side: int, t: float, x: NDArray[np.float64]) -> float:
         return float(system.switching_rate(side, t, x))
 
-    return peer_solution(field, height, rate, t0, start)
+    def land(t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return laws.evaluate("jump", laws.jump or laws.x, t, x, system.parameter_array)
+
+    return peer_solution(field, height, rate, t0, start, jump=None if laws.jump is None else land)

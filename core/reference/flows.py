@@ -1,22 +1,25 @@
-"""Exact flows of smooth fields, recognised from their symbolic declaration.
+"""Exact flows of smooth fields.
 
-Two families have closed forms here: affine fields (matrix exponential) and the fields equivalent to
-X'' = 6X² − g₂/2 (Weierstrass ℘).  Everything is evaluated in extended precision (``np.longdouble``, 64-bit
-mantissa on x86; plain double where the platform has nothing better), so that a result rounded to double is
-good to its last digit and round-off does not pile up over many surface crossings.
+Four families have closed forms here: affine fields (matrix exponential), the fields equivalent to X'' = 6X² − g₂/2
+(Weierstrass ℘), the free rigid body (Jacobi sn, cn, dn) and the pendulum (am).  Everything is evaluated in extended
+precision (``np.longdouble``, 64-bit mantissa on x86; plain double where the platform has nothing better), so that a
+result rounded to double is good to its last digit and round-off does not pile up over many surface crossings.
 
-Sources: NIST DLMF the sources of `weierstrass`; Higham, *Functions of Matrices* (2008), ch. 10.
+Sources: those of `weierstrass` and `jacobi`; Higham, *Functions of Matrices* (2008), ch. 10.
 """
 
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-import sympy
 from numpy.typing import ArrayLike
 
-from core.reference.weierstrass import Extended, Orbit, orbit
+from core.reference import jacobi, weierstrass
+from core.reference.weierstrass import Extended
 
+__all__ = ["Flow", "LinearFlow", "PendulumFlow", "RigidBodyFlow", "WeierstrassFlow"]
+
+_PI = np.longdouble("3.14159265358979323846264338327950288")
 _TAYLOR_DEGREE = 20  # 2⁻²⁰/20! = 4e-25: below the last extended digit for ‖Z‖ ≤ ½
 
 
@@ -41,57 +44,6 @@ class Flow(Protocol):
 
     def rate(self, x0: ArrayLike) -> float:
         """Fastest rate (1/time) of the flow on the orbit of x0: how finely it must be sampled."""
-
-
-def recognise(field: tuple[sympy.Expr, ...], variables: tuple[sympy.Symbol, ...]) -> Flow | None:
-    """Exact flow of x' = field(x), or None if no closed form is known here.
-
-    Parameters
-    ----------
-    field : tuple of d expressions
-        In the variables only, parameter values substituted; a Float stands for its exact binary value.
-    variables : tuple of d symbols
-    """
-    exact = [exact_numbers(u) for u in field]
-    if any(u.free_symbols - set(variables) or not u.is_polynomial(*variables) for u in exact):
-        return None
-    polynomials = [sympy.Poly(u, *variables) for u in exact]
-    if any(not c.is_real for p in polynomials for c in p.coeffs()):
-        return None
-    if all(p.total_degree() <= 1 for p in polynomials):
-        a = [[extended_number(p.coeff_monomial(v)) for v in variables] for p in polynomials]
-        b = [extended_number(p.coeff_monomial(1)) for p in polynomials]
-        return LinearFlow(np.array(a), np.array(b))
-    return _recognise_weierstrass(polynomials, variables) if len(variables) == 2 else None
-
-
-def _recognise_weierstrass(
-    polynomials: list[sympy.Poly], variables: tuple[sympy.Symbol, ...]
-) -> "WeierstrassFlow | None":
-    """The flow of u' = αv, v' = βu² + γu + δ with (u, v) the variables in either order."""
-    for i in (0, 1):
-        u, v = variables[i], variables[1 - i]
-        alpha = polynomials[i].coeff_monomial(v)
-        force = polynomials[1 - i]
-        beta = force.coeff_monomial(u**2)
-        is_force = force.total_degree() == 2 and v not in force.as_expr().free_symbols
-        if alpha != 0 and polynomials[i].as_expr() == alpha * v and is_force:
-            gamma, delta = force.coeff_monomial(u), force.coeff_monomial(1)
-            a, b, c, d = map(extended_number, (alpha, beta, gamma, delta))
-            return WeierstrassFlow(i, a, b, c, d)
-    return None
-
-
-def exact_numbers(expression: sympy.Expr) -> sympy.Expr:
-    """The expression with every Float replaced by the rational number it is."""
-    return sympy.sympify(expression).xreplace(
-        {c: sympy.Rational(c) for c in sympy.sympify(expression).atoms(sympy.Float)}
-    )
-
-
-def extended_number(number: sympy.Expr) -> np.longdouble:
-    """The number correctly rounded to extended precision."""
-    return np.longdouble(str(sympy.N(number, 30)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,12 +147,112 @@ class WeierstrassFlow:
         """Twice max(|g₂|^¼, |g₃|^⅙): at least the rate at the centre and at the saddle, (12 g₂)^¼."""
         return 2 * float(self._orbit(x0).inverse_time)
 
-    def _orbit(self, x0: ArrayLike) -> Orbit:
+    def _orbit(self, x0: ArrayLike) -> weierstrass.Orbit:
         x = _extended(x0)
-        return orbit(
+        return weierstrass.orbit(
             self._g2, (x[self.position] - self._shift) / self._scale,
             self.alpha * x[1 - self.position] / self._scale,
         )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBodyFlow:
+    """Flow of x' = (c₁ x₂x₃, c₂ x₃x₁, c₃ x₁x₂), the c not 0 and not all of one sign, so that orbits are bounded.
+
+    Divided by √|c| the variables move as `jacobi.Orbit`, the one whose c is alone in its sign as its x, in the time
+    ±√|c₁c₂c₃| t.
+    """
+
+    c: Extended
+    name: str = "Jacobi sn, cn, dn"
+
+    def __call__(self, x0: ArrayLike, t: ArrayLike) -> Extended:
+        """States (n, 3) at the elapsed times t (n,) from x0 (3,)."""
+        order = self._order
+        states = np.empty((len(_extended(t)), 3), dtype=np.longdouble)
+        states[:, order] = self._orbit(x0).at(np.sign(self.c[order[0]]) * self._tempo * _extended(t))
+        return states * np.sqrt(np.abs(self.c))
+
+    def lifetime(self, x0: ArrayLike) -> float:
+        """Inf: both quadratic invariants are bounded."""
+        return np.inf
+
+    def period(self, x0: ArrayLike) -> float:
+        """4K over the speed; inf on a separatrix, and at rest."""
+        return float(self._orbit(x0).period / self._tempo)
+
+    def rate(self, x0: ArrayLike) -> float:
+        """That of dn, whose period is 2K ≥ π."""
+        return 2 * float(self._orbit(x0).speed * self._tempo)
+
+    @property
+    def _tempo(self) -> np.longdouble:
+        return np.longdouble(np.prod(np.sqrt(np.abs(self.c))))
+
+    @property
+    def _order(self) -> list[int]:
+        """The variables, the one that is alone in its sign first."""
+        alone = int(np.argmax(np.sign(self.c) == -np.sign(self.c).sum()))
+        return [alone, (alone + 1) % 3, (alone + 2) % 3]
+
+    def _orbit(self, x0: ArrayLike) -> jacobi.Orbit:
+        return jacobi.orbit(*(_extended(x0) / np.sqrt(np.abs(self.c)))[self._order])
+
+
+@dataclass(frozen=True, eq=False)
+class PendulumFlow:
+    """Flow of u' = αv, v' = κ sin(γu + δ), ακγ ≠ 0, where u = x[position] and v is the other variable.
+
+    With ω² = |ακγ| and the angle from the bottom θ = γu + δ (+ π where ακγ > 0), sin θ/2, cos θ/2 and θ'/2ω move as
+    `jacobi.Orbit` in the time ωt. The angle is the one of the start and the turn since, whole turns counted by time.
+    """
+
+    position: int
+    alpha: np.longdouble
+    kappa: np.longdouble
+    gamma: np.longdouble
+    delta: np.longdouble
+    name: str = "Jacobi am"
+
+    def __call__(self, x0: ArrayLike, t: ArrayLike) -> Extended:
+        """States (n, 2) at the elapsed times t (n,) from x0 (2,)."""
+        x, orbit, time = _extended(x0), self._orbit(x0), self._frequency * _extended(t)
+        turns = np.zeros_like(time)
+        if not orbit.swings and orbit.period < np.inf:  # over the top, once in half the period of sin θ/2
+            turns = np.rint(2 * time / orbit.period)
+            time = time - turns * (orbit.period / 2)
+            turns *= np.sign(orbit.z)
+        sine, cosine, speed = orbit.at(time).T
+        half_turn = np.arctan2(sine * orbit.y - cosine * orbit.x, cosine * orbit.y + sine * orbit.x)
+        states = np.empty((len(time), 2), dtype=np.longdouble)
+        states[:, self.position] = x[self.position] + 2 * (half_turn + _PI * turns) / self.gamma
+        states[:, 1 - self.position] = 2 * self._frequency / (self.alpha * self.gamma) * speed
+        return states
+
+    def lifetime(self, x0: ArrayLike) -> float:
+        """Inf: sin θ/2, cos θ/2 and the energy are bounded."""
+        return np.inf
+
+    def period(self, x0: ArrayLike) -> float:
+        """4K/ω where it swings; inf where it goes over the top, on the separatrix, and at rest."""
+        orbit = self._orbit(x0)
+        return float(orbit.period / self._frequency) if orbit.swings else np.inf
+
+    def rate(self, x0: ArrayLike) -> float:
+        """2ω, or more where it goes over the top: sin θ has the period 2K, K ≥ π/2."""
+        return 2 * float(self._orbit(x0).speed * self._frequency)
+
+    @property
+    def _frequency(self) -> np.longdouble:
+        return np.longdouble(np.sqrt(np.abs(self.alpha * self.kappa * self.gamma)))
+
+    def _orbit(self, x0: ArrayLike) -> jacobi.Orbit:
+        x = _extended(x0)
+        half = (self.gamma * x[self.position] + self.delta) / 2
+        speed = self.alpha * self.gamma * x[1 - self.position] / (2 * self._frequency)
+        if self.alpha * self.kappa * self.gamma > 0:
+            return jacobi.orbit(np.cos(half), -np.sin(half), speed)
+        return jacobi.orbit(np.sin(half), np.cos(half), speed)
 
 
 def _extended(values: ArrayLike) -> Extended:

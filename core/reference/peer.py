@@ -8,22 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853, solve_ivp
 
-from core.reference.solution import (
-    MAX_CROSSINGS,
-    Arc,
-    ReferenceSolution,
-    Sample,
-    State,
-    Time,
-    first_arc,
-    first_zero,
-)
+from core.reference.search import Sample, Time, first_zero
+from core.reference.solution import MAX_CROSSINGS, Arc, Motion, ReferenceSolution, State, first_arc
 
 __all__ = ["peer_solution"]
 
 _LOOKS = (0.25, 0.5, 0.75)  # where within a step g is looked at, besides its ends
 _MAX_STEPS = 200_000  # of one arc
 _PEER_RTOL = 1e-13
+_STEPS_OF_ERROR = 10
 
 
 def peer_solution(
@@ -33,6 +26,7 @@ def peer_solution(
     t0: float,
     x0: ArrayLike,
     max_crossings: int = MAX_CROSSINGS,
+    jump: Callable[[float, NDArray[np.float64]], ArrayLike] | None = None,
 ) -> ReferenceSolution:
     """Solution by SciPy's DOP853 at its tightest sensible tolerance, restarted on the surface.
 
@@ -45,6 +39,14 @@ def peer_solution(
     t0 : float
     x0 : (d,)
         On the surface only if g vanishes there exactly; ValueError as for `exact_solution`.
+    max_crossings : int
+    jump : callable (t, x) -> (d,), or None
+        The state after reaching the surface.
+
+    Returns
+    -------
+    ReferenceSolution
+        Its `error` is ten times what the tolerance lets one step err: for some tens of units of time; it grows.
     """
 
     def start(t: Time, x: State, side: int, on_surface: bool) -> Arc:
@@ -53,9 +55,17 @@ def peer_solution(
     def rate(side: int, t: Time, x: State) -> Time:
         return float(gdot(side, float(t), x.astype(float)))
 
+    def height(t: Time, x: State) -> Time:
+        return float(g(float(t), x.astype(float)))
+
+    def land(t: Time, x: State) -> State:
+        return np.asarray(jump(float(t), x.astype(float)) if jump else x, dtype=float)
+
+    motion = Motion(start, height, rate, land if jump else None)
     x = np.asarray(x0, dtype=float)
-    first = first_arc(start, rate, float(t0), x, g(float(t0), x), 0.0)
-    return ReferenceSolution(f"SciPy DOP853, rtol {_PEER_RTOL:g}", start, rate, first, max_crossings)
+    first = first_arc(motion, float(t0), x, 0.0)
+    error = _STEPS_OF_ERROR * _PEER_RTOL * float(np.abs(x).max() or 1.0)
+    return ReferenceSolution(f"SciPy DOP853, rtol {_PEER_RTOL:g}", motion, first, max_crossings, error)
 
 
 class _PeerArc:
@@ -76,7 +86,7 @@ class _PeerArc:
         self._solver = DOP853(self._f, t, x, np.inf, rtol=_PEER_RTOL, atol=self._atol)
         self._times, self._states = [t], [x]
         depth, rate = self._look(t, x)
-        self.steepest = abs(rate)
+        self.steepest, self.deepest = abs(rate), abs(depth)
         self._last = Sample(t, 0.0 if on_surface else depth, rate)
         self._found: tuple[Time, State] | None = None
 
@@ -102,7 +112,7 @@ class _PeerArc:
             self._last, *(Sample(u, *self._look(u, path(u))) for u in inner), Sample(t, *self._look(t, x))
         ]  # fmt: skip
         for a, b in pairwise(samples):
-            self.steepest = max(self.steepest, abs(float(a.rate)))
+            self.steepest, self.deepest = max(self.steepest, abs(float(a.rate))), max(self.deepest, abs(float(a.depth)))
             when = first_zero(self._watch, a, b)
             if when is not None:
                 self._found = float(when), self.state(float(when))

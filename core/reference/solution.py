@@ -1,8 +1,10 @@
-"""A piecewise smooth solution, extended from crossing to crossing as it is asked for; and how crossings are found.
+"""A piecewise smooth solution, extended from crossing to crossing as it is asked for.
 
 The side is carried, never read from the sign of g near the surface. The solution ends, with a reason in words, where
-it cannot cross: on a sliding piece of the surface, and at a tangency.
+it cannot go on: on a sliding piece of the surface, at a tangency, and where its crossings accumulate.
 """
+
+from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
@@ -10,16 +12,19 @@ from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
-__all__ = ["MAX_CROSSINGS", "Arc", "ReferenceSolution", "Sample", "State", "Stop", "Time", "first_arc", "first_zero"]
+from core.reference.search import Time
 
-Time: TypeAlias = float | np.longdouble
+__all__ = ["MAX_CROSSINGS", "Arc", "Motion", "ReferenceSolution", "State", "Stop", "first_arc"]
+
 State: TypeAlias = NDArray[np.floating]
-Watch: TypeAlias = Callable[[Time], tuple[Time, Time]]
 
 TANGENT = 1e-8  # |ġ| below this fraction of its largest value on the arc: a tangency, not a crossing
+OFF_SURFACE = 1e-9  # |g| after a jump above this fraction of the largest seen: the jump leads off the surface
 MAX_CROSSINGS = 100_000
+# Crossings accumulate if so many, one after another, take less than this fraction of the time since the start, or two
+# gaps in a row less than so many ulps of time. If half the speed is left by each impact, the last gap is 1e-12 of it.
+ACCUMULATED, ACCUMULATION, GAP_ULPS = 10, 1e-9, 1000
 
 
 class Stop(NamedTuple):
@@ -37,6 +42,7 @@ class Arc(Protocol):
     t: Time
     x: State
     steepest: float  # largest |ġ| seen on it
+    deepest: float  # largest |g| seen on it
 
     def arrival(self, until: float) -> tuple[Time, State] | None:
         """First time and state on the surface; None if not before `until`.
@@ -48,6 +54,19 @@ class Arc(Protocol):
         """State (d,) at time t of this arc."""
 
 
+class Motion(NamedTuple):
+    """What a solution is made from."""
+
+    start: Callable[[Time, State, int, bool], Arc]
+    """(t, x, side, on_surface) -> the arc from there."""
+    height: Callable[[Time, State], Time]
+    """(t, x) -> g."""
+    rate: Callable[[int, Time, State], Time]
+    """(side, t, x) -> ġ = g_t + ∇g·f with the field of that side."""
+    jump: Callable[[Time, State], State] | None = None
+    """(t, x) -> the state (d,) after reaching the surface; None: it goes on as it is."""
+
+
 class ReferenceSolution:
     """Piecewise smooth solution from (t0, x0), extended lazily from crossing to crossing.
 
@@ -55,42 +74,48 @@ class ReferenceSolution:
     ----------
     name : str
         What it rests on, for display.
-    start : callable (t, x, side, on_surface) -> Arc
-    gdot : callable (side, t, x) -> float
-        Rate of g along the field of a side.
+    motion : Motion
     first : Arc
     max_crossings : int
+    error : float or None
+        Its own estimate of its error in the state; None if it is exact to round-off.
     """
 
     def __init__(
-        self,
-        name: str,
-        start: Callable[[Time, State, int, bool], Arc],
-        gdot: Callable[[int, Time, State], Time],
-        first: Arc,
-        max_crossings: int,
+        self, name: str, motion: Motion, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float | None = None
     ) -> None:
         self.name = name
+        self.error = error
         self.stop: Stop | None = None  #: set once the solution is known to end
-        self._start, self._gdot, self._max_crossings = start, gdot, max_crossings
+        self._motion, self._max_crossings = motion, max_crossings
         self._arcs = [first]
         self._times = [float(first.t)]
+        self._places = [first.x]  # where each arc was begun, before the jump
+        self._deepest = 0.0
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
-        """Time and state (d,) of crossing k = 1, 2, …; ValueError if the solution has fewer."""
-        if not 1 <= k <= self._max_crossings:
-            raise ValueError(f"crossing must be from 1 to {self._max_crossings}, not {k}")
-        while len(self._arcs) <= k:
-            self._advance(np.inf)
-        return self._times[k], self._arcs[k].x.astype(float)
+        """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
+        self._reach(k)
+        return self._times[k], self._places[k].astype(float)
+
+    def after(self, k: int) -> NDArray[np.float64]:
+        """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
+        self._reach(k)
+        return self._arcs[k].x.astype(float)
 
     def state(self, t: float) -> NDArray[np.float64]:
-        """State (d,) at time t ≥ t0; ValueError past the end of the solution."""
+        """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
         return self._arc(t).state(t).astype(float)
 
     def side(self, t: float) -> int:
         """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
         return self._arc(t).side
+
+    def _reach(self, k: int) -> None:
+        if not 1 <= k <= self._max_crossings:
+            raise ValueError(f"crossing must be from 1 to {self._max_crossings}, not {k}")
+        while len(self._arcs) <= k:
+            self._advance(np.inf)
 
     def _arc(self, t: float) -> Arc:
         if not self._times[0] <= t < np.inf:
@@ -108,92 +133,67 @@ class ReferenceSolution:
             if arrived is None or arrived[0] > until:
                 return False
             t, x = arrived
-            reason = self._obstacle(arc, t, x)
-            if reason is None:
-                self._arcs.append(self._start(t, x, -arc.side, True))
+            self._deepest = max(self._deepest, arc.deepest)
+            onward = self._onward(arc, t, x)
+            if not isinstance(onward, str):
+                self._arcs.append(onward)
                 self._times.append(float(t))
+                self._places.append(x)
                 return True
-            self.stop = Stop(float(t), x.astype(float), reason)
+            self.stop = Stop(float(t), x.astype(float), onward)
         if self.stop.t >= until:
             return False
         raise ValueError(f"the solution ends at t = {self.stop.t:.16g}, x = {self.stop.x}: {self.stop.reason}")
 
-    def _obstacle(self, arc: Arc, t: Time, x: State) -> str | None:
-        """Why the solution cannot cross at (t, x), or None if it crosses transversally."""
+    def _onward(self, arc: Arc, t: Time, x: State) -> Arc | str:
+        """The arc after the crossing at (t, x), or why there is none."""
         tangent = TANGENT * arc.steepest
-        if -arc.side * self._gdot(arc.side, t, x) <= tangent:
+        if -arc.side * self._motion.rate(arc.side, t, x) <= tangent:
             return "it touches the surface tangentially"
-        onward = -arc.side * self._gdot(-arc.side, t, x)
+        if self._accumulates(float(t)):
+            return "its crossings accumulate: infinitely many follow in a finite time (Zeno)"
+        if self._motion.jump is not None:
+            return self._landing(t, self._motion.jump(t, x), tangent)
+        onward = -arc.side * self._motion.rate(-arc.side, t, x)
         if onward < -tangent:
             return "the field of the other side points back, so it slides along the surface"
-        return "the field of the other side is tangent to the surface" if onward <= tangent else None
+        if onward <= tangent:
+            return "the field of the other side is tangent to the surface"
+        return self._motion.start(t, x, -arc.side, True)
+
+    def _landing(self, t: Time, x: State, tangent: float) -> Arc | str:
+        """The arc after a jump to (t, x), or why there is none: on the surface it goes where the fields lead."""
+        height = self._motion.height(t, x)
+        if not (np.isfinite(x).all() and np.isfinite(height)):
+            return f"the jump leads to {x.astype(float)}, where nothing is defined"
+        if np.abs(height) > OFF_SURFACE * self._deepest:
+            return self._motion.start(t, x, 1 if height > 0 else -1, False)
+        below, above = -self._motion.rate(-1, t, x) > tangent, self._motion.rate(1, t, x) > tangent
+        if below and above:
+            return "after the jump both fields lead away from the surface"
+        if not (below or above):
+            return "after the jump neither field leads away from the surface, so it stays there"
+        return self._motion.start(t, x, 1 if above else -1, True)
+
+    def _accumulates(self, t: float) -> bool:
+        """Whether a crossing at t comes too soon after the ones before it."""
+        crossings = self._times[max(1, len(self._times) - ACCUMULATED) :]
+        if len(crossings) == ACCUMULATED and t - crossings[0] < ACCUMULATION * (t - self._times[0]):
+            return True
+        return len(crossings) >= 2 and t - crossings[-2] <= GAP_ULPS * np.spacing(abs(t))
 
 
-class Sample(NamedTuple):
-    """One look at an arc: the time, side·g (positive inside) and its rate."""
-
-    t: Time
-    depth: Time
-    rate: Time
-
-
-def first_arc(
-    start: Callable[[Time, State, int, bool], Arc],
-    gdot: Callable[[int, Time, State], Time],
-    t: Time,
-    x: State,
-    height: Time,
-    reach: Time,
-) -> Arc:
-    """The arc from (t, x): the side is the sign of g = `height`, or of ġ where |g| ≤ `reach`."""
+def first_arc(motion: Motion, t: Time, x: State, reach: Time) -> Arc:
+    """The arc from (t, x): the side is the sign of g, or where |g| ≤ `reach`, the one the fields lead to."""
+    height = motion.height(t, x)
     if not (np.isfinite(x).all() and np.isfinite(t) and np.isfinite(height)):
         raise ValueError(f"the start t0 = {t}, x0 = {x}, with g = {height}, must be finite")
     if np.abs(height) > reach:
-        return start(t, x, 1 if height > 0 else -1, False)
-    below, above = gdot(-1, t, x), gdot(1, t, x)
+        return motion.start(t, x, 1 if height > 0 else -1, False)
+    below, above = motion.rate(-1, t, x), motion.rate(1, t, x)
     if below < 0 and above < 0:
-        return start(t, x, -1, True)
+        return motion.start(t, x, -1, True)
     if below > 0 and above > 0:
-        return start(t, x, 1, True)
+        return motion.start(t, x, 1, True)
     kind = "attracts both fields (sliding)" if below > 0 > above else "repels both, or is tangent to one"
     raise ValueError(f"x0 = {x.astype(float)} is on the surface, which there {kind}: no side to start on")
-
-
-def first_zero(watch: Watch, a: Sample, b: Sample) -> Time | None:
-    """First time in (a, b] at which the depth vanishes, or None; not the zero at a itself.
-
-    Two zeros between a and b show in the sign of the rate: the extremum between them is looked at.
-    """
-    if a.depth > 0 and b.depth <= 0:
-        return _newton(watch, a.t, b.t)
-    if a.rate < 0 < b.rate:
-        bottom = _extremum(watch, a.t, b.t)
-        return _newton(watch, a.t, bottom) if watch(bottom)[0] <= 0 else None
-    if b.depth <= 0:  # and a is on the surface: left and met again between two looks
-        top = _extremum(watch, a.t, b.t) if a.rate > 0 > b.rate else a.t
-        if watch(top)[0] <= 0:
-            raise ValueError(f"the solution leaves the surface tangentially; it is back after {b.t - a.t:.3g}")
-        return _newton(watch, top, b.t)
-    return None
-
-
-def _extremum(watch: Watch, a: Time, b: Time) -> Time:
-    """Time between a and b, where the rate has opposite signs, at which it vanishes."""
-    return a + (b - a) * brentq(lambda s: float(watch(a + (b - a) * s)[1]), 0.0, 1.0)
-
-
-def _newton(watch: Watch, inside: Time, outside: Time) -> Time:
-    """Zero of the depth in a bracket, to the last digit: Newton's method, bisecting where it would leave."""
-    t = inside + (outside - inside) / 2
-    for _ in range(200):
-        depth, rate = watch(t)
-        if depth > 0:
-            inside = t
-        else:
-            outside = t
-        step = -depth / rate if rate != 0 else np.inf
-        new = t + step if inside < t + step < outside else inside + (outside - inside) / 2
-        if depth == 0 or new in (t, inside, outside):
-            break
-        t = new
-    return t
