@@ -36,6 +36,9 @@ BOUND = 1e150  #: beyond it the square of a state overflows
 _SHRUNK, _SPENT = 8, 2.0**-52
 
 
+_MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
+
+
 class Log(NamedTuple):
     """Where crossings are written."""
 
@@ -156,6 +159,9 @@ def leap(motion):
     call(motion.functions[LOOK], run.t, 0.0, motion.p, w, motion.memo)
     along = math.copysign(1.0, run.tau)
     into_minus, into_plus = -along * w[RATES], along * w[RATES + 1]
+    if abs(w[G]) > _MARGIN * w[SLACK]:  # it leads off the surface
+        side = 1 if w[G] > 0.0 else -1
+        return RUNNING, _JUMP_KIND, side, into_plus if side > 0 else into_minus
     if into_minus > 0.0 and into_plus > 0.0:
         return _REPELLING, _REPELLING_KIND, 0, 0.0
     if into_plus > 0.0:
@@ -207,6 +213,8 @@ def switch_side(motion, log):
     if status != RUNNING:
         return status
     take_side(motion, entered, rate)
+    if run.has_jump == 1 and abs(motion.w[G]) > _MARGIN * motion.w[SLACK]:
+        run.height, run.leaving = entered * motion.w[G], 0
     if accumulates(run):
         return _ZENO
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING

@@ -99,7 +99,8 @@ class Runner:
         self._run["follow"] = settings.transition
         self._run["has_jump"] = system.jump is not None
         self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
-        self._memo, self._scratch = np.empty((1, 1)), (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))
+        self._memo = np.empty((1, 1))
+        self._scratch: tuple[Floats, ...] = (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))
         if method.adaptive:
             self._prepare_series()
 
@@ -169,12 +170,18 @@ class Runner:
             self.status = Status.ESCAPED
         return self.status
 
+    def twin(self) -> Runner:
+        """A copy that goes on by itself."""
+        other = copy.copy(self)
+        other._run, other._w = self._run.copy(), self._w.copy()
+        frame = Frame(self.system.dimension, 0)
+        other._x = other._w[frame.x : frame.carry]
+        other._memo, other._scratch = self._memo.copy(), tuple(a.copy() for a in self._scratch)
+        return other
+
     def glance(self, t: float) -> Floats | None:
         """State at time t, of a copy that goes on to there: this run itself stays on its grid. None if it stops."""
-        ahead = copy.copy(self)
-        start = self._x.ctypes.data - self._w.ctypes.data
-        ahead._run, ahead._w = self._run.copy(), self._w.copy()
-        ahead._x = ahead._w[start // 8 : start // 8 + len(self._x)]
+        ahead = self.twin()
         return ahead.x if ahead.advance(t) is Status.COMPLETED else None
 
     def crossings(self) -> Crossings:

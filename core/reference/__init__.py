@@ -3,6 +3,6 @@
 from core.reference.declared import reference_solution
 from core.reference.exact import exact_solution
 from core.reference.peer import peer_solution
-from core.reference.solution import ReferenceSolution
+from core.reference.solution import ReferenceSolution, Solution
 
-__all__ = ["ReferenceSolution", "exact_solution", "peer_solution", "reference_solution"]
+__all__ = ["ReferenceSolution", "Solution", "exact_solution", "peer_solution", "reference_solution"]

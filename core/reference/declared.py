@@ -10,16 +10,17 @@ from numpy.typing import NDArray
 
 from core.reference.exact import exact_solution
 from core.reference.peer import peer_solution
-from core.reference.solution import ReferenceSolution
+from core.reference.solution import Solution
+from core.reference.taylor import TaylorSolution
 from core.system import PiecewiseSystem
 
 __all__ = ["reference_solution"]
 
 
 def reference_solution(
-    system: PiecewiseSystem, x0: Iterable[float] | None = None, t0: float = 0.0
-) -> ReferenceSolution:
-    """Exact solution where both fields have a known closed form, else SciPy's DOP853 at its tightest tolerance.
+    system: PiecewiseSystem, x0: Iterable[float] | None = None, t0: float = 0.0, independent: bool = False
+) -> Solution:
+    """Exact solution where both fields have a known closed form, else the Taylor method at two tolerances.
 
     A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
     curves, pendulums and free rigid bodies; one side may be of one kind and the other of another, and the surface may
@@ -31,10 +32,13 @@ def reference_solution(
         d numbers; the system's own x0 where not given.
     t0
         Start time.
+    independent
+        Where there is no closed form, take SciPy's DOP853 at its tightest tolerance: slower, less accurate, and not
+        made here.
 
     Returns
     -------
-    ReferenceSolution
+    Solution
         ``.crossing(k)`` -> (t, x) on the surface and ``.after(k)`` -> x after its jump, for k = 1, 2, …; ``.state(t)``,
         ``.side(t)``; worked out when first asked for. ``.error`` is its own estimate of its error, None where it is
         exact to round-off.
@@ -53,6 +57,8 @@ def reference_solution(
     exact = exact_solution(fields[-1], fields[1], laws.g.xreplace(numbers), laws.x, t0, start, jump=jump)
     if exact is not None:
         return exact
+    if not independent:
+        return TaylorSolution(system, start, t0)
 
     def field(side: int, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return system.field(side, t, x)

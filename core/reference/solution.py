@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from core.reference.search import Time
 
-__all__ = ["MAX_CROSSINGS", "Arc", "Motion", "ReferenceSolution", "State", "Stop", "first_arc"]
+__all__ = ["MAX_CROSSINGS", "Arc", "Motion", "ReferenceSolution", "Solution", "State", "Stop", "first_arc"]
 
 State: TypeAlias = NDArray[np.floating]
 
@@ -65,6 +65,30 @@ class Motion(NamedTuple):
     """(side, t, x) -> ġ = g_t + ∇g·f with the field of that side."""
     jump: Callable[[Time, State], State] | None = None
     """(t, x) -> the state (d,) after reaching the surface; None: it goes on as it is."""
+
+
+class Solution(Protocol):
+    """A solution to measure others against."""
+
+    @property
+    def name(self) -> str:
+        """What it rests on, for display."""
+
+    @property
+    def error(self) -> float | None:
+        """Its own estimate of its error; None if it is exact to round-off."""
+
+    def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
+        """Time and state (d,) on the surface of crossing k = 1, 2, …"""
+
+    def after(self, k: int) -> NDArray[np.float64]:
+        """State (d,) from which the solution goes on after crossing k."""
+
+    def state(self, t: float) -> NDArray[np.float64]:
+        """State (d,) at time t."""
+
+    def side(self, t: float) -> int:
+        """Side occupied at time t."""
 
 
 class ReferenceSolution:

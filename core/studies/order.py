@@ -12,7 +12,7 @@ import numpy as np
 from core.integrate import checked_method, checked_settings, checked_start
 from core.laws import Floats
 from core.methods import Method
-from core.reference import ReferenceSolution, reference_solution
+from core.reference import Solution, reference_solution
 from core.runner import Runner, Settings
 from core.system import PiecewiseSystem
 from core.trajectory import Status
@@ -25,6 +25,8 @@ _ABOVE_FLOOR, _BELOW_SIZE = 100.0, 0.3
 _AGREE, _LEAST = 0.15, 3
 #: Round-off of state and oracle together, in units of eps times the size of the state.
 _ROUND_OFF = 64.0
+#: A reference's estimate of its own error is that of the worse of two solutions.
+_OF_ESTIMATE = 0.1
 _MAX_TAUS = 64
 
 
@@ -106,7 +108,7 @@ def order_study(
         time_error[:, j] = np.abs(t_hat - crossing_times)
         state_error[:, j] = np.linalg.norm(found - states, axis=1)
     size = float(np.abs(states).max())
-    floor = _ROUND_OFF * np.finfo(float).eps * size
+    floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * (exact.error or 0.0))
     time_slope, time_window = _fits(steps, time_error, floor, max(size, 1.0))
     state_slope, window = _fits(steps, state_error, floor, size)
     return OrderStudy(
@@ -129,7 +131,7 @@ def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
     return numbers
 
 
-def _targets(exact: ReferenceSolution, t0: float, numbers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
+def _targets(exact: Solution, t0: float, numbers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
     """Times at which to compare, the exact states there, and the exact times of the crossings asked for."""
     t_star = [t0]
     for k in range(1, numbers[-1] + 2):

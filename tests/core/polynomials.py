@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import core
 
-__all__ = ["CONIC", "FULL", "SEPARABLE", "Case", "Powers", "system_of"]
+__all__ = ["CONIC", "FULL", "SEPARABLE", "Case", "Powers", "system_of", "terms"]
 
 Powers = tuple[tuple[int, int], ...]
 Coefficients = tuple[float, ...]

@@ -1,0 +1,128 @@
+"""The reference integrator for systems without a closed form: our Taylor method, at two tolerances."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.methods import METHODS
+from core.runner import Runner, Settings
+from core.system import PiecewiseSystem
+from core.trajectory import Crossings, Status
+
+__all__ = ["TaylorSolution"]
+
+_FINE, _COARSE = 1e-15, 1e-13
+_STRIDE = 32  # steps between snapshots
+_MAX_STEPS = 50_000  # of a solution: where no crossing comes, the search ends
+
+
+class TaylorSolution:
+    """Piecewise smooth solution from (t0, x0) by the Taylor method, extended as it is asked for.
+
+    It is worked out at tolerances of 1e-15 and 1e-13. The difference of the two, which is some hundred times the error
+    of the better one, is its own estimate of its error.
+
+    Parameters
+    ----------
+    system
+    x0
+        (d,).
+    t0
+    """
+
+    name = f"Taylor method at tolerances {_FINE:g} and {_COARSE:g}"
+
+    def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float) -> None:
+        self._fine, self._coarse = (_Path(system, x0, t0, tolerance) for tolerance in (_FINE, _COARSE))
+        self._t0 = t0
+        self._error = 0.0
+        for path in (self._fine, self._coarse):
+            path.begin()
+
+    @property
+    def error(self) -> float:
+        """Largest difference in the state (and, of crossings, in the time) of all that was asked for so far."""
+        return self._error
+
+    def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
+        """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
+        if k < 1:
+            raise ValueError(f"crossing must be at least 1, not {k}")
+        (fine, coarse) = (path.crossings(k) for path in (self._fine, self._coarse))
+        self._compare(np.append(fine.x[k - 1], fine.t[k - 1]), np.append(coarse.x[k - 1], coarse.t[k - 1]))
+        return float(fine.t[k - 1]), fine.x[k - 1].copy()
+
+    def after(self, k: int) -> NDArray[np.float64]:
+        """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
+        self.crossing(k)
+        return self._fine.crossings(k).x_after[k - 1].copy()
+
+    def state(self, t: float) -> NDArray[np.float64]:
+        """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
+        if not self._t0 <= t < np.inf:
+            raise ValueError(f"time must be finite and at least {self._t0:.17g}, not {t}")
+        fine, coarse = self._fine.state(t), self._coarse.state(t)
+        self._compare(fine, coarse)
+        return fine
+
+    def side(self, t: float) -> int:
+        """Side, −1 or +1, occupied at time t ≥ t0."""
+        return self._fine.side(t)
+
+    def _compare(self, fine: NDArray[np.float64], coarse: NDArray[np.float64]) -> None:
+        self._error = max(self._error, float(np.abs(fine - coarse).max()))
+
+
+class _Snapshot(NamedTuple):
+    """A run at a time; what has happened before."""
+
+    t: float
+    runner: Runner
+
+
+class _Path:
+    """One run, kept at some times so that it can be taken up again from any of them."""
+
+    def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, tolerance: float) -> None:
+        settings = Settings(np.inf, tolerance, max_steps=_MAX_STEPS)
+        self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
+        self._kept = [_Snapshot(t0, self._runner.twin())]
+        self._stride = float(np.linalg.norm(x0)) / (float(np.linalg.norm(system.field(1, t0, x0))) or 1.0) or 1.0
+
+    def begin(self) -> None:
+        """Take the first stride; ValueError where the start is on the surface and has no side to leave it to."""
+        self._extend("its first step")
+
+    def crossings(self, k: int) -> Crossings:
+        """Crossings, the first k of them at least."""
+        while self._runner.crossing_count < k:
+            self._extend(f"crossing {k}")
+        return self._runner.crossings()
+
+    def state(self, t: float) -> NDArray[np.float64]:
+        """State (d,) at time t."""
+        return self._at(t).x
+
+    def side(self, t: float) -> int:
+        """Side occupied at time t."""
+        return self._at(t).side or self._runner.first_side
+
+    def _at(self, t: float) -> Runner:
+        while self._kept[-1].t < t:
+            self._extend(f"t = {t:.17g}")
+        runner = self._kept[bisect_right([s.t for s in self._kept], t) - 1].runner.twin()
+        runner.advance(t)
+        return runner
+
+    def _extend(self, wanted: str) -> None:
+        """Go on by a stride; ValueError where the run has stopped."""
+        runner, before = self._runner, self._runner.steps
+        if runner.advance(runner.t + self._stride) is not Status.COMPLETED:
+            reason = runner.status.reason
+            raise ValueError(f"the solution ends at t = {runner.t:.16g}, x = {runner.x}, before {wanted}: {reason}")
+        self._kept.append(_Snapshot(runner.t, runner.twin()))
+        self._stride *= 2.0 if runner.steps - before < _STRIDE else 1.0
