@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from core.arithmetic import two_sum
-from core.locating import FAILED, NONE, SHORT, TOUCH, climb, first_crossing, first_on_series, probe
+from core.locating import FAILED, NONE, SHORT, TOUCH, arrive, climb, first_crossing, first_on_series, probe
 from core.signatures import DELAY, G, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, call
 from core.trajectory import CROSSING_KINDS, Status
 
-__all__ = ["BOUND", "RUNNING", "Log", "enter", "is_plain", "move"]
+__all__ = ["RUNNING", "Log", "enter", "is_plain", "move"]
 
 _inline = njit(error_model="numpy", _nrt=False)
 
@@ -30,7 +30,6 @@ _CROSSING_LIMIT = int(Status.CROSSING_LIMIT)
 _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = range(len(CROSSING_KINDS))
 
 _EPS = 2.0**-52
-BOUND = 1e150  #: beyond it the square of a state overflows
 #: Gaps between crossings that have shrunk so many times in a row, and whose sum to come is below this part of the
 #: time, accumulate.
 _SHRUNK, _SPENT = 8, 2.0**-52
@@ -58,16 +57,6 @@ def accept(motion):
 def pass_time(run, h):
     """Go on in time, compensated likewise."""
     run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
-
-
-@_inline
-def arrive(motion):
-    """Write the end of the step tried last to `place`; returns whether it is bounded."""
-    x, place, bounded = motion.x, motion.place, True
-    for i in range(x.size):
-        place[i] = x[i] + (motion.carry[i] + motion.increment[i])
-        bounded = bounded and abs(place[i]) < BOUND
-    return bounded
 
 
 @_inline

@@ -15,14 +15,15 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from core.isolation import DOUBLE, ROOT, first_root
-from core.signatures import G_END, ORDER, RATE_END, SLACK, STEP, call
+from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, call
 
-__all__ = ["FAILED", "FOUND", "MAX_LOOKS", "NONE", "SHORT", "TOUCH", "Motion", "climb", "first_crossing", "first_on_series", "probe"]
+__all__ = ["BOUND", "FAILED", "FOUND", "MAX_LOOKS", "NONE", "SHORT", "TOUCH", "Motion", "arrive", "climb", "first_crossing", "first_on_series", "probe"]
 
 _inline = njit(error_model="numpy", _nrt=False)
 
 NONE, FOUND, TOUCH, SHORT, FAILED = 0, 1, 2, 3, 4
 _EPS = 2.0**-52
+BOUND = 1e150  #: of a state: beyond it the square overflows
 MAX_LOOKS = 64  #: into one step
 _MAX_PROBES = 100  # for one root
 _MAX_NEWTON = 6
@@ -59,6 +60,24 @@ def probe(motion, t, s):
 
 
 @_inline
+def arrive(motion):
+    """Write the end of the step tried last to `place`; returns whether it is bounded."""
+    x, place, bounded = motion.x, motion.place, True
+    for i in range(x.size):
+        place[i] = x[i] + (motion.carry[i] + motion.increment[i])
+        bounded = bounded and abs(place[i]) < BOUND
+    return bounded
+
+
+@_inline
+def slack(motion, t):
+    """What rounding of the state alone can do to g at the end of the step tried last."""
+    arrive(motion)
+    call(motion.functions[LOOK], t, 0.0, motion.p, motion.w, motion.memo)
+    return motion.w[SLACK]
+
+
+@_inline
 def climb(motion):
     """Rate at the end of the step tried last."""
     return math.copysign(1.0, motion.run.tau) * motion.run.side * motion.w[RATE_END]
@@ -92,10 +111,11 @@ def root(motion, t, low, high, f_low, f_high, r_low, r_high):
         f = probe(motion, t, guess)
         if not abs(f) < math.inf:
             return math.nan
-        stalled = abs(f_best) <= abs(f) <= _MARGIN * motion.w[SLACK]
+        noise = slack(motion, t + guess)
+        stalled = abs(f_best) <= abs(f) <= _MARGIN * noise
         if abs(f) < abs(f_best):
             best, f_best = guess, f
-        if stalled or abs(f) <= motion.w[SLACK]:
+        if stalled or abs(f) <= noise:
             break
         if f > 0.0:
             low, f_low, r_low = guess, f, climb(motion)
@@ -225,19 +245,19 @@ def _polynomial_root(row, order, low, high):
 def _newton(motion, t, low, high):
     """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
     run = motion.run
-    best, f_best, s = run.hit, math.inf, run.hit
+    best, f_best, s, noise = run.hit, math.inf, run.hit, 0.0
     for _ in range(_MAX_NEWTON):
         f = probe(motion, t, s)
         if not abs(f) < abs(f_best):
             break
-        best, f_best = s, f
-        if abs(f) <= motion.w[SLACK]:
+        best, f_best, noise = s, f, slack(motion, t + s)
+        if abs(f) <= noise:
             break
         s -= math.copysign(1.0, s) * f / climb(motion)
         if s == best or not min(low, high) <= s <= max(low, high):
             break
     run.hit = best
-    return abs(f_best) <= _MARGIN * motion.w[SLACK] or s == best
+    return abs(f_best) <= _MARGIN * noise or s == best
 
 
 @_inline

@@ -16,8 +16,8 @@ from numba import njit, types
 
 from core import arithmetic, crossing, isolation, locating, signatures, state, trajectory
 from core.arithmetic import two_sum
-from core.crossing import BOUND, RUNNING, Log, enter, is_plain, move
-from core.locating import Motion
+from core.crossing import RUNNING, Log, enter, is_plain, move
+from core.locating import BOUND, Motion
 from core.signatures import EXCESS, G_END, RATE_END, STEP, Frame, call
 from core.trajectory import Status
 

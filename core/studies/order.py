@@ -21,10 +21,10 @@ __all__ = ["OrderStudy", "order_study"]
 
 #: A slope is fitted to errors between this many round-off levels and this fraction of the size of the state, from the
 #: finest step size on as far as slopes from point to point agree within this much; to so many points at the least.
-_ABOVE_FLOOR, _BELOW_SIZE = 100.0, 0.3
+_ABOVE_FLOOR, _BELOW_SIZE = 50.0, 0.3
 _AGREE, _LEAST = 0.15, 3
 #: Round-off of state and oracle together, in units of eps times the size of the state.
-_ROUND_OFF = 64.0
+_ROUND_OFF = 16.0
 #: A reference's estimate of its own error is that of the worse of two solutions.
 _OF_ESTIMATE = 0.1
 _MAX_TAUS = 64

@@ -1,0 +1,68 @@
+"""How much is measured: the standard benchmark, the quick one and the long one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import core
+
+__all__ = ["LONG", "QUICK", "STANDARD", "Plan"]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a benchmark runs."""
+
+    systems: tuple[str, ...]
+    """Compared with the rivals."""
+    seeds: tuple[str, ...]
+    """Measured by themselves."""
+    methods: tuple[str, ...]
+    start_methods: tuple[str, ...]
+    """Those whose first call is timed in fresh processes."""
+    share: float
+    """Part of the time of some 500 crossings that the comparison runs to."""
+    own_budget: float
+    """Longest run of ours in the comparison, in seconds."""
+    rival_budget: float
+    """The same of SciPy's."""
+    repeats: int
+    repeat_seconds: float
+    """How long one setting is repeated at most, beyond its first two runs."""
+    steps: int
+    """Of a run whose cost a step, or whose arrays, are measured."""
+    step_counts: tuple[int, ...]
+    """Numbers of steps to which the cost should be linear."""
+    orders: tuple[int | None, ...]
+    """Orders of the perturbation in the order study."""
+
+
+STANDARD = Plan(
+    systems=("harmonic_oscillator", "elliptic_curve", "pendulum", "rigid_body"),
+    seeds=("harmonic_oscillator", "elliptic_curve"),
+    methods=tuple(core.METHODS),
+    start_methods=("dmm2", "dmm8", "prk8", "taylor"),
+    share=1.0,
+    own_budget=0.5,
+    rival_budget=1.0,
+    repeats=15,
+    repeat_seconds=0.2,
+    steps=100_000,
+    step_counts=(10**4, 10**5, 10**6, 10**7),
+    orders=(None, 1, 2, 3),
+)
+LONG = replace(STANDARD, step_counts=(*STANDARD.step_counts, 10**8))
+QUICK = Plan(
+    systems=("elliptic_curve",),
+    seeds=("elliptic_curve",),
+    methods=("dmm2", "prk8", "taylor"),
+    start_methods=("dmm2",),
+    share=0.04,
+    own_budget=0.02,
+    rival_budget=0.1,
+    repeats=2,
+    repeat_seconds=0.02,
+    steps=2000,
+    step_counts=(10**3, 10**4),
+    orders=(None,),
+)
