@@ -288,7 +288,7 @@ def move(motion, log, h):
     found = NONE
     if run.adaptive == 1:
         found = first_on_series(motion, t, h)
-    elif h * run.tau > 0.0:  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
+    elif (h > 0.0) == (run.tau > 0.0):  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
         found = first_crossing(motion, t, h, height, rate)
     if found == SHORT:
         h, run.final = run.hit, 0

@@ -13,6 +13,8 @@ __all__ = ["KEPT", "by_cofactors", "least_change", "with_pivots"]
 
 #: A pivot of so many parts of its column is round-off.
 _DEPENDENT = 4 * 2.0**-52
+#: Outside these bounds products of gradients are scaled first.
+_LEAST, _MOST = 1e-250, 1e250
 #: And so many parts of gradient times state are what ψ may change by when its multiplier has none.
 KEPT = 16 * 2.0**-52
 
@@ -76,11 +78,18 @@ def least_change(
 
     With B = A the smallest such v. Rows that vanish, or depend on those before them but for round-off, bind nothing.
     """
-    m = len(rows)
-    matrix = sympy.Matrix(rows)
-    product = sympy.Matrix(rows if slopes is None else slopes) * matrix.T
+    m, d = len(rows), len(rows[0])
+    along = [[Symbol(f"g{j}_{k}") for k in range(d)] for j in range(m)]
+    against = along if slopes is None else [[Symbol(f"b{j}_{k}") for k in range(d)] for j in range(m)]
+    lines = assignments([str(g) for row in along for g in row], [e for row in rows for e in row], temporaries)
+    if slopes is not None:
+        lines += assignments([str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries)
+    product = sympy.Matrix(against) * sympy.Matrix(along).T
     places = [(i, k) for i in range(m) for k in range(m)]
-    lines = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries)
+    form = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries)
+    lines += form
+    lines.append(f"if not ({' and '.join(f'{_LEAST} < abs(j{k}_{k}) < {_MOST}' for k in range(m))}):")
+    lines += [f"    {line}" for line in (*_rescale(along, against, m), *form)]
     lines += [f"s{i} = abs(j{i}_{i})" for i in range(1, m)]
     for k in range(m):
         least = f"{_DEPENDENT**0.5!r} * s{k}" if k else "0.0"
@@ -91,4 +100,13 @@ def least_change(
             lines.append(f"r{i} -= q * r{k}")
     lines += _back_substitution(m)
     multipliers = sympy.Matrix(sympy.symbols(f"r:{m}"))
-    return lines + assignments([str(c) for c in changes], list(matrix.T * multipliers), temporaries)
+    return lines + assignments([str(c) for c in changes], list(sympy.Matrix(along).T * multipliers), temporaries)
+
+
+def _rescale(along: Sequence[Sequence[Symbol]], against: Sequence[Sequence[Symbol]], m: int) -> list[str]:
+    """Lines that divide every row, and its r, by its largest entry: their squares may be beyond floating point."""
+    lines = []
+    for j in range(m):
+        lines += [f"q = max({', '.join(f'abs({g})' for g in along[j])})", "q = 1.0 / q if q > 0.0 else 0.0", f"r{j} *= q"]
+        lines += [f"{g} *= q" for g in dict.fromkeys((*along[j], *against[j]))]
+    return lines

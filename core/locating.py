@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from core.isolation import DOUBLE, ROOT, first_root
-from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, call
+from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
 
 __all__ = ["BOUND", "FAILED", "FOUND", "MAX_LOOKS", "NONE", "SHORT", "TOUCH", "Motion", "arrive", "climb", "first_crossing", "first_on_series", "probe"]
 
@@ -101,7 +101,8 @@ def root(motion, t, low, high, f_low, f_high, r_low, r_high):
     better. Returns the place where the height is smallest, whichever side of the surface that is; nan if there is
     none.
     """
-    best, f_best = (low, f_low) if abs(f_low) < abs(f_high) else (high, f_high)
+    # Where the height rises to zero at the far end, it has crossed it before.
+    best, f_best = (low, f_low) if abs(f_low) < abs(f_high) or r_high > 0.0 else (high, f_high)
     for k in range(_MAX_PROBES):
         guess = _inverse_interpolant(low, high, f_low, f_high, r_low, r_high)
         if k % 4 == 3 or not min(low, high) < guess < max(low, high):
@@ -200,7 +201,7 @@ def first_crossing(motion, t, h, f_end, r_end):
             s, f, r = peak(motion, t, s1, r, r1)
             if not f > 0.0:
                 run.hit = s
-                return TOUCH if f <= 0.0 else FAILED
+                return TOUCH if -f <= _MARGIN * slack(motion, t + s) else FAILED
             return settle(motion, t, s, s1, f, f1, r, r1)
         if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
             s2, f2, r2 = dip(motion, t, s, s1, f, f1, r, r1)
@@ -266,15 +267,18 @@ def first_on_series(motion, t, h):
 
     SHORT: nothing up to run.hit, which is as far as can be said.
     """
-    run, row = motion.run, motion.x.size
-    kind, low, high = first_root(motion.memo[row], int(motion.w[ORDER]), h, run.leaving, motion.pieces)
+    run, row, unit = motion.run, motion.memo[motion.x.size], motion.w[UNIT]
+    kind, low, high = first_root(row, int(motion.w[ORDER]), h / unit, run.leaving, motion.pieces)
     if kind == DOUBLE:  # two crossings or none, as round-off will have it
-        run.hit = low + 0.5 * (high - low)
+        run.hit = unit * (low + 0.5 * (high - low))
         height = probe(motion, t, run.hit)
-        return SHORT if height > 0.0 else TOUCH if height <= 0.0 else FAILED
+        if height > 0.0:
+            return SHORT
+        return TOUCH if -height <= _MARGIN * slack(motion, t + run.hit) else FAILED
     if kind != ROOT:
         return NONE
-    run.hit = _polynomial_root(motion.memo[row], int(motion.w[ORDER]), low, high)
+    run.hit = unit * _polynomial_root(row, int(motion.w[ORDER]), low, high)
+    low, high = unit * low, unit * high
     if _newton(motion, t, low, high):
         return FOUND
     # The scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later.

@@ -103,6 +103,8 @@ def compiled_march() -> Callable[..., int]:
             if h == 0.0:
                 run.final = 0
                 h = (run.t_end - run.t) - run.t_carry
+                if h == 0.0:
+                    return _COMPLETED
                 if abs(h) <= abs(run.tau) * _STRETCH:
                     run.final = 1
                 else:

@@ -28,8 +28,9 @@ __all__ = ["SeriesCode", "series_code"]
 class SeriesCode:
     """Lines that read the frame and the parameters, and use t, order and c.
 
-    They write c[i, k], k ≤ order, for i < d the coefficients of the state, for i = d those of g; the rows from d + 1 on
-    are scratch.
+    They write `unit`, a length of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in time over
+    unit, for i = d those of g; the rows from d + 1 on are scratch. In units of its own no system's coefficients leave
+    floating point.
     """
 
     lines: list[str]
@@ -210,14 +211,14 @@ class _Writer:
         return self.add(key, self.start(u), lambda _: self.newest(u))
 
     def time(self) -> int:
-        return self.add("t", "t", lambda _: "1.0 if k == 1 else 0.0")
+        return self.add("t", "t", lambda _: "unit if k == 1 else 0.0")
 
     def product(self, m: int, n: int) -> int:
         a, b = self.nodes[m], self.nodes[n]
         first = f"{a.start}*{b.start}"
         if self.known.get("t") in (m, n):
             other, row = (b, self.row(b)) if m == self.known["t"] else (a, self.row(a))
-            return self.add(("*", *sorted((m, n))), first, lambda _: f"t*{other.newest} + c[{row}, k - 1]")
+            return self.add(("*", *sorted((m, n))), first, lambda _: f"t*{other.newest} + unit*c[{row}, k - 1]")
         if m == n:
             return self.add(
                 ("*", n, n), first, lambda _: f"2.0*({a.start}*{a.newest}) + symmetric(c, {self.row(a)}, k)"
@@ -268,7 +269,7 @@ class _Writer:
         """How coefficient k of ∫ u' w ds is written, given w: inverse · Σ j uⱼ wₖ₋ⱼ."""
         if list(u.terms) == [self.known.get("t")]:
             (slope,) = u.terms.values()
-            return lambda w: f"inverse*({self.constant(slope)}*c[{self.row(w)}, k - 1])"
+            return lambda w: f"inverse*(unit*{self.constant(slope)}*c[{self.row(w)}, k - 1])"
         slope = self.nodes[self.add(("rate", *_key(u)), "0.0", lambda _: f"k*({self.newest(u)})")]
         row = self.row(slope)
         return lambda w: f"inverse*({slope.newest}*{w.start} + convolution(c, {row}, {self.row(w)}, k))"
@@ -332,12 +333,18 @@ class _Writer:
     def term(self, a: Expr, name: str) -> str:
         return name if a == 1 else f"-{name}" if a == -1 else f"{self.constant(a)}*{name}"
 
+    def unit(self) -> list[str]:
+        """The power of two that is nearest to the time in which the state moves by its own size."""
+        size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
+        return [f"size, speed = {size}, {speed}", "unit = size / speed",
+                "unit = math.ldexp(1.0, math.frexp(unit)[1]) if 0.0 < unit < math.inf else 1.0"]  # fmt: skip
+
     def code(self, field: list[_Sum], g: _Sum) -> SeriesCode:
         """The whole body."""
         rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
         heights = f"c[{self.d}, 0] = {self.start(g)}", f"c[{self.d}, k] = {self.newest(g)}"
         before = [f"{name} = {printed(a)}" for a, name in self.constants.items()]
-        loop = ["inverse = 1.0 / k", *(f"y{i} = inverse*f{i}" for i in range(self.d))]
+        loop = ["inverse = 1.0 / k", "pace = unit*inverse", *(f"y{i} = pace*f{i}" for i in range(self.d))]
         for n, node in enumerate(self.nodes):
             if n >= self.d:
                 before.append(f"{node.start} = {node.first}")
@@ -346,7 +353,7 @@ class _Writer:
                 before.append(f"c[{node.row}, 0] = {node.start}")
                 loop.append(f"c[{node.row}, k] = {node.newest}")
             before += [line for m, line in self.setup if m == n]
-        before += [*(first for first, _ in rates), heights[0]]
+        before += [*(first for first, _ in rates), heights[0], *self.unit()]
         loop += [*(rate for _, rate in rates), heights[1]]
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)

@@ -7,7 +7,8 @@ parameters, w is the frame of a run (`Frame`), memo is scratch that a variable-s
 functions of a system and method, in the order of `FUNCTIONS`:
 
 reach (one a side)
-    Prepares a step from x: variable-step methods expand the solution in memo and write the step length to w[LENGTH].
+    Prepares a step from x: variable-step methods expand the solution in memo, in a unit of time that they write to
+    w[UNIT], and write the step length to w[LENGTH].
 step (one a side)
     One step of length h from x + carry: writes the *increment* to w, and g and ġ at its end to w[G_END], w[RATE_END].
     Any h will do, of either sign: crossings are located on the scheme itself. Returns how often the field was
@@ -36,7 +37,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "CALL", "DELAY", "EXCESS", "FUNCTIONS", "G", "G_END", "JUMP", "LENGTH", "LOOK", "NO_SOLUTION", "ORDER", "POLISH",
-    "RATES", "RATE_END", "REACH", "SETTLE", "SLACK", "STEP", "TOLERANCE", "Frame", "call",
+    "RATES", "RATE_END", "REACH", "SETTLE", "SLACK", "STEP", "TOLERANCE", "UNIT", "Frame", "call",
 ]  # fmt: skip
 
 _POINTER = types.CPointer(types.float64)
@@ -50,8 +51,8 @@ FUNCTIONS = ("reach", "reach", "step", "step", "settle", "settle", "excess", "ex
 REACH, STEP, SETTLE, EXCESS, POLISH, LOOK, JUMP = (FUNCTIONS.index(f) for f in dict.fromkeys(FUNCTIONS))
 
 #: Scalars at the head of a frame. RATES: ġ with the field of the minus side, then of the plus side.
-G_END, RATE_END, G, RATES, SLACK, LENGTH, ORDER, TOLERANCE, DELAY = 0, 1, 2, 3, 5, 6, 7, 8, 9
-_HEAD = 10
+G_END, RATE_END, G, RATES, SLACK, LENGTH, UNIT, ORDER, TOLERANCE, DELAY = 0, 1, 2, 3, 5, 6, 7, 8, 9, 10
+_HEAD = 11
 
 
 class Frame(NamedTuple):

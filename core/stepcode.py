@@ -18,10 +18,14 @@ __all__ = ["StepCode"]
 
 #: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
 _MAX_CORRECTIONS = 30
-_STAGNATION = 1e-10
+_STAGNATION = 1e-13
+#: A correction that small (relative to the increment), and the next that small (relative to it), converge quadratically.
+_CLOSE, _CLOSING = 0.1, 1e-2
 #: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
 _SETTLED = 1e-8
 _MAX_MOVES = 8
+#: And one of so many parts of the state is of the size of its rounding.
+_NOTHING = 4 * 2.0**-52
 #: What rounding of a step can have taken from ψ moves the state by no more than this part of the increment.
 _ROUNDING = 1e-6
 #: Up to so many unknowns a system is solved by cofactors.
@@ -151,10 +155,10 @@ class StepCode:
         d = range(len(self.x))
         inner = [line for k in d for line in (f"d{k} = d{k}*square + c[{k}, j]", f"z{k} = z{k}*square + c[{k}, j + 1]")]
         self._lines += [f"order = int(w[{signatures.ORDER}])", f"c = carray(memo, ({len(d)}, order + 1))"]
-        self._lines += ["square = h*h", "top = order - 1 + order % 2"]
+        self._lines += [f"part = h / w[{signatures.UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
         self._lines += [f"d{k}, z{k} = c[{k}, top], 0.0 if top == order else c[{k}, order]" for k in d]
         self._lines += ["for j in range(top - 2, 0, -2):", *(f"    {line}" for line in inner)]
-        self._lines += [f"d{k} = d{k}*h + z{k}*square" for k in d]
+        self._lines += [f"d{k} = d{k}*part + z{k}*square" for k in d]
         return list(self.increment)
 
     def hold(self, increments: Sequence[Expr]) -> list[Expr]:
@@ -176,10 +180,10 @@ class StepCode:
         self._lines.append(f"    {' = '.join(map(str, changes))} = 0.0")
         return [d - e for d, e in zip(given, changes, strict=True)]
 
-    def _gradients_at_end(self) -> list[Expr]:
-        """∇ψ at the end of the step, row after row."""
+    def _gradients_at_end(self) -> list[list[Expr]]:
+        """∇ψ at the end of the step."""
         at = {**self._names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
-        return [psi.diff(v).xreplace(at) for psi in self._side.conserved for v in self._laws.x]
+        return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._side.conserved]
 
     def move_onto_levels(self, increments: Sequence[Expr]) -> list[Expr]:
         """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(excess at the start).
@@ -196,14 +200,13 @@ class StepCode:
         slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))
         left = rows * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
         changes = named("e", d)
-        along, slopes = ([[Symbol(f"{u}{j}_{k}") for k in range(d)] for j in range(m)] for u in "gs")
-        names = [*(str(g) for row in (*along, *slopes) for g in row), *(f"r{j}" for j in range(m))]
-        inner = self._arrive
-        inner += assignments(names, [*rows, *self._gradients_at_end(), *left], self._temporaries)
-        inner += least_change(along, changes, self._temporaries, slopes)
+        slopes = self._gradients_at_end()
+        inner = self._arrive + assignments([f"r{j}" for j in range(m)], list(left), self._temporaries)
+        inner += least_change(rows.tolist(), changes, self._temporaries, slopes)
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
-        inner.append(f"if size <= {_SETTLED} * max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0):")
+        whole, state = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in "dx")
+        inner.append(f"if size <= {_SETTLED} * {whole} or size <= {_NOTHING} * {state}:")
         inner.append("    break")
         self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]
         self._lines += ["else:", f"    return {signatures.NO_SOLUTION}"]
@@ -241,7 +244,8 @@ def _verdict(n: int, d: int) -> list[str]:
         "if not size < math.inf:",
         f"    return {signatures.NO_SOLUTION}",
         *check,
-        f"if {kept}(size == 0.0 or (corrections > 1 and size * size * size < 1e-17 * whole * last * last)):",
+        f"fast = last <= {_CLOSE} * whole and size <= {_CLOSING} * last and size * size * size < 1e-17 * whole * last * last",
+        f"if {kept}(size == 0.0 or fast):",
         "    break",
         f"if {kept}size >= last and size <= {_STAGNATION} * max(whole, {state}):",
         "    break",

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from core.expressions import TIME, check_name, to_text
 from core.identities import independent, is_zero
 from core.laws import Floats, Laws, Side, derive
+from core.stream import stream_function
 
 __all__ = ["Parameter", "PiecewiseSystem"]
 
@@ -78,7 +79,8 @@ class PiecewiseSystem:
     g
         The switching function; ∇g ≠ 0.
     psi_minus, psi_plus
-        0 to d − 1 conserved quantities of each side, () where none is known.
+        0 to d − 1 conserved quantities of each side, () where none is known. Of a planar field without divergence it is
+        then found, where that is easily done (see `stream_function`).
     parameters
         name -> value, name -> `Parameter`, or a sequence of `Parameter`.
     x0
@@ -120,6 +122,7 @@ class PiecewiseSystem:
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
         self._check_dimensions()
+        self._find_conserved()
         start = self.check_state((0.0,) * self.dimension if isinstance(self.x0, tuple) and not self.x0 else self.x0)
         set_(self, "x0", start)
         bounds = tuple(q.bounds for q in self.parameters)  # where ψ is checked
@@ -256,6 +259,14 @@ class PiecewiseSystem:
             texts = getattr(self, name)
             if len(texts) > d - 1:
                 raise ValueError(f"{name} has {len(texts)} conserved quantities: at most {d - 1} in {d} dimensions")
+
+    def _find_conserved(self) -> None:
+        """Give each side of a plane that has no ψ the one that its field has for being divergence-free."""
+        for sign, name in ((-1, "psi_minus"), (1, "psi_plus")):
+            if self.dimension == 2 and not getattr(self, name):
+                side = self.laws.sides[sign]
+                found = stream_function(side.field, side.variables)
+                object.__setattr__(self, name, () if found is None else (to_text(found),))
 
     def _check_surface(self) -> None:
         if not self.laws.g.free_symbols & set(self.laws.x):

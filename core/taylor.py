@@ -7,7 +7,7 @@ from functools import lru_cache
 from core.codegen import function_text
 from core.laws import Laws, Side
 from core.series import SeriesCode, series_code
-from core.signatures import LENGTH, ORDER, TOLERANCE
+from core.signatures import LENGTH, ORDER, TOLERANCE, UNIT
 
 __all__ = ["memo_rows", "reach_text"]
 
@@ -28,5 +28,5 @@ def reach_text(laws: Laws, side: Side) -> str:
     lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", *code.lines]
     if side.sign < 0:
         lines += ["for k in range(order + 1):", f"    c[{d}, k] = -c[{d}, k]"]
-    lines += [f"w[{LENGTH}] = reach(c, {d}, order, w[{TOLERANCE}])", "return 1"]
+    lines += [f"w[{UNIT}] = unit", f"w[{LENGTH}] = unit*reach(c, {d}, order, w[{TOLERANCE}])", "return 1"]
     return function_text("reach", lines)

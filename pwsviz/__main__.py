@@ -13,7 +13,7 @@ _EPILOG = """\
 examples:
   python -m pwsviz serve              open the explorer in a browser
   python -m pwsviz serve --port 8080 --no-show
-  python -m pwsviz bench              every figure that the README states, measured here
+  python -m pwsviz bench              every figure that the README states, measured here, with SciPy and heyoka
 """
 
 
@@ -30,14 +30,16 @@ def main(arguments: list[str] | None = None) -> int:
     serve.add_argument("--port", type=int, default=5006, help="port to listen on (default: 5006)")
     serve.add_argument("--address", default="localhost", help="address to listen on (default: localhost)")
     serve.add_argument("--no-show", action="store_true", help="do not open a browser")
-    bench = commands.add_parser("bench", help="measure speed, conservation and order on this machine")
-    bench.add_argument("--no-start", action="store_true", help="leave out the time of a first call, which compiles")
+    bench = commands.add_parser("bench", help="measure speed (against SciPy and heyoka), conservation and order here")
+    size = bench.add_mutually_exclusive_group()
+    size.add_argument("--quick", action="store_true", help="every section, with figures too small to state")
+    size.add_argument("--long", action="store_true", help="runs of 10^8 steps too")
     given = parser.parse_args(arguments)
     if given.command == "serve":
         return _serve(given.port, given.address, not given.no_show)
-    from pwsviz.bench import report  # here: `serve` has no need of it
+    from pwsviz.bench import LONG, QUICK, STANDARD, report  # here: `serve` has no need of it
 
-    report(sys.stdout, start=not given.no_start)
+    report(sys.stdout, QUICK if given.quick else LONG if given.long else STANDARD)
     return 0
 
 

@@ -16,11 +16,12 @@ import core
 from pwsviz.inputs import run_inputs, study_inputs
 from pwsviz.panes import plot_pane, text_pane
 from pwsviz.plane import Window
-from pwsviz.results import Pictures, Results
+from pwsviz.projection import conserved_note, portrait_note
+from pwsviz.results import ErrorCurve, Pictures, Results
 from pwsviz.scene import VIEWS, Scene
 from pwsviz.sidebar import Sidebar
 from pwsviz.study import StudyView
-from pwsviz.text import complaint, run_lines
+from pwsviz.text import as_text, complaint, run_lines
 from pwsviz.views.conserved import ConservedView
 from pwsviz.views.order import state_rows, time_rows
 from pwsviz.views.portrait import PortraitView
@@ -80,7 +81,9 @@ class Explorer(pn.viewable.Viewer):
         self.document = pn.state.curdoc
         self.sidebar = Sidebar(self.scene)
         self.portrait = PortraitView(self._look_at, self._start_at)
+        self.portrait_note = text_pane("")
         self.conserved = ConservedView()
+        self.conserved_pane, self.conserved_note = plot_pane(self.conserved.figure), text_pane("")
         self.studies = {
             "order": StudyView(self.scene, "state error", state_rows),
             "time": StudyView(self.scene, "crossing time error", time_rows),
@@ -100,7 +103,8 @@ class Explorer(pn.viewable.Viewer):
         self.refresh()
 
     def _make_tabs(self) -> Any:
-        content = {"conserved": plot_pane(self.conserved.figure)} | self.studies
+        conserved = pn.Column(self.conserved_pane, self.conserved_note, margin=0, sizing_mode="stretch_width")
+        content = {"conserved": conserved} | self.studies
         tabs = pmui.Tabs(
             *((title, content[key]) for key, title in VIEWS.items()),
             dynamic=False, active=list(VIEWS).index(self.scene.view), sizing_mode="stretch_width", margin=0, sx=TABS_SX,
@@ -156,17 +160,23 @@ class Explorer(pn.viewable.Viewer):
             self.trouble.object = complaint(outcome)
             return
         self.trouble.object = ""
-        ground = outcome.inputs[0].ground
-        system = core.CATALOGUE[ground.system]
+        system = core.CATALOGUE[outcome.inputs[0].ground.system]
         before = self.portrait.frame
-        frame = self.portrait.show_orbits(ground.system, system.variables, outcome.orbits)
+        frame = self.portrait.show_orbits(system, outcome.orbits)
         if frame != before:
             self._visible = None
+        self.portrait_note.object = as_text(portrait_note(system), "about")
         if outcome.errors is not None:
-            self.conserved.show(outcome.errors)
+            self._show_errors(system, outcome.errors)
         self.status.object = run_lines(outcome.summaries)
         self._shown = outcome
         self._cover()
+
+    def _show_errors(self, system: core.PiecewiseSystem, errors: list[ErrorCurve]) -> None:
+        """Draw the change of ψ, where there is a ψ; and say what there is to know about it."""
+        self.conserved.show(errors)
+        self.conserved_pane.visible = bool(system.psi_minus or system.psi_plus)
+        self.conserved_note.object = as_text(conserved_note(system), "about")
 
     def _look_at(self, window: Window) -> None:
         self._visible = window
@@ -181,9 +191,7 @@ class Explorer(pn.viewable.Viewer):
         if window is None or not window.shows_well(visible):
             window = visible.scaled(1.3 if self._visible else 2.0)
         ground = self._shown.inputs[0].ground
-        levels = self._shown.orbits[
-            0
-        ].levels  # the first integrator speaks for all: one that drifts has a new level each turn
+        levels = self._shown.orbits[0].levels  # it speaks for all: one that drifts has a new level each turn
         self._ask(
             self._ground,
             "ground",
@@ -227,7 +235,7 @@ class Explorer(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
-        under = (self.trouble, self.status)
+        under = (self.portrait_note, self.trouble, self.status)
         left = pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
             plot_pane(self.portrait.figure),

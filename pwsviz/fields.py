@@ -91,6 +91,12 @@ class NumberField(pn.viewable.Viewer):
         finally:
             self._syncing = False
 
+    def show_if(self, wanted: bool) -> None:
+        """Have a place on the page, or none."""
+        for part in (self.text, self.slider):
+            if part is not None:
+                part.visible = wanted
+
     def __panel__(self) -> pn.viewable.Viewable:
         """Text above, slider below."""
         parts = [self.text] if self.slider is None else [self.text, self.slider]

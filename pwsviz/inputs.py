@@ -36,10 +36,13 @@ class Scheme:
     locate: bool = True
     perturbation_order: int | None = None
     perturbation_scale: float = 1.0
+    tolerance: float | None = None
 
     @classmethod
     def of(cls, scene: Scene, method: str) -> Scheme:
-        """Read it from a scene, leaving out settings that have no effect."""
+        """Read it from a scene, leaving out settings that have no effect on this method."""
+        if core.METHODS[method].adaptive:  # crossing times are disturbed by a power of the step size; it has none
+            return cls(method, scene.locate, tolerance=scene.tolerance)
         if not scene.locate or scene.perturbation_order is None:
             return cls(method, scene.locate)
         return cls(method, True, scene.perturbation_order, scene.perturbation_scale)
@@ -71,7 +74,7 @@ class StudyInputs:
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
     """One set of inputs for each integrator of a scene."""
     ground = Ground.of(scene)
-    return tuple(RunInputs(ground, Scheme.of(scene, name), scene.tau, scene.t_end) for name in scene.methods)
+    return tuple(RunInputs(ground, Scheme.of(scene, name), scene.tau, scene.t_end) for name in scene.used)
 
 
 def study_inputs(scene: Scene) -> StudyInputs:

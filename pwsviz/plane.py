@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import core
 from pwsviz.curves import Floats, simplify
+from pwsviz.projection import shows_field, shows_levels, shows_surface
 
 GRID = 160
 """Points across the longer side of the grid on which surfaces and level sets are traced."""
@@ -86,30 +87,23 @@ class Backdrop:
     orbit_levels: dict[int, Floats]
 
 
-def backdrop(
-    system: core.PiecewiseSystem, window: Window, anchor: tuple[float, ...], orbits: dict[int, tuple[float, ...]]
-) -> Backdrop:
-    """Trace everything that depends on the system and the window alone.
+def backdrop(system: core.PiecewiseSystem, window: Window, orbits: dict[int, tuple[float, ...]]) -> Backdrop:
+    """Trace everything that depends on the system and the window alone, as it is at t = 0.
 
     Parameters
     ----------
     system : core.PiecewiseSystem
-        Its first two variables span the plane.
+        Its first two variables span the plane. What cannot be drawn there (see `projection`) is left empty.
     window : Window
         The part of the plane to cover.
-    anchor : tuple of float
-        A state; in higher dimension the plane is the one through it.
     orbits : dict
         For each side the values of ψ that the visible orbits have there.
     """
-    plane = _Plane(system, window, anchor)
-    inside = contour_generator(plane.x, plane.y, plane.g, fill_type=FillType.OuterOffset)
-    filled: Any = inside.filled(-np.inf, 0.0)
-    pieces, offsets = filled
-    rings = [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(pieces, offsets, strict=True)]
+    plane = _Plane(system, window)
+    rings = plane.minus_rings()
     return Backdrop(
         window=window,
-        surface=_joined(plane.contour(plane.g, 0.0)),
+        surface=_joined(plane.surface()),
         minus_outer=[ring[0] for ring in rings],
         minus_holes=[ring[1:] for ring in rings],
         arrows={side: plane.arrows(side) for side in (-1, 1)},
@@ -118,20 +112,19 @@ def backdrop(
     )
 
 
-def closed_surface(system: core.PiecewiseSystem, window: Window, anchor: tuple[float, ...]) -> Floats:
+def closed_surface(system: core.PiecewiseSystem, window: Window) -> Floats:
     """Return the points (k, 2) of those pieces of the surface that are closed within a window."""
-    plane = _Plane(system, window, anchor)
-    loops = [line for line in plane.contour(plane.g, 0.0) if len(line) > 3 and np.array_equal(line[0], line[-1])]
+    lines = _Plane(system, window).surface()
+    loops = [line for line in lines if len(line) > 3 and np.array_equal(line[0], line[-1])]
     return np.concatenate([*loops, np.empty((0, 2))])
 
 
 class _Plane:
     """A grid on the window, with the system's functions on it."""
 
-    def __init__(self, system: core.PiecewiseSystem, window: Window, anchor: tuple[float, ...]) -> None:
+    def __init__(self, system: core.PiecewiseSystem, window: Window) -> None:
         self.system = system
         self.window = window
-        self.anchor = np.array(anchor, dtype=float)
         self.x, self.y = self._axes(GRID)
         self.g = self._switching(*np.meshgrid(self.x, self.y))
 
@@ -148,7 +141,8 @@ class _Plane:
         return np.linspace(w.x_low, w.x_high, nx + 1), np.linspace(w.y_low, w.y_high, ny + 1)
 
     def _states(self, x: Floats, y: Floats) -> Floats:
-        states = np.broadcast_to(self.anchor, (*x.shape, len(self.anchor))).copy()
+        """States over points of the plane; where there are more variables, nothing drawn depends on them."""
+        states = np.zeros((*x.shape, self.system.dimension))
         states[..., 0], states[..., 1] = x, y
         return states
 
@@ -156,7 +150,9 @@ class _Plane:
         return np.asarray(self.system.switching(0.0, self._states(x, y)), dtype=float)
 
     def _conserved(self, side: int) -> Floats | None:
-        """Return ψ on the grid, its first component where there are several, None where there is none."""
+        """Return ψ on the grid, None where there is none or its level sets have no place in the plane."""
+        if not shows_levels(self.system):
+            return None
         with np.errstate(all="ignore"):
             psi = np.asarray(self.system.conserved(side, 0.0, self._states(*np.meshgrid(self.x, self.y))))
         return np.ma.masked_invalid(psi[..., 0]) if psi.shape[-1] else None
@@ -166,6 +162,19 @@ class _Plane:
         lines: Any = contour_generator(self.x, self.y, values, line_type=LineType.Separate).lines(level)
         tolerance = max(self.window.width, self.window.height) / 4000
         return [line[simplify(line, tolerance)] for line in lines]
+
+    def surface(self) -> list[Floats]:
+        """Pieces of the curve g = 0, where it is one."""
+        return self.contour(self.g, 0.0) if shows_surface(self.system) else []
+
+    def minus_rings(self) -> list[list[Floats]]:
+        """Outlines of the ground where g < 0, each followed by those of its holes."""
+        if not shows_surface(self.system):
+            return []
+        inside = contour_generator(self.x, self.y, self.g, fill_type=FillType.OuterOffset)
+        filled: Any = inside.filled(-np.inf, 0.0)
+        pieces, offsets = filled
+        return [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(pieces, offsets, strict=True)]
 
     def usual_levels(self, side: int) -> tuple[float, ...]:
         """Levels that part the visible ground of a side into strips of equal area."""
@@ -198,6 +207,8 @@ class _Plane:
 
     def arrows(self, side: int) -> Floats:
         """Directions of the field of one side, as open arrows of equal length."""
+        if not shows_field(self.system):
+            return np.empty((0, 2))
         x, y = (values.ravel() for values in np.meshgrid(*self._axes(ARROWS)))
         there = self._switching(x, y) * side > 0
         x, y = x[there], y[there]

@@ -9,13 +9,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import core
 from pwsviz.cache import Cache, Cancelled, Value
-from pwsviz.curves import Floats, distinct_pixels, envelope, screen_path
+from pwsviz.curves import Floats, Mask, distinct_pixels, envelope, screen_path
 from pwsviz.inputs import Ground, RunInputs, Scheme, StudyInputs
 from pwsviz.loss import accumulated_error
 from pwsviz.plane import Backdrop, Window, backdrop, closed_surface
+from pwsviz.projection import SHOWN, shows_levels
 from pwsviz.scene import MAX_STEPS
 
 Cancel = Callable[[], bool]
@@ -25,6 +27,8 @@ Levels = tuple[tuple[int, tuple[float, ...]], ...]
 STUDY_CROSSINGS = (10, 20, 30)
 STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
 """Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
+STUDY_HORIZON, STUDY_PROBE = 500.0, 1e-2
+"""How long, and in what steps, the order study looks for crossings."""
 
 FAR = 8.0
 """How far out an orbit is drawn, in sizes of what it starts from."""
@@ -32,6 +36,9 @@ FAR = 8.0
 SEVERAL_LEVELS = 6
 """At most so many level sets through an orbit on each side."""
 
+
+_RUNS_OFF = (core.Status.ESCAPED, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
+"""How a run may end that has gone very far; others end where the action is."""
 
 COMPARABLE = 2.0
 """A closed surface that fits into a window this much larger than an orbit is shown whole beside it."""
@@ -44,13 +51,14 @@ def never() -> bool:
 
 @dataclass(frozen=True)
 class Orbit:
-    """One trajectory as the portrait draws it."""
+    """One trajectory as the portrait draws it; every line is a (k, 2) array with rows of NaN between pieces."""
 
     method: str
     path: Floats
     surface: Floats
     crossings: Floats
     kinds: tuple[str, ...]
+    jumps: Floats
     x0: tuple[float, ...]
     levels: Levels
 
@@ -64,7 +72,7 @@ class Summary:
     crossings: int
     seconds: float
     worst_error: float
-    completed: bool
+    status: core.Status
     message: str
 
 
@@ -77,7 +85,8 @@ class ErrorCurve:
     error: Floats
     t_end: float
     crossings: Floats
-    first_side: int
+    sides: NDArray[np.int64]
+    """(1 + len(crossings),) side occupied from the start, and from each crossing on; 0 where the run ended."""
 
 
 @dataclass(frozen=True)
@@ -154,11 +163,8 @@ class Results:
 
     def backdrop(self, ground: Ground, window: Window, levels: Levels) -> Backdrop:
         """Return the ground of the portrait on a window, with the level sets named besides the usual ones."""
-        anchor = ground.x0 if len(ground.x0) > 2 else (0.0, 0.0)
-        still = replace(ground, x0=anchor)
-        return self._cache.get(
-            "backdrop", (still, window, levels), lambda: backdrop(ground.build(), window, anchor, dict(levels))
-        )
+        still = replace(ground, x0=())
+        return self._cache.get("backdrop", (still, window, levels), partial(_backdrop, still, window, levels))
 
     def study(self, inputs: StudyInputs, cancel: Cancel = never) -> core.OrderStudy:
         """Measure the order."""
@@ -173,6 +179,7 @@ def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
         tau=inputs.tau,
         cancel=cancel,
         max_steps=MAX_STEPS,
+        tolerance=inputs.scheme.tolerance,
         **_scheme_arguments(inputs.scheme),
     )
     if cancel():
@@ -180,12 +187,42 @@ def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
     return run
 
 
+def _backdrop(ground: Ground, window: Window, levels: Levels) -> Backdrop:
+    return backdrop(ground.build(), window, dict(levels))
+
+
+def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
+    """Numbers of the crossings to look at: those of the paper, or fewer where the trajectory has fewer.
+
+    A run tells how many there are: the reference solution might look for the next one without end.
+    """
+    run = core.integrate(
+        inputs.ground.build(),
+        (0.0, STUDY_HORIZON),
+        x0=inputs.ground.x0,
+        tau=STUDY_PROBE,
+        method=inputs.scheme.method,
+        record="crossings",
+        max_crossings=STUDY_CROSSINGS[-1] + 1,
+        cancel=cancel,
+    )
+    if cancel():
+        raise Cancelled
+    passed = int(np.count_nonzero(run.crossings.side))
+    if passed < 2:
+        found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
+        why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
+        raise ValueError(f"An order study needs two crossings at least; {found}.{why}")
+    last = passed - 1  # the stretch after it is looked at too
+    return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
+
+
 def _study(inputs: StudyInputs, cancel: Cancel) -> core.OrderStudy:
     study = core.order_study(
         inputs.ground.build(),
         STUDY_TAUS,
         x0=inputs.ground.x0,
-        crossings=STUDY_CROSSINGS,
+        crossings=_studied_crossings(inputs, cancel),
         cancel=cancel,
         **_scheme_arguments(inputs.scheme),
     )
@@ -204,37 +241,58 @@ def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
 
 
 def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None) -> Orbit:
-    places = np.searchsorted(run.segment, np.arange(len(run.crossings.t)), side="right")
-    points = np.insert(run.x[:, :2], places, run.crossings.x[:, :2], axis=0)
-    kinks = np.zeros(len(points), dtype=bool)
-    kinks[places + np.arange(len(places))] = True
-    if near is None and run.status is not core.Status.COMPLETED:
+    points, kinks = _polyline(run)
+    if near is None and run.status in _RUNS_OFF:
         near = _surroundings(run)
-    marks = np.flatnonzero(near.holds(run.crossings.x)) if near else np.arange(len(run.crossings.x))
-    marks = marks[distinct_pixels(run.crossings.x[marks, :2])]
+    crossings = run.crossings
+    marks = np.flatnonzero(near.holds(crossings.x)) if near else np.arange(len(crossings))
+    marks = marks[distinct_pixels(crossings.x[marks, :SHOWN])]
+    jumped = marks[crossings.kind[marks] == "jump"]
     path = screen_path(points, kinks, near.holds(points) if near else None)
     return Orbit(
         method=inputs.scheme.method,
         path=path,
-        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), inputs.ground.x0),
-        crossings=run.crossings.x[marks, :2],
-        kinds=tuple(str(run.crossings.kind[k]) for k in marks),
+        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE)),
+        crossings=crossings.x[marks, :SHOWN],
+        kinds=tuple(str(crossings.kind[k]) for k in marks),
+        jumps=_jumps(crossings.x[jumped], crossings.x_after[jumped]).reshape(-1, SHOWN),
         x0=inputs.ground.x0,
         levels=_levels(run),
     )
 
 
+def _polyline(run: core.Trajectory) -> tuple[Floats, Mask]:
+    """States in the plane with the crossings among them, and which of all these are kinks; a jump leaves a gap."""
+    crossings = run.crossings
+    places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
+    rows = _jumps(crossings.x, crossings.x_after)[:, [0, 2, 1]]  # before, gap, after
+    there = np.ones(rows.shape[:2], dtype=bool)
+    there[crossings.kind != "jump", 1:] = False
+    index = np.repeat(places, there.sum(axis=1))
+    points = np.insert(run.x[:, :SHOWN], index, rows[there], axis=0)
+    kinks = np.zeros(len(points), dtype=bool)
+    kinks[index + np.arange(len(index))] = True
+    return points, kinks
+
+
+def _jumps(before: Floats, after: Floats) -> Floats:
+    """Return (k, 3, 2): where each jump starts and ends in the plane, and a gap."""
+    return np.stack([before[:, :SHOWN], after[:, :SHOWN], np.full((len(before), SHOWN), np.nan)], axis=1)
+
+
 def _surroundings(run: core.Trajectory) -> Window:
     """Return a window many times as large as the first part of a run."""
-    anchors = np.concatenate([run.x[:1, :2], run.crossings.x[:12, :2], np.zeros((1, 2))])
+    anchors = np.concatenate([run.x[:1, :SHOWN], run.crossings.x[:12, :SHOWN], np.zeros((1, SHOWN))])
     return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(FAR / 2)
 
 
 def _levels(run: core.Trajectory) -> Levels:
-    """Values of ψ on each side where the first few visits began.
+    """Values of ψ on each side where the first few visits began; none where level sets are not drawn.
 
     Rounded to what can be told apart on a screen, so that round-off does not make another picture of them.
     """
+    if not shows_levels(run.system):
+        return ()
     sides = np.concatenate([run.side[:1], run.crossings.side])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
     values = {}
     for side in (-1, 1):
@@ -248,16 +306,17 @@ def _levels(run: core.Trajectory) -> Levels:
 
 def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve:
     t, reduced = envelope(run.t, error)
-    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), run.crossings.t, int(run.side[0]))
+    sides = np.concatenate([run.side[:1], run.crossings.side])
+    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), run.crossings.t, sides)
 
 
 def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
-        crossings=len(run.crossings.t),
+        crossings=int(np.count_nonzero(run.crossings.side)),  # where a run stops it does not cross
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error)),
-        completed=run.status is core.Status.COMPLETED,
+        status=run.status,
         message=str(run.message),
     )

@@ -13,7 +13,7 @@ from typing import Any
 import param
 
 import core
-from core.integrate import checked_start
+from core.integrate import checked_method, checked_start
 from pwsviz.names import short_name
 
 MAX_STEPS = 2_000_000
@@ -22,6 +22,12 @@ MAX_STEPS = 2_000_000
 MAX_COORDINATE = 1e6
 VIEWS = {"conserved": "Conserved quantity", "order": "Order", "time": "Crossing time"}
 """The views beside the portrait, one at a time: key and title, in display order."""
+
+TOLERANCES = (1e-15, 1e-3)
+"""Least and greatest tolerance of an integrator that chooses its own steps."""
+
+END_TIMES = {"type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
+"""End times of systems that are slow: by the usual one they would just have reached the surface."""
 
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8)
 
@@ -34,6 +40,7 @@ class Scene(param.Parameterized):
     x0 = param.ClassSelector(default=(), class_=tuple, doc="Initial state.")
     methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
     tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
+    tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of an integrator that chooses its own steps.")
     t_end = param.Number(default=20.0, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
     locate = param.Boolean(default=True, doc="Land on the surface at crossings (Mannshardt), or step over it.")
     perturbation_order: Any = param.Selector(
@@ -47,19 +54,42 @@ class Scene(param.Parameterized):
         super().__init__(**params)
         chosen = core.CATALOGUE[self.system]
         self._follow_methods()
-        missing = {"values": dict(chosen.values), "x0": tuple(chosen.x0)}
+        missing = {"values": dict(chosen.values), "x0": tuple(chosen.x0), "t_end": self._usual_end()}
         self.param.update(**{name: value for name, value in missing.items() if name not in params})
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
         chosen = core.CATALOGUE[self.system]
-        self.param.update(values=dict(chosen.values), x0=tuple(float(x) for x in chosen.x0))
+        start = tuple(float(x) for x in chosen.x0)
+        self.param.update(values=dict(chosen.values), x0=start, t_end=self._usual_end())
 
-    @param.depends("methods", watch=True)
+    def _usual_end(self) -> float:
+        """End time of the system, no later than the step size allows."""
+        usual: float = END_TIMES.get(self.system, self.param["t_end"].default)
+        return min(usual, self.tau * MAX_STEPS)
+
+    @property
+    def offered(self) -> list[str]:
+        """Integrators that can be used with the system."""
+        return [name for name in core.METHODS if _can_use(core.CATALOGUE[self.system], name)]
+
+    @property
+    def used(self) -> list[str]:
+        """The chosen integrators that can be used with the system; one that can, where none of them can.
+
+        The others stay chosen: another system brings them back.
+        """
+        offered = self.offered
+        return [name for name in self.methods if name in offered] or offered[:1]
+
+    @param.depends("system", "methods", watch=True)
     def _follow_methods(self) -> None:
-        self.param["study_method"].objects = list(self.methods)
-        if self.study_method not in self.methods:
-            self.study_method = self.methods[0]
+        """Offer the order study what it can measure: methods with an order."""
+        steady = [name for name in self.offered if not core.METHODS[name].adaptive]
+        objects = [name for name in self.used if name in steady] or steady[:1]
+        self.param["study_method"].objects = objects
+        if self.study_method not in objects:
+            self.study_method = objects[0]
 
     def build(self) -> core.PiecewiseSystem:
         """Return the chosen system at the chosen parameter values."""
@@ -71,10 +101,11 @@ class Scene(param.Parameterized):
         Parameters
         ----------
         field : str
-            ``"tau"``, ``"t_end"``, ``"perturbation_scale"``, ``"methods"``, ``"x0"``, ``"x0.<index>"`` or
-            ``"values.<name>"``.
+            ``"tau"``, ``"tolerance"``, ``"t_end"``, ``"perturbation_scale"``, ``"methods"``, ``"x0"``,
+            ``"x0.<index>"`` or ``"values.<name>"``.
         value : object
-            A number, its text, a tuple of numbers for ``"x0"``, or a list of names for ``"methods"``.
+            A number, its text, a tuple of numbers for ``"x0"``, or a list of names for ``"methods"``: which of those
+            offered to use.
 
         Raises
         ------
@@ -84,6 +115,7 @@ class Scene(param.Parameterized):
         name, _, part = field.partition(".")
         checks: dict[str, Callable[[str, object], Any]] = {
             "tau": self._checked_tau,
+            "tolerance": self._checked_tolerance,
             "t_end": self._checked_end,
             "perturbation_scale": self._checked_scale,
             "methods": self._checked_methods,
@@ -97,6 +129,9 @@ class Scene(param.Parameterized):
         require_few_steps(self.t_end, tau)
         return tau
 
+    def _checked_tolerance(self, _: str, value: object) -> float:
+        return number(value, "The tolerance", *self.param["tolerance"].bounds)
+
     def _checked_end(self, _: str, value: object) -> float:
         t_end = number(value, "The end time", *self.param["t_end"].bounds)
         require_few_steps(t_end, self.tau)
@@ -108,7 +143,8 @@ class Scene(param.Parameterized):
     def _checked_methods(self, _: str, value: object) -> list[str]:
         if not isinstance(value, list) or not value:
             raise ValueError("Choose at least one integrator.")
-        return [name for name in core.METHODS if name in value]
+        resting = set(self.methods) - set(self.offered)
+        return [name for name in core.METHODS if name in value or name in resting]
 
     def _checked_x0(self, index: str, value: object) -> tuple[float, ...]:
         wanted: list[Any] = list(self.x0)
@@ -126,6 +162,14 @@ class Scene(param.Parameterized):
         parameter = next(p for p in core.CATALOGUE[self.system].parameters if p.name == name)
         low, high = parameter.bounds or (-MAX_COORDINATE, MAX_COORDINATE)
         return {**self.values, name: number(value, short_name(parameter), low, high)}
+
+
+def _can_use(system: core.PiecewiseSystem, method: str) -> bool:
+    try:
+        checked_method(system, method)
+    except ValueError:
+        return False
+    return True
 
 
 def number(value: object, subject: str, low: float, high: float) -> float:

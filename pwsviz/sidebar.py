@@ -12,8 +12,8 @@ import core
 from pwsviz.fields import NumberField
 from pwsviz.names import short_name
 from pwsviz.panes import heading, text_pane
-from pwsviz.scene import PERTURBATION_ORDERS, Scene
-from pwsviz.text import as_text
+from pwsviz.scene import PERTURBATION_ORDERS, TOLERANCES, Scene
+from pwsviz.text import as_text, method_notes
 
 TAU_SLIDER = (1e-4, 0.3)
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin": (6, 0)}
@@ -26,11 +26,19 @@ class Sidebar(pn.viewable.Viewer):
         super().__init__()
         self.scene = scene
         self.tau = self._number("tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True)
+        self.tolerance = self._number(
+            "tolerance",
+            "Tolerance of taylor",
+            bounds=TOLERANCES,
+            logarithmic=True,
+            description="Error of one step, relative to the state. No step is longer than τ.",
+        )
         self.t_end = self._number("t_end", "End time")
         self.scale = self._number("perturbation_scale", "Factor c")
         self.methods = pmui.CheckBoxGroup(
-            label="", value=list(scene.methods), options=list(core.METHODS), inline=True, margin=0, size="small"
+            label="", value=scene.used, options=scene.offered, inline=True, margin=0, size="small"
         )
+        self.methods_note = text_pane("", "about")
         self.methods_message = text_pane("", "error")
         self.system = pmui.Select.from_param(
             scene.param.system,
@@ -55,8 +63,8 @@ class Sidebar(pn.viewable.Viewer):
         self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
         self._built_for = ""
         self.methods.param.watch(self._take_methods, "value")
-        scene.param.watch(self._sync, ["system", "tau", "t_end", "perturbation_scale", "x0", "values"])
-        scene.param.watch(self._dim, ["locate", "perturbation_order"])
+        scene.param.watch(self._sync, ["system", "tau", "tolerance", "t_end", "perturbation_scale", "x0", "values"])
+        scene.param.watch(self._dim, ["system", "methods", "locate", "perturbation_order"])
         self._sync()
         self._dim()
 
@@ -87,14 +95,20 @@ class Sidebar(pn.viewable.Viewer):
     def _sync(self, *_: Any) -> None:
         if self._built_for != self.scene.system:
             self._rebuild()
-        for field in (self.tau, self.t_end, self.scale, *self.fields.values()):
+        for field in (self.tau, self.tolerance, self.t_end, self.scale, *self.fields.values()):
             field.sync()
 
     def _dim(self, *_: Any) -> None:
+        """Offer what has an effect, and say what has none."""
+        self.methods.param.update(options=self.scene.offered, value=self.scene.used)
+        self.methods_note.object = method_notes(self.scene)
+        self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
         self.order.disabled = not self.scene.locate
         self.scale.text.disabled = not self.scene.locate or self.scene.perturbation_order is None
 
     def _take_methods(self, event: Any) -> None:
+        if event.new == self.scene.used:
+            return
         try:
             self.scene.accept("methods", list(event.new))
             self.methods_message.object = ""
@@ -106,7 +120,8 @@ class Sidebar(pn.viewable.Viewer):
         return pn.Column(
             heading("System"), self.system, self.about, self.parameters,
             heading("Start"), self.coordinates,
-            heading("Integrators"), self.methods, self.methods_message, self.tau, self.t_end,
+            heading("Integrators"), self.methods, self.methods_message, self.methods_note,
+            self.tau, self.tolerance, self.t_end,
             heading("Crossings"), self.locate, self.order, self.scale,
             margin=(4, 12), sizing_mode="stretch_width",
         )  # fmt: skip

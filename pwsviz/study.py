@@ -70,9 +70,10 @@ class StudyView(pn.viewable.Viewer):
         study = self._study
         if study is None or self.plot is None:
             return
-        rows = self._rows(study)
-        self.plot.show(study.taus, rows, float(study.floor), core.METHODS[study.method].order)
-        self.words.object = study_text(study.method, study.reference, rows)
+        rows, order = self._rows(study), core.METHODS[study.method].order
+        assert order is not None  # noqa: S101  (a study needs one)
+        self.plot.show(study.taus, rows, float(study.floor), order)
+        self.words.object = study_text(study, rows)
         self._pane.styles = {}
 
     def show_trouble(self, markup: str) -> None:

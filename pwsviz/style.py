@@ -14,6 +14,8 @@ import core
 
 # The palette of Okabe and Ito, legible in the common kinds of colour blindness, on light and dark ground alike.
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
+# Three more, as far from those and from one another as these are, in the same kinds of colour blindness.
+VIOLET, OCHRE, BROWN = "#9000F0", "#C0A860", "#786030"
 GREY = "#808080"
 SAND = "#A89A80"
 
@@ -40,13 +42,20 @@ LINES = (
     Line(PURPLE, (10, 4, 2, 4), "diamond", 1.6),
     Line(ORANGE, (2, 3), "inverted_triangle", 1.6),
     Line(VERMILION, (8, 6), "square", 1.6),
-    Line(GREEN, (3, 4), "triangle", 1.6),
+    Line(GREEN, (4, 4), "triangle", 1.6),
+    Line(BROWN, (10, 4, 2, 4, 2, 4), "star", 1.6),
+    Line(OCHRE, (2, 8), "plus", 1.6),
+    Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),
 )
+"""One for each integrator, in the order of `core.METHODS`: no two agree in colour, nor in dash."""
+
+LEGEND_GLYPH = 34
+"""Pixels of line in a legend: the longest pattern of dashes once and a little more."""
 
 
 def line_of(method: str) -> Line:
     """Return the look of an integrator, the same in every plot."""
-    return LINES[list(core.METHODS).index(method) % len(LINES)]
+    return LINES[list(core.METHODS).index(method)]
 
 
 def plain_figure(summary: str, **options: Any) -> figure:
@@ -118,8 +127,8 @@ def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
     return across, up
 
 
-def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> None:
-    """Put a legend under the plot, where it covers nothing.
+def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> list[LegendItem]:
+    """Put a legend under the plot, where it covers nothing, and return its entries.
 
     Parameters
     ----------
@@ -132,7 +141,8 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> 
     """
     items = [LegendItem(label=label, renderers=[renderer]) for label, renderer in entries]
     look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
-    plot.add_layout(Legend(items=items, location="center", **look), "below")
+    plot.add_layout(Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look), "below")
+    return items
 
 
 def assign(source: ColumnDataSource, **columns: Any) -> None:

@@ -6,7 +6,9 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from pwsviz.results import Summary
+import core
+from pwsviz.results import STUDY_CROSSINGS, Summary
+from pwsviz.scene import Scene
 from pwsviz.style import line_of
 from pwsviz.views.order import Row
 
@@ -28,9 +30,10 @@ def run_line(summary: Summary) -> str:
 
 
 def run_lines(summaries: Sequence[Summary]) -> str:
-    """Return a line for each run and, once however many say it, why they stopped."""
-    messages = dict.fromkeys(summary.message for summary in summaries if not summary.completed)
-    return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in messages)
+    """Return a line for each run and, once for all that stopped for the same reason, where and why the first did."""
+    messages = {summary.status: summary.message for summary in reversed(summaries)}
+    messages.pop(core.Status.COMPLETED, None)
+    return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in messages.values())
 
 
 def swatch(method: str) -> str:
@@ -43,10 +46,33 @@ def swatch(method: str) -> str:
     )
 
 
-def study_text(method: str, reference: str, rows: Sequence[Row]) -> str:
+def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
     """Return the slopes of a study in words: the same as the plot shows, for those who cannot see it."""
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
-    return as_text(f"{method}: {slopes}. Measured against: {reference}.")
+    words = f"{study.method}: {slopes}. Measured against: {study.reference}."
+    if study.crossings != STUDY_CROSSINGS:
+        usual = ", ".join(map(str, STUDY_CROSSINGS))
+        words += f" The trajectory ends too early to look at crossings {usual} as usual."
+    return as_text(words)
+
+
+def method_notes(scene: Scene) -> str:
+    """Return which of the chosen integrators are left out of what, and why."""
+    resting = [name for name in core.METHODS if name not in scene.offered]
+    notes = []
+    if resting:
+        notes.append(f"{listed(resting)} keep conserved quantities. None is known here, so they are left out.")
+    for name in [name for name in scene.used if core.METHODS[name].adaptive]:
+        lacks = "an order to study"
+        if scene.locate and scene.perturbation_order is not None:
+            lacks += " or a power of τ to disturb its crossing times by"
+        notes += [f"{name} chooses its own steps, none longer than τ: it lacks {lacks}."]
+    return as_text(" ".join(notes), "about")
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as one says them: “a, b and c”."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1] if names else "")))
 
 
 def plural(count: int, noun: str) -> str:

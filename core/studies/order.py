@@ -44,7 +44,7 @@ class OrderStudy:
     time_error: Floats
     """(k, m) |t* − t̂| of those crossings; nan where a run did not get there."""
     state_error: Floats
-    """(1 + k, m) ‖x − x*‖ at `times`: row 0 before the first crossing."""
+    """(1 + k, m) ‖x − x*‖ at `times`: row 0 before the first crossing; nan where a step is longer than that."""
     time_slope: Floats
     """(k,) fitted orders; nan where fewer than three step sizes lie in the window."""
     state_slope: Floats
@@ -107,6 +107,7 @@ def order_study(
         t_hat, found = _run(system, chosen, t0, start, setting, times, numbers)
         time_error[:, j] = np.abs(t_hat - crossing_times)
         state_error[:, j] = np.linalg.norm(found - states, axis=1)
+        state_error[times - t0 < setting.tau, j] = np.nan  # reached by a shorter step
     size = float(np.abs(states).max())
     floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * (exact.error or 0.0))
     time_slope, time_window = _fits(steps, time_error, floor, max(size, 1.0))

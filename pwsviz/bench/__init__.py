@@ -1,1 +1,31 @@
-pass
+"""python -m pwsviz bench: the figures that this project states, measured here, with the rivals in the same process."""
+
+from __future__ import annotations
+
+from typing import TextIO
+
+from pwsviz.bench.machine import machine_lines
+from pwsviz.bench.plan import LONG, QUICK, STANDARD, Plan
+from pwsviz.bench.quality import conservation, orders
+from pwsviz.bench.rivals import comparison
+from pwsviz.bench.slider import moved_slider
+from pwsviz.bench.start import first_calls
+from pwsviz.bench.steps import linearity, step_costs
+
+__all__ = ["LONG", "QUICK", "STANDARD", "Plan", "report"]
+
+
+def report(out: TextIO, plan: Plan = STANDARD) -> None:
+    """Measure everything and write it as text, line by line as it comes.
+
+    Parameters
+    ----------
+    plan
+        STANDARD takes some minutes; QUICK shows every section with figures too small to state; LONG has 10⁸ steps.
+    """
+    for line in machine_lines():
+        print(line, file=out)
+    for section in (comparison, step_costs, linearity, first_calls, moved_slider, conservation, orders):
+        print(file=out)
+        for line in section(plan):
+            print(line, file=out, flush=True)

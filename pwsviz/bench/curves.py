@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-__all__ = ["Curve", "Point", "TARGETS"]
+__all__ = ["TARGETS", "Curve", "Point"]
 
 #: State errors to which the time is stated.
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)

@@ -20,12 +20,10 @@ TOLERANCES = (*(10.0**-k for k in range(2, 16)), 2.0**-52)
 _COARSEST = 0.4
 _DIGITS = 1.5  #: between a step size and the next, by the method's order
 _FINE_ENOUGH = min(TARGETS) / 3
-_PATIENCE = 3  #: finer step sizes without a smaller error: round-off
+_PATIENCE = 2  #: finer step sizes without a smaller error: round-off
 
 
-def own_curve(
-    problem: Problem, method: core.Method, exact: NDArray[np.float64], crossings: int, plan: Plan
-) -> Curve:
+def own_curve(problem: Problem, method: core.Method, exact: NDArray[np.float64], crossings: int, plan: Plan) -> Curve:
     """Time against error of a method, by the clock on the wall around all of `core.integrate`."""
 
     def run(end: float, setting: float) -> core.Trajectory:

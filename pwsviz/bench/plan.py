@@ -25,10 +25,10 @@ class Plan:
     own_budget: float
     """Longest run of ours in the comparison, in seconds."""
     rival_budget: float
-    """The same of SciPy's."""
+    """Run of SciPy's beyond which no finer tolerance is tried."""
     repeats: int
     repeat_seconds: float
-    """How long one setting is repeated at most, beyond its first two runs."""
+    """How long the repeats of one setting may take; there are a warm-up and one repeat at least."""
     steps: int
     """Of a run whose cost a step, or whose arrays, are measured."""
     step_counts: tuple[int, ...]

@@ -91,11 +91,8 @@ class ConservedView:
     def _show_visits(self, first: ErrorCurve) -> None:
         t = first.crossings if len(first.crossings) <= MOST_BANDS else first.crossings[:0]
         bounds = np.concatenate([[0.0], t, [first.t_end]])
-        minus = 0 if first.first_side < 0 else 1
-        starts, ends = bounds[:-1][minus::2], bounds[1:][minus::2]
-        if len(t) != len(first.crossings):
-            starts, ends = starts[:0], ends[:0]
-        assign(self.visits, start=starts, end=ends)
+        minus = np.flatnonzero(first.sides < 0) if len(t) == len(first.crossings) else np.empty(0, dtype=int)
+        assign(self.visits, start=bounds[minus], end=bounds[minus + 1])
         assign(self.instants, t=t, y=np.full(len(t), FLOOR / 1.5))
 
 

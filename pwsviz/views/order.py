@@ -44,7 +44,7 @@ class Row:
 def state_rows(study: core.OrderStudy) -> list[Row]:
     """State error before the first crossing and after each of the later ones."""
     names = [("before the first crossing", "before")]
-    names += [(f"after {count} crossings", f"after {count}") for count in study.crossings]
+    names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     return [
         Row(name, short, study.state_error[k], float(study.state_slope[k]), _ends(study.window[k]))
         for k, (name, short) in enumerate(names)

@@ -6,16 +6,21 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.events import Tap
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.plotting import figure
 
+import core
 from pwsviz.curves import Floats
 from pwsviz.plane import Backdrop, Window
+from pwsviz.projection import axis_labels, shows_surface, surface_name
 from pwsviz.results import Orbit
 from pwsviz.style import GREY, ORANGE, PURPLE, SIDES, assign, fit_to, legend_below, line_of, plain_figure, ranges, refit
 
-KIND_MARKERS = {"transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle"}
+KIND_MARKERS = {
+    "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
+}  # fmt: skip
 NEAR = 1.2
 """How far out, in sizes of the first orbit, another may still widen the view."""
 
@@ -83,6 +88,8 @@ class PortraitView:
         self.curves = plot.multi_line(
             "xs", "ys", source=self.orbits, color="colour", line_dash="dash", line_width="width", line_join="round"
         )
+        self.jumps = _line_source()
+        self.jump_lines = plot.line("x", "y", source=self.jumps, color=ORANGE, line_dash=[2, 4], line_width=2)
         self.crossings = ColumnDataSource({name: [] for name in ("x", "y", "kind", "marker")})
         self.marks = plot.scatter(
             "x",
@@ -103,7 +110,7 @@ class PortraitView:
         fit_to(plot, frame)
 
     def _add_legend(self) -> None:
-        legend_below(
+        *_, self.surface_entry, self.tint_entry = legend_below(
             self.figure,
             3,
             [
@@ -127,8 +134,9 @@ class PortraitView:
             axis.on_change("start", tell)
             axis.on_change("end", tell)
 
-    def show_orbits(self, system: str, variables: Sequence[str], orbits: Sequence[Orbit]) -> Window:
+    def show_orbits(self, system: core.PiecewiseSystem, orbits: Sequence[Orbit]) -> Window:
         """Draw the trajectories, fit the view if it no longer suits them, and return the part of the plane to cover."""
+        self._name(system)
         lines = [line_of(orbit.method) for orbit in orbits]
         self.orbits.data = {
             "xs": [orbit.path[:, 0] for orbit in orbits],
@@ -148,8 +156,15 @@ class PortraitView:
             marker=[KIND_MARKERS.get(kind, "cross") for kind in kinds],
         )
         assign(self.starts, x=[orbits[0].x0[0]], y=[orbits[0].x0[1]])
-        self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = variables[0], variables[1]
-        return self._fit(system, extent(orbits))
+        jumps = np.concatenate([orbit.jumps for orbit in orbits])
+        self.jumps.data = _columns(jumps)
+        return self._fit(system.name, extent(orbits))
+
+    def _name(self, system: core.PiecewiseSystem) -> None:
+        """Say what is on the axes, and name in the legend only what is there."""
+        self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system)
+        self.surface_entry.label = value(surface_name(system))
+        self.surface_entry.visible = self.tint_entry.visible = shows_surface(system)
 
     def _fit(self, system: str, box: Window) -> Window:
         """Keep a view that holds the orbits at a fair size; else take a new one. A new system always gets its own."""

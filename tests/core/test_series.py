@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
@@ -21,7 +22,7 @@ from core.compiled import _load
 from core.laws import Laws, derive
 from core.series import series_code
 from core.signatures import ORDER as ORDER_SLOT
-from core.signatures import Frame
+from core.signatures import UNIT, Frame
 
 ORDER, SPARE = 14, 3
 FIXED = settings(derandomize=True, deadline=None, max_examples=12, database=None)
@@ -38,7 +39,7 @@ def compiled(laws: Laws) -> tuple[Callable[..., None], int]:
     """The jitted function of the text, and how many rows it needs."""
     code = series_code(laws, laws.sides[1])
     read = ["order = int(w[%d])" % ORDER_SLOT, f"c = carray(memo, ({code.rows}, order + {SPARE}))"]
-    module = _load(module_text([function_text("series", [*read, *code.lines, "return 0"])]))
+    module = _load(module_text([function_text("series", [*read, *code.lines, f"w[{UNIT}] = unit", "return 0"])]))
     return module.series.ctypes, code.rows
 
 
@@ -51,6 +52,8 @@ def coefficients(laws: Laws, x: tuple[float, ...], p: tuple[float, ...] = (), or
     w[ORDER_SLOT], w[frame.x : frame.x + len(x)] = order, x
     function(t, 0.0, *(pointer(array) for array in (np.array([*p, 0.0]), w, c)))
     assert (c[: len(x) + 1, order + 1 :] == 7.0).all()
+    assert math.frexp(w[UNIT])[0] == 0.5  # a power of two, which is divided out exactly
+    c[:, : order + 1] /= w[UNIT] ** np.arange(order + 1.0)
     return c
 
 

@@ -58,7 +58,8 @@ def test_sympy_and_text_declare_the_same_system() -> None:
 
 
 def test_without_a_start_it_is_the_origin_and_without_invariants_there_are_none() -> None:
-    s = system(x0=(), psi_minus=(), psi_plus=())
+    damped = ("y", "-x - y/10")
+    s = system(x0=(), f_minus=damped, f_plus=damped, psi_minus=(), psi_plus=())
     assert s.x0 == (0.0, 0.0)
     assert s.conserved(1, 0.0, s.x0).shape == (0,)
 

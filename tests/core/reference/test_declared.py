@@ -23,17 +23,35 @@ def test_parameter_values_are_those_of_the_system():
     assert t == pytest.approx(np.arctan2(0.25, 1.0) / 2, rel=1e-15)
 
 
-def test_others_are_integrated_by_scipy_and_say_so():
-    system = core.PiecewiseSystem("forced", ("x", "y"), ("y", "-x + sin(t)"), ("y", "-x"), "x", x0=(1.0, 0.1))
-    solution = core.reference_solution(system)
-    assert "SciPy" in solution.name
-    assert np.isfinite(solution.state(5.0)).all()
+FORCED = core.PiecewiseSystem("forced", ("x", "y"), ("y", "-x + sin(t)"), ("y", "-x"), "x", x0=(1.0, 0.1))
 
 
-def test_exact_solutions_own_to_no_error_and_the_peer_to_its_tolerance():
+def test_others_are_integrated_by_taylor_or_when_asked_by_scipy_and_say_so():
+    ours, peer = core.reference_solution(FORCED), core.reference_solution(FORCED, independent=True)
+    assert "Taylor" in ours.name
+    assert "SciPy" in peer.name
+    for k in (1, 5, 10):
+        assert ours.crossing(k)[0] == pytest.approx(peer.crossing(k)[0], abs=1e-11)
+        assert ours.crossing(k)[1] == pytest.approx(peer.crossing(k)[1], abs=1e-11)
+    for t in (0.0, 0.3, 20.0, 5.0):  # in any order
+        assert ours.state(t) == pytest.approx(peer.state(t), abs=1e-11)
+        assert ours.side(t) == peer.side(t)
+
+
+def test_exact_solutions_own_to_no_error_and_the_others_to_an_estimate():
     assert core.reference_solution(core.CATALOGUE["elliptic_curve"]).error is None
-    forced = core.PiecewiseSystem("forced", ("x", "y"), ("y", "-x + sin(t)"), ("y", "-x"), "x", x0=(1.0, 0.1))
-    assert core.reference_solution(forced).error == pytest.approx(1e-12, rel=1e-9, abs=0)  # 10 × rtol 1e-13 × |x0| = 1
+    peer = core.reference_solution(FORCED, independent=True)
+    assert peer.error == pytest.approx(1e-12, rel=1e-9, abs=0)  # 10 × rtol 1e-13 × |x0| = 1
+    ours = core.reference_solution(core.CATALOGUE["kepler"])
+    ours.crossing(20)
+    assert 0.0 < ours.error < 1e-10
+
+
+def test_a_solution_that_ends_says_where_and_why():
+    with pytest.raises(ValueError, match=r"ends at t = 0, .* reach|ends at t = 0, .*slides"):
+        core.reference_solution(
+            core.PiecewiseSystem("slide", ("x", "y"), ("1 + x**3", "1"), ("-1 - x**3", "1"), "x", x0=(0.0, 0.0))
+        )
 
 
 def test_pendulum_beside_an_oscillator_and_rigid_bodies_are_exact():
@@ -44,7 +62,7 @@ def test_pendulum_beside_an_oscillator_and_rigid_bodies_are_exact():
     assert core.reference_solution(body, (0.0, 1.0, 1.2)).name == "exact (Jacobi sn, cn, dn)"
 
 
-def test_a_system_that_jumps_is_exact_where_its_fields_are_and_else_scipys():
+def test_a_system_that_jumps_is_exact_where_its_fields_are_and_else_an_estimate():
     declared = {"variables": ("y", "v"), "g": "y", "x0": (1.0, 0.0), "jump": ("0", "-r*v"), "parameters": {"r": 0.5}}
     ball = core.PiecewiseSystem("ball", f_minus=("v", "-9.8"), f_plus=("v", "-9.8"), **declared)
     solution = core.reference_solution(ball)
@@ -52,7 +70,7 @@ def test_a_system_that_jumps_is_exact_where_its_fields_are_and_else_scipys():
     assert solution.after(1) == pytest.approx([0, np.sqrt(2 * 9.8) / 2], abs=4e-16)
     dragged = core.PiecewiseSystem("drag", f_minus=("v", "-9.8 + v**2"), f_plus=("v", "-9.8 + v**2"), **declared)
     solution = core.reference_solution(dragged)
-    assert "SciPy" in solution.name
+    assert "Taylor" in solution.name
     # falls as v = −√g tanh(√g t), y = 1 − log cosh(√g t): it lands at cosh(√g t) = e
     t, x = solution.crossing(1)
     assert t == pytest.approx(np.arccosh(np.e) / np.sqrt(9.8), rel=1e-12)

@@ -1,0 +1,45 @@
+"""Time of a first call: in a fresh process, with and without what an earlier one compiled."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+
+from pwsviz.bench.plan import Plan
+from pwsviz.bench.tables import aligned
+
+__all__ = ["first_calls"]
+
+_START = """
+import sys, time
+start = time.perf_counter()
+import core
+imported = time.perf_counter()
+core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 60.0), method=sys.argv[1], record="end")
+print(imported - start, time.perf_counter() - imported)
+"""
+
+
+def first_calls(plan: Plan) -> Iterable[str]:
+    """Lines on the first call of each method."""
+    yield "First call, in seconds: integrate the elliptic curve to T = 60 in a fresh process, with an empty cache folder"
+    yield "(compiles everything, the loops that all methods share among it), and once more (loads)."
+    rows = []
+    for method in plan.start_methods:
+        with tempfile.TemporaryDirectory() as folder:
+            fresh, again = (_start(method, folder) for _ in range(2))
+        rows.append([method, *(f"{seconds:.2f}" for seconds in (fresh[0], fresh[1], *again))])
+    yield from aligned(("method", "import", "compiles", "import again", "loads"), rows)
+
+
+def _start(method: str, folder: str) -> tuple[float, float]:
+    """Seconds to import core, and to call it for the first time, in a process of its own."""
+    os.chmod(folder, 0o700)
+    environment = {**os.environ, "PWSVIZ_CACHE": folder, "NUMBA_CACHE_DIR": folder}
+    command = [sys.executable, "-c", _START, method]
+    out = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)  # noqa: S603 - our own text
+    imported, called = map(float, out.stdout.split())
+    return imported, called
