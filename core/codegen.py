@@ -15,9 +15,14 @@ from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, doubled_assignments, named
 
-__all__ = ["JITTED", "Names", "excess_lines", "function_text", "jump_text", "levels_texts", "look_text", "module_text"]
+__all__ = [
+    "JITTED", "Names", "excess_lines", "function_text", "jump_text", "levels_texts", "look_text", "module_text",
+    "polish_text",
+]  # fmt: skip
 
 _EPS = 2.0**-52
+#: A place on the surface is moved by this part of the state at most: by more than round-off it cannot be wrong.
+_POLISH = 1e-12
 
 #: Modules of jitted functions that generated text calls, and of the tables that these use.
 JITTED = (arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures)
@@ -97,7 +102,7 @@ def excess_lines(names: Names, side: Side) -> list[str]:
 
 
 def levels_texts(laws: Laws, side: Side) -> list[str]:
-    """Texts of `settle`, `excess` and `polish` of a side."""
+    """Texts of `settle` and `excess` of a side."""
     names = Names(laws)
     m, level = len(side.conserved), names.frame.level
     settle = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], side.conserved)]
@@ -105,25 +110,26 @@ def levels_texts(laws: Laws, side: Side) -> list[str]:
         settle += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
     excess = [*names.unpack, *excess_lines(names, side)]
     excess += [f"w[{names.frame.excess + j}] = {f'r{j}' if j < m else 'math.nan'}" for j in range(names.frame.m)]
-    texts = [function_text(name, [*lines, "return 0"]) for name, lines in (("settle", settle), ("excess", excess))]
-    return [*texts, _polish_text(laws, side)]
+    return [function_text(name, [*lines, "return 0"]) for name, lines in (("settle", settle), ("excess", excess))]
 
 
-def _polish_text(laws: Laws, side: Side) -> str:
-    """Text of `polish`: one Newton correction of g = 0 and ψ = level, with residuals in double-double.
+def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
+    """Text of `polish`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
 
     Where the surface and the orbit are nearly tangent no place is well determined, and it is left as it is.
     """
     names = Names(laws)
-    m, d = len(side.conserved), len(laws.x)
+    conserved = side.conserved if conservative else ()
+    m, d = len(conserved), len(laws.x)
     moves = named("a", d)
-    lines = [*names.unpack, *excess_lines(names, side), *names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
-    gradients = [names.own(psi.diff(v) for v in laws.x) for psi in side.conserved] + [names.own(laws.gradient)]
+    lines = [*names.unpack, *(excess_lines(names, side) if conservative else [])]
+    lines += [*names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
+    gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
     lines += least_change(gradients, moves, names.temporaries)
     lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)
     size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
-    lines += [f"size, speed = {size}, {speed}", "w[%d] = 0.0" % signatures.DELAY]
-    lines.append(f"if not max({', '.join(f'abs({a})' for a in moves)}) <= 1e-12 * size or not speed > 0.0:")
+    lines += [f"size, speed = {size}, {speed}", f"w[{signatures.DELAY}] = 0.0"]
+    lines.append(f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {_POLISH} * size or not speed > 0.0:")
     lines.append("    return 0")
     along = " + ".join(f"a{k} * (f{k} / speed)" for k in range(d))
     square = " + ".join(f"(f{k} / speed)**2" for k in range(d))

@@ -21,7 +21,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text
+from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text, polish_text
 from core.laws import Laws, Side
 from core.methods import Method
 from core.signatures import EXCESS, FUNCTIONS, JUMP, LOOK, POLISH, REACH, SETTLE, STEP
@@ -74,6 +74,7 @@ def _side_modules(laws: Laws, side: Side, method: Method, levels: bool) -> list[
     texts = [[code.text(method.build(side, code))]]
     if method.adaptive:
         texts.append([reach_text(laws, side)])
+    texts.append([polish_text(laws, side, method.conservative)])
     if method.conservative or levels:
         texts.append(levels_texts(laws, side))
     return [_load(module_text(functions)) for functions in texts]

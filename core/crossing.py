@@ -225,7 +225,7 @@ def land(motion, log, t):
     if run.probed != run.hit and not abs(probe(motion, t, run.hit)) < math.inf:
         return False
     accept(motion)
-    if run.conservative == 1 and run.shift == 0.0:
+    if run.shift == 0.0:
         call(motion.functions[POLISH + (run.side > 0)], t + run.hit, 0.0, motion.p, motion.w, motion.memo)
         run.hit += motion.w[DELAY]
     pass_time(run, run.hit)
@@ -287,8 +287,10 @@ def move(motion, log, h):
         return step_over(motion, log, t, h, height, rate)
     found = NONE
     if run.adaptive == 1:
-        found = first_on_series(motion, t, h)
-    elif (h > 0.0) == (run.tau > 0.0):  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
+        found = first_on_series(motion, t, h, height, rate)
+    elif (h > 0.0) == (
+        run.tau > 0.0
+    ):  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
         found = first_crossing(motion, t, h, height, rate)
     if found == SHORT:
         h, run.final = run.hit, 0

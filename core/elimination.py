@@ -107,6 +107,10 @@ def _rescale(along: Sequence[Sequence[Symbol]], against: Sequence[Sequence[Symbo
     """Lines that divide every row, and its r, by its largest entry: their squares may be beyond floating point."""
     lines = []
     for j in range(m):
-        lines += [f"q = max({', '.join(f'abs({g})' for g in along[j])})", "q = 1.0 / q if q > 0.0 else 0.0", f"r{j} *= q"]
+        lines += [
+            f"q = max({', '.join(f'abs({g})' for g in along[j])})",
+            "q = 1.0 / q if q > 0.0 else 0.0",
+            f"r{j} *= q",
+        ]
         lines += [f"{g} *= q" for g in dict.fromkeys((*along[j], *against[j]))]
     return lines

@@ -17,7 +17,21 @@ from numba import njit
 from core.isolation import DOUBLE, ROOT, first_root
 from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
 
-__all__ = ["BOUND", "FAILED", "FOUND", "MAX_LOOKS", "NONE", "SHORT", "TOUCH", "Motion", "arrive", "climb", "first_crossing", "first_on_series", "probe"]
+__all__ = [
+    "BOUND",
+    "FAILED",
+    "FOUND",
+    "MAX_LOOKS",
+    "NONE",
+    "SHORT",
+    "TOUCH",
+    "Motion",
+    "arrive",
+    "climb",
+    "first_crossing",
+    "first_on_series",
+    "probe",
+]
 
 _inline = njit(error_model="numpy", _nrt=False)
 
@@ -207,7 +221,7 @@ def first_crossing(motion, t, h, f_end, r_end):
             s2, f2, r2 = dip(motion, t, s, s1, f, f1, r, r1)
             if not f2 > 0.0:
                 return settle(motion, t, s, s2, f, f2, r, r2) if f2 <= 0.0 else FAILED
-            above = True
+            above = f - 2.0 * low + high >= 0.0 and low - 2.0 * high + f1 >= 0.0  # convex: tangents bound it
         if above or third <= _EPS * abs(h):
             if depth == 0:
                 return NONE
@@ -262,7 +276,7 @@ def _newton(motion, t, low, high):
 
 
 @_inline
-def first_on_series(motion, t, h):
+def first_on_series(motion, t, h, f_end, r_end):
     """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself.
 
     SHORT: nothing up to run.hit, which is as far as can be said.
@@ -275,8 +289,8 @@ def first_on_series(motion, t, h):
         if height > 0.0:
             return SHORT
         return TOUCH if -height <= _MARGIN * slack(motion, t + run.hit) else FAILED
-    if kind != ROOT:
-        return NONE
+    if kind != ROOT:  # round-off may hide a root at the very end
+        return first_crossing(motion, t, h, f_end, r_end) if f_end <= 0.0 else NONE
     run.hit = unit * _polynomial_root(row, int(motion.w[ORDER]), low, high)
     low, high = unit * low, unit * high
     if _newton(motion, t, low, high):

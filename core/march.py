@@ -59,7 +59,9 @@ def _signature() -> Any:
     vector, run, row, hit = (types.float64[::1], *(numba.from_dtype(d)[::1] for d in (state.RUN, state.ROW, state.HIT)))
     matrix, places = types.float64[:, ::1], types.float64[:, :, ::1]
     whole = types.int64
-    return whole(whole[::1], run, vector, vector, whole, matrix, matrix, matrix, whole, row, matrix, hit, places, places)
+    return whole(
+        whole[::1], run, vector, vector, whole, matrix, matrix, matrix, whole, row, matrix, hit, places, places
+    )
 
 
 @lru_cache(maxsize=1)

@@ -18,7 +18,8 @@ settle (one a side)
 excess (one a side)
     ψ at x + carry, less its level.
 polish (one a side)
-    Moves x + carry onto g = 0 and the levels of ψ, in double-double; w[DELAY] is how much later that is reached.
+    Moves x + carry onto g = 0 (and the levels of ψ, if the method keeps them), in double-double; w[DELAY] is how much
+    later that is reached.
 look
     g, and ġ = g_t + ∇g·f with the field of either side, at `place`; and what rounding x alone can do to g.
 jump
@@ -47,7 +48,20 @@ CALL = types.int64(types.float64, types.float64, _POINTER, _POINTER, _POINTER)
 NO_SOLUTION = -1
 
 #: The functions of a run, in the order of their addresses; those of the plus side follow those of the minus side.
-FUNCTIONS = ("reach", "reach", "step", "step", "settle", "settle", "excess", "excess", "polish", "polish", "look", "jump")
+FUNCTIONS = (
+    "reach",
+    "reach",
+    "step",
+    "step",
+    "settle",
+    "settle",
+    "excess",
+    "excess",
+    "polish",
+    "polish",
+    "look",
+    "jump",
+)
 REACH, STEP, SETTLE, EXCESS, POLISH, LOOK, JUMP = (FUNCTIONS.index(f) for f in dict.fromkeys(FUNCTIONS))
 
 #: Scalars at the head of a frame. RATES: ġ with the field of the minus side, then of the plus side.

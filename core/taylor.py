@@ -11,6 +11,9 @@ from core.signatures import LENGTH, ORDER, TOLERANCE, UNIT
 
 __all__ = ["memo_rows", "reach_text"]
 
+#: Steps are at most so many units of the system's own time long: powers of more could leave floating point.
+_LONGEST = 2.0**20
+
 
 @lru_cache(maxsize=64)
 def _series(laws: Laws, sign: int) -> SeriesCode:
@@ -28,5 +31,6 @@ def reach_text(laws: Laws, side: Side) -> str:
     lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", *code.lines]
     if side.sign < 0:
         lines += ["for k in range(order + 1):", f"    c[{d}, k] = -c[{d}, k]"]
-    lines += [f"w[{UNIT}] = unit", f"w[{LENGTH}] = unit*reach(c, {d}, order, w[{TOLERANCE}])", "return 1"]
+    lines += [f"w[{UNIT}] = unit", f"length = reach(c, {d}, order, w[{TOLERANCE}])"]
+    lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
     return function_text("reach", lines)

@@ -14,7 +14,7 @@ from panel_material_ui.template.base import Page
 
 import core
 from pwsviz.inputs import run_inputs, study_inputs
-from pwsviz.panes import plot_pane, text_pane
+from pwsviz.panes import FADED, plot_pane, text_pane
 from pwsviz.plane import Window
 from pwsviz.projection import conserved_note, portrait_note
 from pwsviz.results import ErrorCurve, Pictures, Results
@@ -81,7 +81,7 @@ class Explorer(pn.viewable.Viewer):
         self.document = pn.state.curdoc
         self.sidebar = Sidebar(self.scene)
         self.portrait = PortraitView(self._look_at, self._start_at)
-        self.portrait_note = text_pane("")
+        self.portrait_pane, self.portrait_note = plot_pane(self.portrait.figure), text_pane("")
         self.conserved = ConservedView()
         self.conserved_pane, self.conserved_note = plot_pane(self.conserved.figure), text_pane("")
         self.studies = {
@@ -129,9 +129,22 @@ class Explorer(pn.viewable.Viewer):
 
         def remind() -> None:
             self.progress.visible = self._runs.busy and self._asked.get("runs") == wanted
+            if self.progress.visible and self._shown and self._shown.inputs[0].ground.system != self.scene.system:
+                self._await_system()
 
         if self.document is not None:
             self.document.add_timeout_callback(remind, 300)
+
+    def _await_system(self) -> None:
+        """Fade what is shown: it is another system's."""
+        name = core.CATALOGUE[self.scene.system].name
+        words = f"{name}: preparing its integrators. That takes some seconds the first time."
+        self.status.object, self.portrait_note.object, self.conserved_note.object = as_text(words), "", ""
+        self._fade(FADED)
+
+    def _fade(self, styles: dict[str, str]) -> None:
+        for pane in (self.portrait_pane, self.conserved_pane):
+            pane.styles = styles
 
     def _ask(
         self, lane: Lane, what: str, inputs: object, compute: Callable[..., Any], show: Callable[[Any], None]
@@ -160,6 +173,7 @@ class Explorer(pn.viewable.Viewer):
             self.trouble.object = complaint(outcome)
             return
         self.trouble.object = ""
+        self._fade({})
         system = core.CATALOGUE[outcome.inputs[0].ground.system]
         before = self.portrait.frame
         frame = self.portrait.show_orbits(system, outcome.orbits)
@@ -238,7 +252,7 @@ class Explorer(pn.viewable.Viewer):
         under = (self.portrait_note, self.trouble, self.status)
         left = pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
-            plot_pane(self.portrait.figure),
+            self.portrait_pane,
             *under,
             margin=0,
             sizing_mode="stretch_width",

@@ -10,6 +10,9 @@ from bokeh.plotting import figure
 
 from pwsviz.text import as_text
 
+FADED = {"opacity": "0.35"}
+"""Styles of a pane that shows something past."""
+
 TEXT_CSS = """
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }
 p { margin: 0 0 2px 0; }

@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
-from pwsviz.panes import plot_pane, text_pane
+from pwsviz.panes import FADED, plot_pane, text_pane
 from pwsviz.scene import Scene
 from pwsviz.text import study_text
 from pwsviz.views.order import OrderView, Row
@@ -80,7 +80,7 @@ class StudyView(pn.viewable.Viewer):
         """Say why there is no study; what was drawn last stays, faded."""
         self.words.object = markup
         if self.plot is not None:
-            self._pane.styles = {"opacity": "0.35"}
+            self._pane.styles = FADED
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Choice, progress, plot, words; empty before it is revealed."""

@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomJSTickFormatter, DataRange1d, FixedTicker, LogAxis, WheelZoomTool
+from bokeh.models import (
+    ColumnDataSource,
+    CustomJS,
+    CustomJSTickFormatter,
+    DataRange1d,
+    FixedTicker,
+    LogAxis,
+    WheelZoomTool,
+)
 from bokeh.models.annotations import Legend, LegendItem, Span
 from bokeh.plotting import figure
 
@@ -141,7 +149,10 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> 
     """
     items = [LegendItem(label=label, renderers=[renderer]) for label, renderer in entries]
     look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
-    plot.add_layout(Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look), "below")
+    legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
+    # The page's theme narrows the glyphs in the browser, so far that dashes could not be told apart.
+    legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
+    plot.add_layout(legend, "below")
     return items
 
 

@@ -9,7 +9,7 @@ from html import escape
 import core
 from pwsviz.results import STUDY_CROSSINGS, Summary
 from pwsviz.scene import Scene
-from pwsviz.style import line_of
+from pwsviz.style import LEGEND_GLYPH, line_of
 from pwsviz.views.order import Row
 
 
@@ -41,7 +41,7 @@ def swatch(method: str) -> str:
     line = line_of(method)
     dashes = " ".join(map(str, line.dash))
     return (
-        '<svg width="28" height="8" aria-hidden="true"><line x1="0" y1="4" x2="28" y2="4" '
+        f'<svg width="{LEGEND_GLYPH}" height="8" aria-hidden="true"><line x1="0" y1="4" x2="{LEGEND_GLYPH}" y2="4" '
         f'stroke="{line.colour}" stroke-width="2.5" stroke-dasharray="{dashes}"/></svg>'
     )
 

@@ -13,29 +13,36 @@ Result = TypeVar("Result")
 
 
 def timed(
-    call: Callable[[], Result], repeats: int, seconds: float, before: Callable[[], object] | None = None
+    call: Callable[[], Result],
+    repeats: int,
+    seconds: float,
+    before: Callable[[], object] | None = None,
+    warm: bool = False,
 ) -> list[tuple[float, Result]]:
-    """Wall time (s) and result of repeated calls, after one that is thrown away.
+    """Wall time (s) and result of repeated calls, after a warm-up that is thrown away.
 
     The garbage collector rests meanwhile, as in `timeit`. Take the least time: what is above it is other processes.
 
     Parameters
     ----------
     repeats
-        How many calls are kept at most, at least 1.
+        How many calls are kept at most, at least 2: a machine may stall once.
     seconds
-        No further call is begun when those kept have taken this long.
+        No third call, or later one, is begun when those kept have taken this long.
     before
         Called before every call, and not timed.
+    warm
+        Whether the warm-up is done already.
     """
     prepare = before if before is not None else _nothing
-    prepare()
-    call()
+    if not warm:
+        prepare()
+        call()
     kept: list[tuple[float, Result]] = []
     collects = gc.isenabled()
     gc.disable()
     try:
-        while len(kept) < max(repeats, 1) and sum(wall for wall, _ in kept) < seconds:
+        while len(kept) < 2 or (len(kept) < repeats and sum(wall for wall, _ in kept) < seconds):
             prepare()
             started = time.perf_counter()
             result = call()

@@ -64,4 +64,4 @@ def _time_to(target: float, errors: Sequence[float], times: Sequence[float]) -> 
         return reached
     low, high = math.log(max(bounds[first], 1e-17)), math.log(bounds[first - 1])
     part = (high - math.log(target)) / (high - low)
-    return min(reached, times[first - 1] ** (1 - part) * times[first] ** part)
+    return min(reached, float(times[first - 1] ** (1 - part) * times[first] ** part))

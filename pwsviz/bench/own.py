@@ -33,7 +33,7 @@ def own_curve(problem: Problem, method: core.Method, exact: NDArray[np.float64],
     compiling = first_call(lambda: run(1.0, 1e-2))
     points: list[Point] = []
     for setting in _settings(method):
-        if points and not method.adaptive and points[-1].wall * points[-1].setting / setting > plan.own_budget:
+        if points and not method.adaptive and _next_loop(points[-1], setting) > plan.own_budget:
             break
         runs = timed(lambda: run(problem.end, setting), plan.repeats, plan.repeat_seconds)  # noqa: B023 - called here
         last = runs[-1][1]
@@ -52,6 +52,11 @@ def _settings(method: core.Method) -> Iterator[float]:
         return
     for k in range(60):
         yield _COARSEST * 10 ** (-_DIGITS * k / method.order)
+
+
+def _next_loop(point: Point, setting: float) -> float:
+    """Processor time to expect: the clock on the wall may have stalled."""
+    return (point.loop or 0.0) * point.setting / setting
 
 
 def _done(points: list[Point]) -> bool:

@@ -42,10 +42,11 @@ class Best(NamedTuple):
 
 def comparison(plan: Plan) -> Iterable[str]:
     """Measure all integrators on all systems of the plan; lines of the tables, and of the ratios at the end."""
-    yield "Time to a state error: from x0 to a time after some 500 crossings, in ms; wall = by the clock on the wall, least"
-    yield "of repeats after a discarded warm-up, interpolated between two settings; loop = processor time of our compiled"
-    yield "loop alone. Ours is all of core.integrate(record='end'); heyoka's is propagate_until alone. start (s), in no"
-    yield f"other time: to compile, or to load from disk. '-': not reached by runs of {plan.own_budget:g} s, SciPy's {plan.rival_budget:g} s."
+    yield "Time to a state error after hundreds of crossings, in ms: by the clock on the wall, and of the compiled"
+    yield "loop alone (processor time); the least of repeats after a discarded warm-up, interpolated between two"
+    yield "settings. Ours is all of core.integrate(record='end'), heyoka's is propagate_until alone. first (s), in no"
+    yield "other time: what a first call takes longer, to compile or to load from disk; heyoka's is to build. '-': not"
+    yield f"reached, be it within runs of {plan.own_budget:g} s of ours or {plan.rival_budget:g} s of SciPy's."
     measured = []
     for name in plan.systems:
         yield ""
@@ -75,16 +76,15 @@ def _measure(name: str, plan: Plan) -> tuple[Comparison, Iterable[str]]:
 
 
 def _table(one: Comparison) -> Iterable[str]:
-    headers = [f"{target:.0e} {word}" for target in TARGETS for word in ("wall", "loop")]
+    headers = [text for target in TARGETS for text in (f"{target:.0e} wall", "loop")]
     rows = []
     for curve in [*one.own, *(one.heyoka or ()), *one.scipy]:
         times = [milliseconds(seconds) for target in TARGETS for seconds in curve.reach(target)]
-        rows.append(
-            [curve.name, *times, f"{curve.finest.error:.0e}", str(curve.finest.crossings), f"{curve.compiling:.2f}"]
-        )
+        finest = curve.finest
+        rows.append([curve.name, *times, f"{finest.error:.0e}", str(finest.crossings), f"{curve.compiling:.2f}"])
     if one.heyoka is None:
         rows.append(["heyoka", *[NOT_INSTALLED] * 2, *["-"] * (len(headers) + 1)])
-    return aligned(["", *headers, "least error", "crossings", "start"], rows)
+    return aligned(["", *headers, "least error", "crossings", "first"], rows)
 
 
 def best_of(curves: Sequence[Curve], target: float) -> Best:
@@ -99,9 +99,9 @@ def best_of(curves: Sequence[Curve], target: float) -> Best:
 
 def ratio_lines(measured: Sequence[Comparison]) -> Iterable[str]:
     """Lines of the ratios, each with whether it is what we aim at."""
-    yield "Ratios: wall time of the fastest of ours over that of the fastest of each rival (ms), at the same error. Aims:"
     goals = ", ".join(f"{goal:g} at {target:.0e}" for target, goal in _GOALS.items())
-    yield f"at most {goals} of heyoka; at most {_SCIPY_GOAL:g} of SciPy."
+    yield "Ratios: wall time of the fastest of ours over that of the fastest of each rival, in ms, at the same error."
+    yield f"Aims: at most {goals} of heyoka; at most {_SCIPY_GOAL:g} of SciPy."
     header = ("system", "error", "ours", "", "heyoka", "", "ours / heyoka", "aim", "SciPy", "", "ours / SciPy", "aim")
     rows = []
     for one in measured:

@@ -70,7 +70,7 @@ def _curve(
     compiling = first_call(lambda: run(end / 50, 1e-4))
     points: list[Point] = []
     for tolerance in _TOLERANCES:
-        runs = timed(lambda: run(end, tolerance), plan.repeats, plan.repeat_seconds)  # noqa: B023 - called here
+        runs = timed(lambda: run(end, tolerance), plan.repeats, plan.repeat_seconds, warm=True)  # noqa: B023 - called here
         last = runs[-1][1]
         right = last.success and last.crossings == crossings
         error = float(np.abs(last.state - exact).max()) if right else np.inf

@@ -25,14 +25,15 @@ print(imported - start, time.perf_counter() - imported)
 
 def first_calls(plan: Plan) -> Iterable[str]:
     """Lines on the first call of each method."""
-    yield "First call, in seconds: integrate the elliptic curve to T = 60 in a fresh process, with an empty cache folder"
-    yield "(compiles everything, the loops that all methods share among it), and once more (loads)."
+    yield "First call, in seconds: integrate the elliptic curve to T = 60 in a fresh process, which compiles the"
+    yield "method, and in another, which loads it. The cache folder is empty before the first method: it compiles the"
+    yield "loops too, which all methods share."
     rows = []
-    for method in plan.start_methods:
-        with tempfile.TemporaryDirectory() as folder:
-            fresh, again = (_start(method, folder) for _ in range(2))
-        rows.append([method, *(f"{seconds:.2f}" for seconds in (fresh[0], fresh[1], *again))])
-    yield from aligned(("method", "import", "compiles", "import again", "loads"), rows)
+    with tempfile.TemporaryDirectory() as folder:
+        for method in plan.start_methods:
+            (imported, compiles), (_, loads) = (_start(method, folder) for _ in range(2))
+            rows.append([method, *(f"{seconds:.2f}" for seconds in (imported, compiles, loads))])
+    yield from aligned(("method", "import", "compiles", "loads"), rows)
 
 
 def _start(method: str, folder: str) -> tuple[float, float]:

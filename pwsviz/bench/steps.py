@@ -13,6 +13,7 @@ from pwsviz.bench.tables import aligned
 __all__ = ["linearity", "step_costs"]
 
 _TAU = 1e-3
+_MANY = 10**6  #: steps beside which no warm-up counts
 
 
 def step_costs(plan: Plan) -> Iterable[str]:
@@ -43,8 +44,8 @@ def _cost(system: core.PiecewiseSystem, method: str, plan: Plan) -> tuple[float,
 
 def linearity(plan: Plan) -> Iterable[str]:
     """Lines on cost and memory against the number of steps."""
-    yield f"Cost in proportion to steps: dmm2 with tau = {_TAU:g}, record='end'; wall time of one run after another, and"
-    yield "by how much the two raised the greatest memory that the process ever held."
+    yield f"Cost in proportion to steps: dmm2 with tau = {_TAU:g}, record='end'; wall time of one run after another,"
+    yield "and by how much the two raised the greatest memory that the process ever held."
     rows = []
     for name in plan.seeds:
         system = core.CATALOGUE[name]
