@@ -12,16 +12,13 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from numba import njit
-
 from core.arithmetic import two_sum
+from core.jit import jitted
 from core.locating import FAILED, NONE, SHORT, TOUCH, arrive, climb, first_crossing, first_on_series, probe
-from core.signatures import DELAY, G, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, call
+from core.signatures import DELAY, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, G, call
 from core.trajectory import CROSSING_KINDS, Status
 
 __all__ = ["RUNNING", "Log", "enter", "is_plain", "move"]
-
-_inline = njit(error_model="numpy", _nrt=False)
 
 RUNNING = int(Status.RUNNING)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
@@ -45,7 +42,7 @@ class Log(NamedTuple):
     places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
 
 
-@_inline
+@jitted
 def accept(motion):
     """Add the increment to the state, keeping what rounding would lose (compensated summation)."""
     x, carry, increment = motion.x, motion.carry, motion.increment
@@ -53,13 +50,13 @@ def accept(motion):
         x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
 
 
-@_inline
+@jitted
 def pass_time(run, h):
     """Go on in time, compensated likewise."""
     run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
 
 
-@_inline
+@jitted
 def is_plain(run, h, height, rate):
     """Whether nothing happens in a step of length h that ends at this height and rate; if so, they are taken over.
 
@@ -74,7 +71,7 @@ def is_plain(run, h, height, rate):
     return True
 
 
-@_inline
+@jitted
 def look(motion, t):
     """Look at `place`: g to w[G], and to run.own and run.other the rates into the side occupied and into the other."""
     run, w = motion.run, motion.w
@@ -84,14 +81,14 @@ def look(motion, t):
     run.other = -along * w[RATES + (run.side < 0)]
 
 
-@_inline
+@jitted
 def note(motion, log, which):
     """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
     for i in range(motion.place.size):
         log.places[motion.run.hits, which, i] = motion.place[i]
 
 
-@_inline
+@jitted
 def take_side(motion, side, rate):
     """Occupy a side, from its surface on."""
     run = motion.run
@@ -101,7 +98,7 @@ def take_side(motion, side, rate):
         call(motion.functions[SETTLE + (side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
 
 
-@_inline
+@jitted
 def enter(motion):
     """Find the side of the initial value: by the sign of g, on the surface by where the fields lead."""
     run, w = motion.run, motion.w
@@ -128,7 +125,7 @@ def enter(motion):
     return RUNNING
 
 
-@_inline
+@jitted
 def classify(run):
     """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
     if run.own < 0.0 and run.other < 0.0:
@@ -138,7 +135,7 @@ def classify(run):
     return _GRAZING, _GRAZING_KIND
 
 
-@_inline
+@jitted
 def leap(motion):
     """Jump, and look where the fields lead from there: status, kind, side entered, and the rate into it."""
     run, x, w = motion.run, motion.x, motion.w
@@ -160,7 +157,7 @@ def leap(motion):
     return _SLIDING, _SLIDING_KIND, 0, 0.0
 
 
-@_inline
+@jitted
 def accumulates(run):
     """Whether crossings come ever closer and their accumulation point is no more than round-off away (Zeno).
 
@@ -173,7 +170,7 @@ def accumulates(run):
     return run.shrinking >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
 
 
-@_inline
+@jitted
 def switch_side(motion, log):
     """At the surface: jump, classify, take the other side, write the crossing down."""
     run, x = motion.run, motion.x
@@ -209,7 +206,7 @@ def switch_side(motion, log):
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING
 
 
-@_inline
+@jitted
 def land(motion, log, t):
     """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
 
@@ -237,7 +234,7 @@ def land(motion, log, t):
     return True
 
 
-@_inline
+@jitted
 def step_over(motion, log, t, h, height, rate):
     """Without a transition: the step stands, and only then is the side looked at."""
     run, x, place = motion.run, motion.x, motion.place
@@ -258,7 +255,7 @@ def step_over(motion, log, t, h, height, rate):
     return status
 
 
-@_inline
+@jitted
 def cut_to_reach(motion, t, h):
     """The length that a variable-step method takes, at most h; nan where there is none."""
     run = motion.run
@@ -270,7 +267,7 @@ def cut_to_reach(motion, t, h):
     return math.copysign(length, h) if length > _EPS * _EPS * abs(t) else math.nan
 
 
-@_inline
+@jitted
 def move(motion, log, h):
     """Go on by h, or to the first crossing before that and onto its other side; run.rest is what is left of h."""
     run = motion.run

@@ -17,10 +17,10 @@ Math. 162 (2004).
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
+
+from core.jit import always_inlined, jitted
 
 __all__ = ["DEPTH", "DOUBLE", "NOISE", "NONE", "ROOT", "first_root", "scratch_shape"]
 
@@ -31,11 +31,6 @@ NONE, ROOT, DOUBLE = 0, 1, 2
 DEPTH = 40
 NOISE = 2.0**-52
 
-#: Without reference counts of arrays, which take longer than the sums.
-_OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
-_plain = njit(**_OPTIONS)
-_inline = njit(forceinline=True, **_OPTIONS)
-
 #: Indices known not to be negative, which need no test for counting from the end.
 _u = np.uint64
 
@@ -45,7 +40,7 @@ def scratch_shape(order: int) -> tuple[int, int]:
     return DEPTH + 2, order + 3
 
 
-@_plain
+@jitted
 def first_root(row, order, h, leaving, scratch):
     """Find the first s of (0, h] at which a polynomial that starts above 0 is at or below 0.
 
@@ -90,7 +85,7 @@ def first_root(row, order, h, leaving, scratch):
     return _search(scratch, n, NOISE * size, h)
 
 
-@_inline
+@always_inlined
 def _scale(row, n, shift, h, scratch):
     """Coefficients for s = h u, u in [0, 1], to scratch[0].
 
@@ -108,7 +103,7 @@ def _scale(row, n, shift, h, scratch):
     return size, fall
 
 
-@_inline
+@always_inlined
 def _least(scratch, n):
     """Least value on [0, 1] of the terms up to the second power; the others, of a Taylor polynomial, are small."""
     a = scratch[0, 0]
@@ -119,7 +114,7 @@ def _least(scratch, n):
     return min(a, a + b + c)
 
 
-@_inline
+@always_inlined
 def _to_bernstein(scratch, n):
     """From powers to the Bernstein basis of [0, 1]: bⱼ = Σ C(j, i) / C(n, i) aᵢ, by sums of neighbours."""
     inverse = 1.0  # 1 / C(n, i)
@@ -133,7 +128,7 @@ def _to_bernstein(scratch, n):
             i -= 1
 
 
-@_inline
+@always_inlined
 def _variations(scratch, slot, n):
     """Changes of sign, zeros left out; the last coefficient, the value at the end, counts as negative if zero."""
     count = 0
@@ -148,7 +143,7 @@ def _variations(scratch, slot, n):
     return count
 
 
-@_inline
+@always_inlined
 def _is_noise(scratch, slot, first, n, noise):
     """Whether round-off hides the signs of coefficients first … n."""
     largest = 0.0
@@ -157,7 +152,7 @@ def _is_noise(scratch, slot, first, n, noise):
     return largest <= noise
 
 
-@_inline
+@always_inlined
 def _halve(scratch, slot, n):
     """De Casteljau at the middle: the later half stays in its slot, the earlier goes to the next."""
     left = slot + 1
@@ -171,7 +166,7 @@ def _halve(scratch, slot, n):
     scratch[left, _u(n + 1)], scratch[left, _u(n + 2)] = low, width
 
 
-@_inline
+@always_inlined
 def _search(scratch, n, noise, h):
     """Look through the interval in slot 0: a stack of intervals, the earliest on top."""
     scratch[0, _u(n + 1)], scratch[0, _u(n + 2)] = 0.0, 1.0

@@ -12,9 +12,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from numba import njit
-
 from core.isolation import DOUBLE, ROOT, first_root
+from core.jit import jitted
 from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
 
 __all__ = [
@@ -32,8 +31,6 @@ __all__ = [
     "first_on_series",
     "probe",
 ]
-
-_inline = njit(error_model="numpy", _nrt=False)
 
 NONE, FOUND, TOUCH, SHORT, FAILED = 0, 1, 2, 3, 4
 _EPS = 2.0**-52
@@ -61,7 +58,7 @@ class Motion(NamedTuple):
     pieces: Any  # scratch of `first_root`
 
 
-@_inline
+@jitted
 def probe(motion, t, s):
     """Height after a step of length s, on the scheme itself; nan where there is none."""
     run = motion.run
@@ -73,7 +70,7 @@ def probe(motion, t, s):
     return run.side * motion.w[G_END]
 
 
-@_inline
+@jitted
 def arrive(motion):
     """Write the end of the step tried last to `place`; returns whether it is bounded."""
     x, place, bounded = motion.x, motion.place, True
@@ -83,7 +80,7 @@ def arrive(motion):
     return bounded
 
 
-@_inline
+@jitted
 def slack(motion, t):
     """What rounding of the state alone can do to g at the end of the step tried last."""
     arrive(motion)
@@ -91,13 +88,13 @@ def slack(motion, t):
     return motion.w[SLACK]
 
 
-@_inline
+@jitted
 def climb(motion):
     """Rate at the end of the step tried last."""
     return math.copysign(1.0, motion.run.tau) * motion.run.side * motion.w[RATE_END]
 
 
-@_inline
+@jitted
 def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     """Where the cubic in σ that has the lengths and slopes ds/dσ of both ends is at σ = 0."""
     width, drop = abs(high - low), f_high - f_low
@@ -107,7 +104,7 @@ def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     return low + part * (high - low)
 
 
-@_inline
+@jitted
 def root(motion, t, low, high, f_low, f_high, r_low, r_high):
     """Step length between low and high, where the height changes sign, at which it vanishes: to the last digit.
 
@@ -139,7 +136,7 @@ def root(motion, t, low, high, f_low, f_high, r_low, r_high):
     return best
 
 
-@_inline
+@jitted
 def dip(motion, t, low, high, f_low, f_high, r_low, r_high):
     """Look for a place between low and high, where the height falls and rises again, at which it is not positive.
 
@@ -164,7 +161,7 @@ def dip(motion, t, low, high, f_low, f_high, r_low, r_high):
     return s, f, r
 
 
-@_inline
+@jitted
 def peak(motion, t, high, r_low, r_high):
     """Length in (0, high) at which the height stops rising: by regula falsi (Illinois) on the rate, and bisection."""
     low, s, f, r = 0.0, high, 0.0, r_high
@@ -181,14 +178,14 @@ def peak(motion, t, high, r_low, r_high):
     return s, f, r
 
 
-@_inline
+@jitted
 def settle(motion, t, low, high, f_low, f_high, r_low, r_high):
     """Locate the crossing between low and high; its place goes to run.hit."""
     motion.run.hit = root(motion, t, low, high, f_low, f_high, r_low, r_high)
     return FOUND if motion.run.hit == motion.run.hit else FAILED
 
 
-@_inline
+@jitted
 def first_crossing(motion, t, h, f_end, r_end):
     """Look for the first crossing in a step of length h; its place goes to run.hit.
 
@@ -237,7 +234,7 @@ def first_crossing(motion, t, h, f_end, r_end):
     return FAILED
 
 
-@_inline
+@jitted
 def _polynomial_root(row, order, low, high):
     """Root of Σ row[k] sᵏ between low and high, where it falls from positive values: by Newton's method, bisecting."""
     s = low + 0.5 * (high - low)
@@ -256,7 +253,7 @@ def _polynomial_root(row, order, low, high):
     return s
 
 
-@_inline
+@jitted
 def _newton(motion, t, low, high):
     """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
     run = motion.run
@@ -275,7 +272,7 @@ def _newton(motion, t, low, high):
     return abs(f_best) <= _MARGIN * noise or s == best
 
 
-@_inline
+@jitted
 def first_on_series(motion, t, h, f_end, r_end):
     """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself.
 

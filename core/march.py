@@ -14,9 +14,10 @@ from typing import Any
 import numba
 from numba import njit, types
 
-from core import arithmetic, crossing, isolation, locating, signatures, state, trajectory
+from core import arithmetic, crossing, isolation, jit, locating, signatures, state, trajectory
 from core.arithmetic import two_sum
 from core.crossing import RUNNING, Log, enter, is_plain, move
+from core.jit import OPTIONS, jitted
 from core.locating import BOUND, Motion
 from core.signatures import EXCESS, G_END, RATE_END, STEP, Frame, call
 from core.trajectory import Status
@@ -28,10 +29,8 @@ _COMPLETED = int(Status.COMPLETED)
 #: The last step may be this much longer than τ (relatively), so that rounding leaves no sliver of a step at the end.
 _STRETCH = 1.0 + 1e-9
 
-_inline = njit(error_model="numpy", _nrt=False)
 
-
-@_inline
+@jitted
 def write_row(run, x, rows, rows_x):
     """Record a step."""
     row = rows[run.rows]
@@ -41,7 +40,7 @@ def write_row(run, x, rows, rows_x):
     run.rows += 1
 
 
-@_inline
+@jitted
 def widen_envelope(motion, excess, envelope):
     """Take the excess of ψ over its levels into the column of this time."""
     run = motion.run
@@ -77,12 +76,12 @@ def compiled_march() -> Callable[..., int]:
     """
     # numba looks for changes in this file only. The loop inlines others: a hash of them, being a closed-over
     # variable, becomes part of the key that numba caches under.
-    modules = (arithmetic, crossing, isolation, locating, signatures, state, trajectory)
+    modules = (arithmetic, crossing, isolation, jit, locating, signatures, state, trajectory)
     text = "\0".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in modules)
     inlined = hashlib.sha256(text.encode()).hexdigest()
     head = Frame(0, 0).x
 
-    @njit(_signature(), cache=True, nogil=True, error_model="numpy", _nrt=False)
+    @njit(_signature(), cache=True, nogil=True, **OPTIONS)
     def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope):
         inlined  # noqa: B018 - see above
         run = records[0]

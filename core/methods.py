@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -118,7 +118,7 @@ def rk8(side: Side, step: StepCode) -> Sequence[Expr]:
     return _weighted(step, DOP853.B, slopes)
 
 
-def _weighted(step: StepCode, weights: Sequence[float], slopes: Sequence[Sequence[Expr]]) -> list[Expr]:
+def _weighted(step: StepCode, weights: Iterable[float], slopes: Sequence[Sequence[Expr]]) -> list[Expr]:
     used = [(Float(b), k) for b, k in zip(weights, slopes, strict=False) if b]
     return [step.h * sum(b * k[i] for b, k in used) for i in range(len(step.x))]
 

@@ -55,7 +55,7 @@ def printed(expression: Expr) -> str:
 
 
 def named(stem: str, count: int) -> tuple[Symbol, ...]:
-    """Symbols stem0, stem1, …"""
+    """Symbols stem0, stem1 and so on."""
     return tuple(Symbol(f"{stem}{k}") for k in range(count))
 
 
@@ -109,8 +109,8 @@ class _Doubled:
 
     def work_out(self, u: Expr) -> Pair:
         if not u.free_symbols:
-            high, low = split(u)
-            return repr(high), repr(low) if low else None
+            constant = split(u)
+            return repr(constant[0]), repr(constant[1]) if constant[1] else None
         if u.is_Add:
             total = self.pair(u.args[0])
             for term in u.args[1:]:

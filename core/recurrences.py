@@ -1,4 +1,4 @@
-"""Taylor coefficients: the sums their recurrences are made of, the step they allow, the polynomial's value.
+"""Taylor coefficients: the sums their recurrences are made of, and the step they allow.
 
 Row i of c holds the coefficients c[i, 0], c[i, 1], … of one function of time. Every recurrence that `series` writes is
 built of three sums over 1 ≤ j ≤ k − 1; the two terms that hold the newest coefficients, j = 0 and j = k, are written
@@ -13,26 +13,21 @@ References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
 
-__all__ = ["MAX_ORDER", "convolution", "evaluate", "order_of", "power_sum", "reach", "symmetric"]
+from core.jit import always_inlined, jitted
+
+__all__ = ["MAX_ORDER", "convolution", "order_of", "power_sum", "reach", "symmetric"]
 
 #: Outside these orders a step gains less than it costs.
 _LEAST_ORDER, MAX_ORDER = 8, 24
-
-#: Without reference counts of arrays, which take longer than a short sum and are not always optimised away.
-_OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
-_plain = njit(**_OPTIONS)
-_inline = njit(forceinline=True, **_OPTIONS)
 
 #: Indices known not to be negative, which need no test for counting from the end.
 _u = np.uint64
 
 
-@_inline
+@always_inlined
 def convolution(c, a, b, k):
     """Σ aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1, of rows a and b.
 
@@ -50,7 +45,7 @@ def convolution(c, a, b, k):
     return forward + backward
 
 
-@_inline
+@always_inlined
 def symmetric(c, a, k):
     """Σ aⱼ aₖ₋ⱼ over 1 ≤ j ≤ k − 1, of row a: each pair once, the middle term apart."""
     half, middle = 0.0, 0.0
@@ -64,7 +59,7 @@ def symmetric(c, a, k):
     return (half + half) + middle
 
 
-@_inline
+@always_inlined
 def power_sum(c, a, b, k, exponent):
     """Σ (j (exponent + 1) − k) aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1: the recurrence of b = a**exponent."""
     forward, backward = 0.0, 0.0
@@ -80,27 +75,7 @@ def power_sum(c, a, b, k, exponent):
     return forward + backward
 
 
-@_plain
-def evaluate(c, d, order, h, out):
-    """Write the increments Σ c[i, k] hᵏ over 1 ≤ k ≤ order, of the first d rows, to out.
-
-    Even and odd powers apart: two chains of half the length (Horner in h²), and the rows overlap.
-    """
-    square = h * h
-    top = order if order % 2 == 1 else order - 1
-    for i in range(d):
-        odd, even = c[i, _u(top)], 0.0
-        if top < order:
-            even = c[i, _u(order)]
-        k = top - 2
-        while k > 0:
-            odd = odd * square + c[i, _u(k)]
-            even = even * square + c[i, _u(k + 1)]
-            k -= 2
-        out[i] = odd * h + even * square
-
-
-@_inline
+@always_inlined
 def _norm(c, d, k):
     """Sum of the sizes of the state's coefficients k. A sum, not a maximum: nan stays nan."""
     size = 0.0
@@ -109,7 +84,7 @@ def _norm(c, d, k):
     return size
 
 
-@_inline
+@always_inlined
 def _log_radius(log_scale, log_before, log_last, order, power):
     """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order; nan stays nan."""
     last = (log_scale - log_last) / (order - power)
@@ -120,7 +95,7 @@ def _log_radius(log_scale, log_before, log_last, order, power):
     return last
 
 
-@_plain
+@jitted
 def _last_nonzero(c, d, order):
     """The last coefficient that is not zero; 0 if all those beyond half the order are."""
     m = order
@@ -129,7 +104,7 @@ def _last_nonzero(c, d, order):
     return m if m > order // 2 else 0
 
 
-@_inline
+@always_inlined
 def _first_moving(c, d, order):
     """The first coefficient from 1 on that is not zero, `order` at most."""
     q = 1
@@ -138,15 +113,15 @@ def _first_moving(c, d, order):
     return q
 
 
-@_plain
+@jitted
 def reach(c, d, order, tolerance):
     r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
 
     h = min ρₘ · tolerance**(1/order) · exp(−0.7 / (order − 1)) over m = order − 1 and order, with
     ρₘ = (scale / ‖c[:, m]‖)**(1/m): the terms left out are then about `tolerance` parts of the scale. (Jorba and Zou
-    take the order that makes the second factor e⁻²; never is it more than e⁻¹ here.) The scale is ‖x‖ or, where that is larger, the motion
-    in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 at which the state moves: so units of state or time make no
-    difference, and x = 0 may be passed.
+    take the order that makes the second factor e⁻²; here it is e⁻¹ at most.) The scale is ‖x‖ or, where that is larger,
+    the motion in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 at which the state moves: so units of state or time make
+    no difference, and x = 0 may be passed.
 
     Parameters
     ----------

@@ -26,6 +26,9 @@ jump
     The state after reaching the surface, from x to place.
 """
 
+# mypy: disable-error-code="no-untyped-call"
+# numba's and llvmlite's constructors have no types
+
 from __future__ import annotations
 
 from typing import Any, NamedTuple
@@ -37,8 +40,28 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 __all__ = [
-    "CALL", "DELAY", "EXCESS", "FUNCTIONS", "G", "G_END", "JUMP", "LENGTH", "LOOK", "NO_SOLUTION", "ORDER", "POLISH",
-    "RATES", "RATE_END", "REACH", "SETTLE", "SLACK", "STEP", "TOLERANCE", "UNIT", "Frame", "call",
+    "CALL",
+    "DELAY",
+    "EXCESS",
+    "FUNCTIONS",
+    "G_END",
+    "JUMP",
+    "LENGTH",
+    "LOOK",
+    "NO_SOLUTION",
+    "ORDER",
+    "POLISH",
+    "RATES",
+    "RATE_END",
+    "REACH",
+    "SETTLE",
+    "SLACK",
+    "STEP",
+    "TOLERANCE",
+    "UNIT",
+    "Frame",
+    "G",
+    "call",
 ]  # fmt: skip
 
 _POINTER = types.CPointer(types.float64)
@@ -110,8 +133,7 @@ class Frame(NamedTuple):
         return np.zeros(self.excess + self.m)
 
 
-@intrinsic  # type: ignore[untyped-decorator]  # numba has no types
-def call(_context: Any, address: Any, t: Any, h: Any, p: Any, w: Any, memo: Any) -> Any:
+def _call(_context: Any, address: Any, t: Any, h: Any, p: Any, w: Any, memo: Any) -> Any:
     """Call the function at an address: four registers, where passing arrays costs more than a short step."""
     signature = types.int64(address, t, h, p, w, memo)
 
@@ -123,3 +145,6 @@ def call(_context: Any, address: Any, t: Any, h: Any, p: Any, w: Any, memo: Any)
         return builder.call(builder.inttoptr(arguments[0], function.as_pointer()), [*arguments[1:3], *pointers])
 
     return signature, build
+
+
+call: Any = intrinsic(_call)

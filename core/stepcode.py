@@ -19,7 +19,7 @@ __all__ = ["StepCode"]
 #: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
 _MAX_CORRECTIONS = 30
 _STAGNATION = 1e-13
-#: A correction that small (relative to the increment), and the next that small (relative to it), converge quadratically.
+#: Corrections converge quadratically where one is that small (relative to the increment), and the next (relative to it).
 _CLOSE, _CLOSING = 0.1, 1e-2
 #: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
 _SETTLED = 1e-8
@@ -114,7 +114,7 @@ class StepCode:
         return list(self.increment)
 
     def _newton(self, residuals: Sequence[Expr], jacobian: Sequence[Sequence[Expr]], d: int) -> list[str]:
-        """Lines that leave the next correction in r0, r1, …"""
+        """Lines that leave the next correction in r0, r1 and so on."""
         n = len(residuals)
         targets = [f"r{i}" for i in range(n)]
         if n == d <= _SMALL:
@@ -244,7 +244,8 @@ def _verdict(n: int, d: int) -> list[str]:
         "if not size < math.inf:",
         f"    return {signatures.NO_SOLUTION}",
         *check,
-        f"fast = last <= {_CLOSE} * whole and size <= {_CLOSING} * last and size * size * size < 1e-17 * whole * last * last",
+        f"fast = last <= {_CLOSE} * whole and size <= {_CLOSING} * last",
+        "fast = fast and size * size * size < 1e-17 * whole * last * last",
         f"if {kept}(size == 0.0 or fast):",
         "    break",
         f"if {kept}size >= last and size <= {_STAGNATION} * max(whole, {state}):",

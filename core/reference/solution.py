@@ -79,7 +79,7 @@ class Solution(Protocol):
         """Its own estimate of its error; None if it is exact to round-off."""
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
-        """Time and state (d,) on the surface of crossing k = 1, 2, …"""
+        """Time and state (d,) on the surface of crossing k, from 1 on."""
 
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution goes on after crossing k."""

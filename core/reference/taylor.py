@@ -59,7 +59,7 @@ class TaylorSolution:
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
         self.crossing(k)
-        return self._fine.crossings(k).x_after[k - 1].copy()
+        return np.array(self._fine.crossings(k).x_after[k - 1])
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from exact import EPS
 
-from core.recurrences import MAX_ORDER, convolution, evaluate, order_of, power_sum, reach, symmetric
+from core.recurrences import MAX_ORDER, convolution, order_of, power_sum, reach, symmetric
 
 
 def rows(count: int = 4, length: int = 32) -> Any:
@@ -32,17 +32,6 @@ def test_sums_are_exact_but_for_one_rounding_a_term(k: int) -> None:
         (power_sum(c, 0, 1, k, -1.5), exact_sum(c[0], c[1], k, lambda j: -0.5 * j - k)),
     ):
         assert abs(Fraction(value) - exact) <= Fraction((k + 4) * EPS / 2) * size
-
-
-@pytest.mark.parametrize("order", range(1, 31))
-def test_increment_is_the_polynomial_without_its_constant(order: int) -> None:
-    c, out = rows(), np.zeros(3)
-    for h in (0.37, -1.1):
-        evaluate(c, 3, order, h, out)
-        for i in range(3):
-            terms = [Fraction(c[i, k]) * Fraction(h) ** k for k in range(1, order + 1)]
-            # Horner in h²: two roundings a step, order/2 steps, and those of h² itself.
-            assert abs(Fraction(out[i]) - sum(terms)) <= Fraction(2 * (order + 2) * EPS) * sum(map(abs, terms))
 
 
 def geometric(radius: float, size: float = 1.0) -> Any:
