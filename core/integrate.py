@@ -214,8 +214,9 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) ->
         entered_t, entered_x = entered_t[[0, kept]], entered_x[[0, kept]]
         segment = np.arange(len(t))
         crossings = crossings.first(0)
+    tau = runner.longest if method.adaptive else runner.settings.tau
     return Trajectory(
-        runner.system, method.name, runner.longest if method.adaptive else runner.settings.tau, t, x, side, segment, entered_t, entered_x, crossings,
+        runner.system, method.name, tau, t, x, side, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
         _envelope(runner), step_warning,
     )  # fmt: skip

@@ -118,7 +118,7 @@ def root(motion, t, low, high, f_low, f_high, r_low, r_high):
         guess = _inverse_interpolant(low, high, f_low, f_high, r_low, r_high)
         if k % 4 == 3 or not min(low, high) < guess < max(low, high):
             guess = low + 0.5 * (high - low)
-        if f_best == 0.0 or not abs(guess - best) > _EPS * abs(best) or guess == low or guess == high:
+        if f_best == 0.0 or not abs(guess - best) > _EPS * abs(best) or guess in (low, high):
             break
         f = probe(motion, t, guess)
         if not abs(f) < math.inf:
@@ -169,7 +169,7 @@ def peak(motion, t, high, r_low, r_high):
         part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
         s = low + part * (high - low)
         f, r = probe(motion, t, s), climb(motion)
-        if not f <= 0.0 or s == low or s == high:
+        if not f <= 0.0 or s in (low, high):
             break  # well above the surface is all that is asked for
         if r > 0.0:
             low, r_low, r_high = s, r, 0.5 * r_high
@@ -195,7 +195,8 @@ def first_crossing(motion, t, h, f_end, r_end):
     """
     run, nodes = motion.run, motion.nodes
     s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
-    if run.leaving == 1 and f_end <= 0.0 and r > 0.0 and r * abs(h) <= _MARGIN * motion.w[SLACK]:
+    noise = _MARGIN * motion.w[SLACK]  # at the crossing before
+    if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 < r * abs(h) <= noise:
         return NONE  # too short a way to tell whether it has left
     if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):
         return NONE  # it was moved off the surface, to either side, and is not back

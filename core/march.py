@@ -85,9 +85,8 @@ def compiled_march() -> Callable[..., int]:
     def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope):
         inlined  # noqa: B018 - see above
         run = records[0]
-        x, carry, increment, place = (
-            w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
-        )  # fmt: skip
+        x, carry = w[head : head + d], w[head + d : head + 2 * d]
+        increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
         excess = w[w.size - envelope.shape[1] :]
         motion = Motion(functions, run, p, w, memo, x, carry, increment, place, nodes, pieces)
         log = Log(hits, places)

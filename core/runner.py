@@ -226,5 +226,6 @@ class Runner:
         That is: grown well beyond where it started, and about to grow by a good part of itself within one step more.
         """
         size = float(np.linalg.norm(self._x))
-        ahead = self._x + float(self._run["tau"][0]) * self.system.field(self.side or 1, self.t, self._x)
+        with np.errstate(all="ignore"):
+            ahead = self._x + float(self._run["tau"][0]) * self.system.field(self.side or 1, self.t, self._x)
         return size > _RUNAWAY * self._size0 and not float(np.linalg.norm(ahead)) < 1.25 * size

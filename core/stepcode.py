@@ -18,8 +18,8 @@ __all__ = ["StepCode"]
 
 #: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
 _MAX_CORRECTIONS = 30
-_STAGNATION = 1e-13
-#: Corrections converge quadratically where one is that small (relative to the increment), and the next (relative to it).
+_STAGNATION = 16 * 2.0**-52
+#: Corrections converge quadratically where one is that small (relative to the increment) and the next (relative to it).
 _CLOSE, _CLOSING = 0.1, 1e-2
 #: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
 _SETTLED = 1e-8
