@@ -21,6 +21,7 @@ _TRANSITIONS = ("mannshardt", "none")
 _RECORDS = ("steps", "crossings", "end")
 _TAU, _TOLERANCE = 1e-2, 1e-12
 _EPS, _COARSEST = 2.0**-52, 1e-2
+_MAX_COUNTED = 10**9  #: crossings that are counted and not kept
 _MAX_ROWS = 10**7  #: with record="steps", where max_steps is not given
 
 
@@ -90,6 +91,8 @@ def integrate(
     start = checked_start(system, t0, x0)
     if max_steps is None and record == "steps":
         max_steps = _MAX_ROWS
+    if max_crossings is None and record == "end":
+        max_crossings = _MAX_COUNTED
     settings = checked_settings(
         chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from typing import Any
 
+import mpmath as mp
 import numpy as np
 
 from core import METHODS, PiecewiseSystem
@@ -42,3 +43,11 @@ class Framed:
         place = FUNCTIONS.index(name) + (self.side > 0 and FUNCTIONS.count(name) == 2)
         pointers = map(pointer, (self.p, self.w, self.memo))
         return int(_PROTOTYPE(int(self.compiled.addresses[place]))(t, h, *pointers))
+
+
+def levels(runner: Any) -> list[Any]:
+    """Levels of ψ that a run holds, in mpmath."""
+    system = runner.system
+    m = max(len(s.conserved) for s in system.laws.sides.values())
+    start = Frame(system.dimension, m).level
+    return [mp.mpf(runner._w[start + j]) + mp.mpf(runner._w[start + m + j]) for j in range(m)]

@@ -47,14 +47,49 @@ def test_the_fit_leaves_out_step_sizes_that_are_not_yet_asymptotic():
 
 @by_name
 @pytest.mark.parametrize(
-    ("method", "coarsest", "finest"), [("dmm4", 1e-1, 3e-3), ("dmm6", 1.5e-1, 1e-2), ("dmm8", 2.5e-1, 4e-2)]
+    ("method", "coarsest", "finest"),
+    [("dmm4", 1e-1, 3e-3), ("dmm6", 1.5e-1, 1e-2), ("dmm8", 2.5e-1, 4e-2), ("prk8", 3e-1, 4e-2)],
 )
-def test_compositions_keep_their_order_across_crossings(system, method, coarsest, finest):
+def test_conservative_methods_of_high_order_keep_it_across_crossings(system, method, coarsest, finest):
     # Errors from 1e-3 to 1e-12. High orders leave so short a window that their next term still shows: 0.2.
     study = core.order_study(system, np.geomspace(coarsest, finest, 9), method=method)
     expected = core.METHODS[method].order
     assert study.time_slope == pytest.approx([expected] * 3, abs=0.2)
     assert study.state_slope[1:] == pytest.approx([expected] * 3, abs=0.2)
+
+
+def test_rk8_keeps_order_eight_where_its_drift_does_not_hide_it():
+    # On the elliptic curve the drift of psi, of order nine, is all there is to see above round-off.
+    study = core.order_study(SYSTEMS[0], np.geomspace(3e-1, 8e-2, 9), method="rk8")
+    assert study.time_slope == pytest.approx([8.0] * 3, abs=0.2)
+    assert study.state_slope[1:] == pytest.approx([8.0] * 3, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "coarsest", "finest"),
+    [
+        ("rigid_body", "dmm2", 3e-2, 1e-3),
+        ("rigid_body", "dmm6", 2e-1, 3e-2),
+        ("predator_prey", "dmm4", 1e-1, 1e-2),
+        ("damped_oscillator", "dmm2", 3e-2, 1e-3),
+        ("predator_prey", "prk8", 3e-1, 8e-2),
+        ("pendulum", "prk8", 3e-1, 5e-2),
+    ],
+)
+def test_order_survives_in_three_dimensions_with_logarithms_and_with_time_in_psi(name, method, coarsest, finest):
+    study = core.order_study(core.CATALOGUE[name], np.geomspace(coarsest, finest, 9), method=method)
+    assert study.state_slope[1:] == pytest.approx([core.METHODS[method].order] * 3, abs=0.2)
+
+
+def test_a_method_that_chooses_its_steps_has_no_order_to_study():
+    with pytest.raises(ValueError, match="no order to study"):
+        core.order_study(SYSTEMS[0], [1e-2, 1e-3], method="taylor")
+
+
+def test_a_state_before_the_first_step_ends_says_nothing_of_that_step():
+    study = core.order_study(core.CATALOGUE["rigid_body"], [0.2, 0.1, 0.05], crossings=(1,))
+    assert np.isnan(study.state_error[0, :2]).all()  # compared at t = 0.077
+    assert np.isfinite(study.state_error[0, 2])
 
 
 @by_name

@@ -1,0 +1,89 @@
+"""The Taylor method: steps by tolerance, crossings on polynomials, psi kept."""
+
+import math
+
+import numpy as np
+import pytest
+
+import core
+from core import Status
+
+EPS = np.finfo(float).eps
+SEEDS = ["harmonic_oscillator", "elliptic_curve", "pendulum", "rigid_body"]
+
+
+@pytest.mark.parametrize("name", SEEDS)
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-8, 1e-11])
+def test_the_error_follows_the_tolerance_across_crossings(name, tolerance):
+    system = core.CATALOGUE[name]
+    exact = core.reference_solution(system)
+    run = core.integrate(system, (0.0, 40.0), method="taylor", tolerance=tolerance)
+    assert run.status is Status.COMPLETED
+    for k in (1, 10):
+        assert run.crossings.t[k - 1] == pytest.approx(exact.crossing(k)[0], abs=100 * tolerance)
+    # Local errors of the size of the tolerance, in some hundred steps, carried on by the flow.
+    assert np.abs(run.x[-1] - exact.state(40.0)).max() <= 1000 * tolerance
+
+
+@pytest.mark.parametrize("name", SEEDS)
+def test_at_its_tightest_it_is_exact_to_round_off(name):
+    system = core.CATALOGUE[name]
+    run = core.integrate(system, (0.0, 40.0), method="taylor", tolerance=1e-15)
+    # Each of some forty crossings may cost an ulp of the time.
+    assert np.abs(run.x[-1] - core.reference_solution(system).state(40.0)).max() <= 1000 * EPS
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6, 1e-12])
+def test_psi_is_kept_whatever_the_tolerance(tolerance):
+    # Evaluating psi rounds by some eps of its largest terms, 3 here.
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 60.0), method="taylor", tolerance=tolerance)
+    assert np.nanmax(np.abs(run.conserved_error())) <= 16 * EPS * 3
+
+
+def test_tau_caps_its_steps():
+    run = core.integrate(core.CATALOGUE["harmonic_oscillator"], (0.0, 5.0), method="taylor", tau=0.1)
+    assert np.diff(run.t).max() <= 0.1 + 8 * EPS  # times round by eps
+    assert run.tau <= 0.1
+
+
+def test_run_tau_is_the_longest_step_it_took():
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), method="taylor")
+    assert np.diff(run.t).max() == pytest.approx(run.tau, rel=0.5)  # a crossing may cut it
+    assert np.diff(run.t).max() <= run.tau + 32 * EPS
+
+
+def test_time_may_run_back():
+    system = core.CATALOGUE["elliptic_curve"]
+    forward = core.integrate(system, (0.0, 20.0), method="taylor", tolerance=1e-14)
+    back = core.integrate(system, (20.0, 0.0), x0=forward.x[-1], method="taylor", tolerance=1e-14)
+    assert len(back.crossings) == len(forward.crossings)
+    assert np.abs(back.x[-1] - system.x0).max() <= 1e-12  # a hundred local errors of 1e-14
+
+
+def test_it_stops_at_a_pole():
+    # x' = x² from 1: the solution 1/(1 − t) is at infinity at t = 1.
+    system = core.PiecewiseSystem("pole", ("x", "y"), ("x**2", "0"), ("x**2", "0"), "y - 1", x0=(1.0, 0.0))
+    run = core.integrate(system, (0.0, 2.0), method="taylor")
+    assert run.status is Status.ESCAPED
+    assert run.t[-1] == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-100, 1e-20, 1e20, 1e100])
+def test_units_of_time_make_no_difference(scale):
+    system = core.PiecewiseSystem("k", ("x", "y"), ("k*y", "-k*x"), ("k*y", "-k*x"), "y", ("x**2 + y**2",),
+                                  ("x**2 + y**2",), {"k": 1.0}, (1.0, 1.0))  # fmt: skip
+    plain = core.integrate(system, (0.0, 10.0), method="taylor")
+    scaled = core.integrate(system.with_parameters(k=1 / scale), (0.0, 10.0 * scale), method="taylor")
+    assert scaled.steps == plain.steps
+    assert scaled.crossings.t / scale == pytest.approx(plain.crossings.t, rel=8 * EPS)
+
+
+def test_a_tolerance_is_for_methods_that_choose_their_steps():
+    system = core.CATALOGUE["harmonic_oscillator"]
+    with pytest.raises(ValueError, match=r"takes steps of size tau"):
+        core.integrate(system, (0.0, 1.0), method="dmm2", tolerance=1e-9)
+    for wrong in (0.0, 1.0, 1e-17, math.nan):
+        with pytest.raises(ValueError, match="tolerance"):
+            core.integrate(system, (0.0, 1.0), method="taylor", tolerance=wrong)
+    with pytest.raises(ValueError, match="perturbation_order"):
+        core.integrate(system, (0.0, 1.0), method="taylor", perturbation_order=2)
