@@ -172,8 +172,8 @@ class StepCode:
         changes = named("e", len(self.x))
         given = self.let(increments)
         self._lines += excess_lines(self._names, self._side)
-        gradients = [self._names.own(psi.diff(v) for v in self._laws.x) for psi in self._side.conserved]
-        self._lines += least_change(gradients, changes, self._temporaries)
+        # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
+        self._lines += least_change(self._gradients_at_end(), changes, self._temporaries)
         size = f"max({', '.join(f'abs({e})' for e in changes)})"
         whole = f"max({', '.join(f'abs({d})' for d in given)}, 0.0)"
         self._lines.append(f"if not {size} <= {_ROUNDING} * {whole}:")
