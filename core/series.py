@@ -26,7 +26,7 @@ __all__ = ["SeriesCode", "series_code"]
 
 @dataclass(frozen=True)
 class SeriesCode:
-    """Lines that read the frame and the parameters, and use t, order and c.
+    """Lines that read the frame and the parameters, and use t, order, c and `shrink`, a power of two.
 
     They write `unit`, a length of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in time over
     unit, for i = d those of g; the rows from d + 1 on are scratch. In units of its own no system's coefficients leave
@@ -334,10 +334,10 @@ class _Writer:
         return name if a == 1 else f"-{name}" if a == -1 else f"{self.constant(a)}*{name}"
 
     def unit(self) -> list[str]:
-        """The power of two that is nearest to the time in which the state moves by its own size."""
+        """About the time in which the state moves by its own size, a power of two, times `shrink`."""
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
         return [f"size, speed = {size}, {speed}", "unit = size / speed",
-                "unit = math.ldexp(1.0, math.frexp(unit)[1]) if 0.0 < unit < math.inf else 1.0"]  # fmt: skip
+                "unit = shrink*(math.ldexp(1.0, math.frexp(unit)[1]) if 0.0 < unit < math.inf else 1.0)"]  # fmt: skip
 
     def code(self, field: list[_Sum], g: _Sum) -> SeriesCode:
         """The whole body."""

@@ -13,6 +13,8 @@ __all__ = ["memo_rows", "reach_text"]
 
 #: Steps are at most so many units of the system's own time long: powers of more could leave floating point.
 _LONGEST = 2.0**20
+#: Velocity over half the acceleration, in units of time, below which the unit is too long.
+_SLOW = 2.0**-8
 
 
 @lru_cache(maxsize=64)
@@ -28,7 +30,11 @@ def memo_rows(laws: Laws) -> int:
 def reach_text(laws: Laws, side: Side) -> str:
     """Text of `reach`: coefficients to memo, those of the height over the surface in row d; the length to w[LENGTH]."""
     code, d = _series(laws, side.sign), len(laws.x)
-    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", *code.lines]
+    first, second = ("+".join(f"abs(c[{i}, {k}])" for i in range(d)) for k in (1, 2))
+    attempt = [*code.lines, f"ratio = ({first}) / ({second})", f"if not 0.0 < ratio < {_SLOW}:", "    break",
+               "shrink = math.ldexp(1.0, math.frexp(ratio)[1])"]  # fmt: skip
+    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", "shrink = 1.0"]
+    lines += ["for _ in range(2):", *(f"    {line}" for line in attempt)]
     if side.sign < 0:
         lines += ["for k in range(order + 1):", f"    c[{d}, k] = -c[{d}, k]"]
     lines += [f"w[{UNIT}] = unit", f"length = reach(c, {d}, order, w[{TOLERANCE}])"]
