@@ -13,7 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 from core.arithmetic import two_sum
-from core.jit import jitted
+from core.jit import internal
 from core.locating import FAILED, NONE, SHORT, TOUCH, arrive, climb, first_crossing, first_on_series, probe
 from core.signatures import DELAY, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, G, call
 from core.trajectory import CROSSING_KINDS, Status
@@ -42,7 +42,7 @@ class Log(NamedTuple):
     places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
 
 
-@jitted
+@internal
 def accept(motion):
     """Add the increment to the state, keeping what rounding would lose (compensated summation)."""
     x, carry, increment = motion.x, motion.carry, motion.increment
@@ -50,13 +50,13 @@ def accept(motion):
         x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
 
 
-@jitted
+@internal
 def pass_time(run, h):
     """Go on in time, compensated likewise."""
     run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
 
 
-@jitted
+@internal
 def is_plain(run, h, height, rate):
     """Whether nothing happens in a step of length h that ends at this height and rate; if so, they are taken over.
 
@@ -71,7 +71,7 @@ def is_plain(run, h, height, rate):
     return True
 
 
-@jitted
+@internal
 def look(motion, t):
     """Look at `place`: g to w[G], and to run.own and run.other the rates into the side occupied and into the other."""
     run, w = motion.run, motion.w
@@ -81,14 +81,14 @@ def look(motion, t):
     run.other = -along * w[RATES + (run.side < 0)]
 
 
-@jitted
+@internal
 def note(motion, log, which):
     """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
     for i in range(motion.place.size):
         log.places[motion.run.hits, which, i] = motion.place[i]
 
 
-@jitted
+@internal
 def take_side(motion, side, rate):
     """Occupy a side, from its surface on."""
     run = motion.run
@@ -98,7 +98,7 @@ def take_side(motion, side, rate):
         call(motion.functions[SETTLE + (side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
 
 
-@jitted
+@internal
 def enter(motion):
     """Find the side of the initial value: by the sign of g, on the surface by where the fields lead."""
     run, w = motion.run, motion.w
@@ -125,7 +125,7 @@ def enter(motion):
     return RUNNING
 
 
-@jitted
+@internal
 def classify(run):
     """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
     if run.own < 0.0 and run.other < 0.0:
@@ -135,7 +135,7 @@ def classify(run):
     return _GRAZING, _GRAZING_KIND
 
 
-@jitted
+@internal
 def leap(motion):
     """Jump, and look where the fields lead from there: status, kind, side entered, and the rate into it."""
     run, x, w = motion.run, motion.x, motion.w
@@ -157,7 +157,7 @@ def leap(motion):
     return _SLIDING, _SLIDING_KIND, 0, 0.0
 
 
-@jitted
+@internal
 def accumulates(run):
     """Whether crossings come ever closer and their accumulation point is no more than round-off away (Zeno).
 
@@ -170,7 +170,7 @@ def accumulates(run):
     return run.shrinking >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
 
 
-@jitted
+@internal
 def switch_side(motion, log):
     """At the surface: jump, classify, take the other side, write the crossing down."""
     run, x = motion.run, motion.x
@@ -206,7 +206,7 @@ def switch_side(motion, log):
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING
 
 
-@jitted
+@internal
 def land(motion, log, t):
     """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
 
@@ -225,6 +225,8 @@ def land(motion, log, t):
     if run.shift == 0.0:
         call(motion.functions[POLISH + (run.side > 0)], t + run.hit, 0.0, motion.p, motion.w, motion.memo)
         run.hit += motion.w[DELAY]
+        if run.hit * math.copysign(1.0, run.tau) < 0.0:
+            run.hit = 0.0  # a start on the surface is not moved back in time
     pass_time(run, run.hit)
     if run.shift == 0.0:
         for i in range(x.size):
@@ -234,7 +236,7 @@ def land(motion, log, t):
     return True
 
 
-@jitted
+@internal
 def step_over(motion, log, t, h, height, rate):
     """Without a transition: the step stands, and only then is the side looked at."""
     run, x, place = motion.run, motion.x, motion.place
@@ -255,7 +257,7 @@ def step_over(motion, log, t, h, height, rate):
     return status
 
 
-@jitted
+@internal
 def cut_to_reach(motion, t, h):
     """The length that a variable-step method takes, at most h; nan where there is none."""
     run = motion.run
@@ -267,7 +269,7 @@ def cut_to_reach(motion, t, h):
     return math.copysign(length, h) if length > _EPS * _EPS * abs(t) else math.nan
 
 
-@jitted
+@internal
 def move(motion, log, h):
     """Go on by h, or to the first crossing before that and onto its other side; run.rest is what is left of h."""
     run = motion.run

@@ -13,7 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 from core.isolation import DOUBLE, ROOT, first_root
-from core.jit import jitted
+from core.jit import internal
 from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
 
 __all__ = [
@@ -58,7 +58,7 @@ class Motion(NamedTuple):
     pieces: Any  # scratch of `first_root`
 
 
-@jitted
+@internal
 def probe(motion, t, s):
     """Height after a step of length s, on the scheme itself; nan where there is none."""
     run = motion.run
@@ -70,7 +70,7 @@ def probe(motion, t, s):
     return run.side * motion.w[G_END]
 
 
-@jitted
+@internal
 def arrive(motion):
     """Write the end of the step tried last to `place`; returns whether it is bounded."""
     x, place, bounded = motion.x, motion.place, True
@@ -80,7 +80,7 @@ def arrive(motion):
     return bounded
 
 
-@jitted
+@internal
 def slack(motion, t):
     """What rounding of the state alone can do to g at the end of the step tried last."""
     arrive(motion)
@@ -88,13 +88,13 @@ def slack(motion, t):
     return motion.w[SLACK]
 
 
-@jitted
+@internal
 def climb(motion):
     """Rate at the end of the step tried last."""
     return math.copysign(1.0, motion.run.tau) * motion.run.side * motion.w[RATE_END]
 
 
-@jitted
+@internal
 def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     """Where the cubic in σ that has the lengths and slopes ds/dσ of both ends is at σ = 0."""
     width, drop = abs(high - low), f_high - f_low
@@ -104,7 +104,7 @@ def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     return low + part * (high - low)
 
 
-@jitted
+@internal
 def root(motion, t, low, high, f_low, f_high, r_low, r_high):
     """Step length between low and high, where the height changes sign, at which it vanishes: to the last digit.
 
@@ -136,7 +136,7 @@ def root(motion, t, low, high, f_low, f_high, r_low, r_high):
     return best
 
 
-@jitted
+@internal
 def dip(motion, t, low, high, f_low, f_high, r_low, r_high):
     """Look for a place between low and high, where the height falls and rises again, at which it is not positive.
 
@@ -161,7 +161,7 @@ def dip(motion, t, low, high, f_low, f_high, r_low, r_high):
     return s, f, r
 
 
-@jitted
+@internal
 def peak(motion, t, high, r_low, r_high):
     """Length in (0, high) at which the height stops rising: by regula falsi (Illinois) on the rate, and bisection."""
     low, s, f, r = 0.0, high, 0.0, r_high
@@ -178,14 +178,7 @@ def peak(motion, t, high, r_low, r_high):
     return s, f, r
 
 
-@jitted
-def settle(motion, t, low, high, f_low, f_high, r_low, r_high):
-    """Locate the crossing between low and high; its place goes to run.hit."""
-    motion.run.hit = root(motion, t, low, high, f_low, f_high, r_low, r_high)
-    return FOUND if motion.run.hit == motion.run.hit else FAILED
-
-
-@jitted
+@internal
 def first_crossing(motion, t, h, f_end, r_end):
     """Look for the first crossing in a step of length h; its place goes to run.hit.
 
@@ -206,36 +199,37 @@ def first_crossing(motion, t, h, f_end, r_end):
         s1, f1, r1 = nodes[depth, 0], nodes[depth, 1], nodes[depth, 2]
         third = abs(s1 - s) / 3.0
         low, high = f + r * third, f1 - r1 * third  # with f and f1 the coefficients of the cubic
-        above = f1 > 0.0 and low > 0.0 and high > 0.0
         if f1 <= 0.0 < f and not low < 0.0 < high:
-            return settle(motion, t, s, s1, f, f1, r, r1)
+            run.hit = root(motion, t, s, s1, f, f1, r, r1)
+            return FOUND if run.hit == run.hit else FAILED
         if f == 0.0 and f1 <= 0.0 and r1 <= 0.0:  # it has left the surface, and is back
             s, f, r = peak(motion, t, s1, r, r1)
             if not f > 0.0:
                 run.hit = s
                 return TOUCH if -f <= _MARGIN * slack(motion, t + s) else FAILED
-            return settle(motion, t, s, s1, f, f1, r, r1)
+            continue
+        above = f1 > 0.0 and low > 0.0 and high > 0.0
+        s2, f2, r2 = s1, f1, r1
         if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
             s2, f2, r2 = dip(motion, t, s, s1, f, f1, r, r1)
-            if not f2 > 0.0:
-                return settle(motion, t, s, s2, f, f2, r, r2) if f2 <= 0.0 else FAILED
             above = f - 2.0 * low + high >= 0.0 and low - 2.0 * high + f1 >= 0.0  # convex: tangents bound it
-        if above or third <= _EPS * abs(h):
+        if (f2 > 0.0 and above) or third <= _EPS * abs(h):
             if depth == 0:
                 return NONE
             s, f, r = s1, f1, r1
             depth -= 1
             continue
-        depth += 1
-        nodes[depth, 0] = s + 0.5 * (s1 - s)
-        nodes[depth, 1] = probe(motion, t, nodes[depth, 0])
-        nodes[depth, 2] = climb(motion)
-        if not abs(nodes[depth, 1]) < math.inf:
+        if f2 > 0.0 or f1 <= 0.0:
+            s2 = s + 0.5 * (s1 - s)
+            f2, r2 = probe(motion, t, s2), climb(motion)
+        if not abs(f2) < math.inf:
             return FAILED
+        depth += 1
+        nodes[depth, 0], nodes[depth, 1], nodes[depth, 2] = s2, f2, r2
     return FAILED
 
 
-@jitted
+@internal
 def _polynomial_root(row, order, low, high):
     """Root of Σ row[k] sᵏ between low and high, where it falls from positive values: by Newton's method, bisecting."""
     s = low + 0.5 * (high - low)
@@ -254,7 +248,7 @@ def _polynomial_root(row, order, low, high):
     return s
 
 
-@jitted
+@internal
 def _newton(motion, t, low, high):
     """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
     run = motion.run
@@ -273,7 +267,7 @@ def _newton(motion, t, low, high):
     return abs(f_best) <= _MARGIN * noise or s == best
 
 
-@jitted
+@internal
 def first_on_series(motion, t, h, f_end, r_end):
     """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself.
 
@@ -287,15 +281,16 @@ def first_on_series(motion, t, h, f_end, r_end):
         if height > 0.0:
             return SHORT
         return TOUCH if -height <= _MARGIN * slack(motion, t + run.hit) else FAILED
-    if kind != ROOT:  # round-off may hide a root at the very end
-        return first_crossing(motion, t, h, f_end, r_end) if f_end <= 0.0 else NONE
-    run.hit = unit * _polynomial_root(row, int(motion.w[ORDER]), low, high)
-    low, high = unit * low, unit * high
-    if _newton(motion, t, low, high):
-        return FOUND
-    # The scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later.
-    f_high, r_high = probe(motion, t, high), climb(motion)
-    if f_high <= 0.0:
-        return first_crossing(motion, t, high, f_high, r_high)
-    run.hit = high
-    return SHORT if f_high > 0.0 else FAILED
+    if kind == ROOT:
+        run.hit = unit * _polynomial_root(row, int(motion.w[ORDER]), low, high)
+        low, high = unit * low, unit * high
+        if _newton(motion, t, low, high):
+            return FOUND
+        # The scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later.
+        h, f_end, r_end = high, probe(motion, t, high), climb(motion)
+        if f_end > 0.0:
+            run.hit = high
+            return SHORT
+    elif f_end > 0.0:  # else round-off hides a root at the very end
+        return NONE
+    return first_crossing(motion, t, h, f_end, r_end)

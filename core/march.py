@@ -17,7 +17,7 @@ from numba import njit, types
 from core import arithmetic, crossing, isolation, jit, locating, signatures, state, trajectory
 from core.arithmetic import two_sum
 from core.crossing import RUNNING, Log, enter, is_plain, move
-from core.jit import OPTIONS, jitted
+from core.jit import OPTIONS, internal
 from core.locating import BOUND, Motion
 from core.signatures import EXCESS, G_END, RATE_END, STEP, Frame, call
 from core.trajectory import Status
@@ -30,7 +30,7 @@ _COMPLETED = int(Status.COMPLETED)
 _STRETCH = 1.0 + 1e-9
 
 
-@jitted
+@internal
 def write_row(run, x, rows, rows_x):
     """Record a step."""
     row = rows[run.rows]
@@ -40,7 +40,7 @@ def write_row(run, x, rows, rows_x):
     run.rows += 1
 
 
-@jitted
+@internal
 def widen_envelope(motion, excess, envelope):
     """Take the excess of ψ over its levels into the column of this time."""
     run = motion.run

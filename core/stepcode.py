@@ -209,8 +209,12 @@ class StepCode:
         inner.append(f"if size <= {_SETTLED} * {whole} or size <= {_NOTHING} * {state}:")
         inner.append("    break")
         self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]
-        # Near an equilibrium, where ψ hardly varies, a move may be large beside the motion and nothing beside the state.
-        self._lines += ["else:", f"    if not size <= {_SETTLED} * {state}:", f"        return {signatures.NO_SOLUTION}"]
+        # Near an equilibrium, where ψ hardly varies, a move may be large for the motion and nothing for the state.
+        self._lines += [
+            "else:",
+            f"    if not size <= {_SETTLED} * {state}:",
+            f"        return {signatures.NO_SOLUTION}",
+        ]
         return list(self.increment)
 
     def text(self, increments: Sequence[Expr]) -> str:

@@ -14,7 +14,7 @@ from panel_material_ui.template.base import Page
 
 import core
 from pwsviz.inputs import run_inputs, study_inputs
-from pwsviz.panes import FADED, plot_pane, text_pane
+from pwsviz.panes import FADED, FRESH, plot_pane, text_pane
 from pwsviz.plane import Window
 from pwsviz.projection import conserved_note, portrait_note
 from pwsviz.results import ErrorCurve, Pictures, Results
@@ -173,7 +173,7 @@ class Explorer(pn.viewable.Viewer):
             self.trouble.object = complaint(outcome)
             return
         self.trouble.object = ""
-        self._fade({})
+        self._fade(FRESH)
         system = core.CATALOGUE[outcome.inputs[0].ground.system]
         before = self.portrait.frame
         frame = self.portrait.show_orbits(system, outcome.orbits)

@@ -10,8 +10,8 @@ from bokeh.plotting import figure
 
 from pwsviz.text import as_text
 
-FADED = {"opacity": "0.35"}
-"""Styles of a pane that shows something past."""
+FADED, FRESH = {"opacity": "0.35"}, {"opacity": "1"}
+"""Styles of a pane that shows something past, and of one that does not; the browser keeps what is only left out."""
 
 TEXT_CSS = """
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }

@@ -27,7 +27,7 @@ TOLERANCES = (1e-15, 1e-3)
 """Least and greatest tolerance of an integrator that chooses its own steps."""
 
 END_TIMES = {"type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
-"""End times of systems that are slow: by the usual one they would just have reached the surface."""
+"""Least end times of systems that are slow: by the usual one they would just have reached the surface."""
 
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8)
 
@@ -54,19 +54,19 @@ class Scene(param.Parameterized):
         super().__init__(**params)
         chosen = core.CATALOGUE[self.system]
         self._follow_methods()
-        missing = {"values": dict(chosen.values), "x0": tuple(chosen.x0), "t_end": self._usual_end()}
+        missing = {"values": dict(chosen.values), "x0": tuple(chosen.x0), "t_end": self._long_enough()}
         self.param.update(**{name: value for name, value in missing.items() if name not in params})
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
         chosen = core.CATALOGUE[self.system]
         start = tuple(float(x) for x in chosen.x0)
-        self.param.update(values=dict(chosen.values), x0=start, t_end=self._usual_end())
+        self.param.update(values=dict(chosen.values), x0=start, t_end=self._long_enough())
 
-    def _usual_end(self) -> float:
-        """End time of the system, no later than the step size allows."""
-        usual: float = END_TIMES.get(self.system, self.param["t_end"].default)
-        return min(usual, self.tau * MAX_STEPS)
+    def _long_enough(self) -> float:
+        """Return the end time, later where the system is slow, but no later than the step size allows."""
+        wanted = max(self.t_end, END_TIMES.get(self.system, 0.0))
+        return float(max(self.t_end, min(wanted, self.tau * MAX_STEPS)))
 
     @property
     def offered(self) -> list[str]:

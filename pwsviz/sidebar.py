@@ -16,10 +16,7 @@ from pwsviz.scene import PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text import as_text, method_notes
 
 TAU_SLIDER = (1e-4, 0.3)
-COORDINATES_CSS = """
-:host { display: grid !important; grid-template-columns: repeat(auto-fit, minmax(84px, 1fr)); gap: 0 8px;
-        height: auto !important; max-height: none !important; }
-"""
+COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 80px !important; min-width: 80px; }"
 """Side by side as far as their names can be read."""
 
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin": (6, 0)}
@@ -65,7 +62,7 @@ class Sidebar(pn.viewable.Viewer):
         self.order.param.watch(lambda event: scene.param.update(perturbation_order=event.new or None), "value")
         self.about = text_pane("", "about")
         self.parameters = pn.Column(margin=0, sizing_mode="stretch_width")
-        self.coordinates = pn.Column(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
+        self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
         self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
         self._built_for = ""
         self.methods.param.watch(self._take_methods, "value")

@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
-from pwsviz.panes import FADED, plot_pane, text_pane
+from pwsviz.panes import FADED, FRESH, plot_pane, text_pane
 from pwsviz.scene import Scene
 from pwsviz.text import study_text
 from pwsviz.views.order import OrderView, Row
@@ -74,7 +74,7 @@ class StudyView(pn.viewable.Viewer):
         assert order is not None  # noqa: S101  (a study needs one)
         self.plot.show(study.taus, rows, float(study.floor), order)
         self.words.object = study_text(study, rows)
-        self._pane.styles = {}
+        self._pane.styles = FRESH
 
     def show_trouble(self, markup: str) -> None:
         """Say why there is no study; what was drawn last stays, faded."""

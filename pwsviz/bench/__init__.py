@@ -25,7 +25,8 @@ def report(out: TextIO, plan: Plan = STANDARD) -> None:
     """
     for line in machine_lines():
         print(line, file=out)
-    for section in (comparison, step_costs, linearity, first_calls, moved_slider, conservation, orders):
+    # Memory first: the greatest that was ever held is no measure once the others have held more.
+    for section in (linearity, comparison, step_costs, first_calls, moved_slider, conservation, orders):
         print(file=out)
         for line in section(plan):
             print(line, file=out, flush=True)

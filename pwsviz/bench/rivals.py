@@ -38,6 +38,8 @@ class Best(NamedTuple):
     seconds: float | None
     """None where none gets there."""
     name: str
+    bound: float | None = None
+    """Where none gets there: the shortest time after which one was given up."""
 
 
 def comparison(plan: Plan) -> Iterable[str]:
@@ -92,7 +94,7 @@ def best_of(curves: Sequence[Curve], target: float) -> Best:
     times = {curve.name: curve.reach(target)[0] for curve in curves}
     reached = {name: seconds for name, seconds in times.items() if seconds is not None}
     if not reached:
-        return Best(None, "")
+        return Best(None, "", min(max(point.wall for point in curve.points) for curve in curves))
     name = min(reached, key=reached.__getitem__)
     return Best(reached[name], name)
 
@@ -101,6 +103,7 @@ def ratio_lines(measured: Sequence[Comparison]) -> Iterable[str]:
     """Lines of the ratios, each with whether it is what we aim at."""
     goals = ", ".join(f"{goal:g} at {target:.0e}" for target, goal in _GOALS.items())
     yield "Ratios: wall time of the fastest of ours over that of the fastest of each rival, in ms, at the same error."
+    yield "'<': no such rival gets there, and the time after which the first was given up stands for its time."
     yield f"Aims: at most {goals} of heyoka; at most {_SCIPY_GOAL:g} of SciPy."
     header = ("system", "error", "ours", "", "heyoka", "", "ours / heyoka", "aim", "SciPy", "", "ours / SciPy", "aim")
     rows = []
@@ -116,7 +119,12 @@ def ratio_lines(measured: Sequence[Comparison]) -> Iterable[str]:
 
 
 def _ratio(own: Best, rival: Best, aim: float) -> tuple[str, str]:
-    if own.seconds is None or rival.seconds is None:
+    """The ratio, or a bound on it, and whether the aim is met."""
+    slower = rival.seconds if rival.seconds is not None else rival.bound
+    if own.seconds is None or slower is None:
         return "-", ""
-    ratio = own.seconds / rival.seconds
-    return f"{ratio:.2g}" if ratio < 0.1 else f"{ratio:.2f}", "met" if ratio <= aim else "missed"
+    ratio = own.seconds / slower
+    text = f"{ratio:.2g}" if ratio < 0.1 else f"{ratio:.2f}"
+    if rival.seconds is None:
+        return f"< {text}", "met" if ratio <= aim else ""
+    return text, "met" if ratio <= aim else "missed"

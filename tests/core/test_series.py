@@ -39,7 +39,9 @@ def compiled(laws: Laws) -> tuple[Callable[..., None], int]:
     """The jitted function of the text, and how many rows it needs."""
     code = series_code(laws, laws.sides[1])
     read = [f"order = int(w[{ORDER_SLOT}])", f"c = carray(memo, ({code.rows}, order + {SPARE}))"]
-    module = _load(module_text([function_text("series", [*read, "shrink = 1.0", *code.lines, f"w[{UNIT}] = unit", "return 0"])]))
+    module = _load(
+        module_text([function_text("series", [*read, "shrink = 1.0", *code.lines, f"w[{UNIT}] = unit", "return 0"])])
+    )
     return module.series.ctypes, code.rows
 
 

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from pwsviz.bench.rivals import Comparison, comparison, ratio_lines
 from pwsviz.bench.scipy_rivals import scipy_curves
 from pwsviz.bench.tables import aligned, milliseconds
 
+EPS = 2.0**-52
 TINY = replace(QUICK, methods=("prk8",), share=0.02, repeats=1)
 
 
@@ -37,7 +39,7 @@ def without_heyoka(monkeypatch):
 
 def test_quick_prints_every_section_and_opens_it_with_a_sentence(quick):
     sections = [
-        "Time to a state error", "Ratios", "Cost of a step", "Cost in proportion to steps", "First call",
+        "Cost in proportion to steps", "Time to a state error", "Ratios", "Cost of a step", "First call",
         "Moved slider", "Conservation", "Order of dmm2",
     ]  # fmt: skip
     places = [quick.index(f"\n{section}") for section in sections]
@@ -73,6 +75,20 @@ def test_without_heyoka_its_column_says_so(without_heyoka):
 
 def test_without_heyoka_the_reference_is_still_there(without_heyoka):
     assert reference_of(problem_named("elliptic_curve", 0.02)).crossings == 10
+
+
+def test_without_a_closed_form_heyoka_in_extended_precision_is_the_reference(monkeypatch):
+    hy = pytest.importorskip("heyoka")
+    if not hasattr(hy, "taylor_adaptive_ldbl"):
+        pytest.skip("heyoka has no extended precision here")
+    problem = problem_named("pendulum", 0.02)
+    exact = reference_of(problem)
+    monkeypatch.setattr(core, "reference_solution", lambda system: SimpleNamespace(name="SciPy"))
+    other = reference_of(problem)
+    assert exact.name.startswith("exact")
+    assert other.name.startswith("heyoka in extended precision")
+    assert other.crossings == exact.crossings
+    assert np.abs(other.state - exact.state).max() < 20 * EPS  # each is rounded once; the exact one sums ten arcs
 
 
 @pytest.mark.parametrize("name", ENDS)
@@ -150,6 +166,12 @@ def test_ratios_compare_the_fastest_of_each_kind_by_the_aims():
     assert [row[3] for row in rows] == ["fast"] * 4
     assert [row[row.index("0.60") + 1] for row in rows] == ["missed", "missed", "missed", "met"]
     assert [row[-2:] for row in rows] == [["0.012", "missed"]] * 4
+
+
+def test_a_rival_that_does_not_get_there_bounds_the_ratio():
+    own, rival = [curve((1e-2, 1.0), (1e-13, 1.0))], [curve((1e-2, 100.0), (1e-5, 400.0))]
+    rows = [line.split() for line in ratio_lines([Comparison("s", own, own, rival)]) if line.startswith("  s ")]
+    assert [row[-3:] for row in rows[2:]] == [["<", "0.0025", "met"]] * 2
 
 
 def test_clock_throws_the_warm_up_away_and_prepares_every_call():

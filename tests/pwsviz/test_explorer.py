@@ -122,6 +122,55 @@ def test_a_place_is_rounded_to_about_a_pixel():
     assert place(1.23456, 2.0, Window(0, 5000, 0, 10), (0.0, 0.0, 7.0)) == (1.0, 2.0, 7.0)
 
 
+@pytest.mark.parametrize("system", list(core.CATALOGUE))
+def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
+    explorer.scene.system = system
+    explorer.settle(60)
+    laws = core.CATALOGUE[system]
+    portrait = explorer.portrait
+    assert explorer.trouble.object == ""
+    assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
+    assert all(np.isfinite(x).sum() > 20 for x in portrait.orbits.data["xs"])
+    assert list(portrait.starts.data["x"]) == [laws.x0[0]]
+    assert (len(portrait.surface.data["x"]) > 1) == (system != "gene_switch")
+    assert (len(portrait.arrows[1].data["x"]) > 0) == (laws.dimension == 2)
+    assert explorer.conserved_pane.visible == bool(laws.psi_minus)
+    assert explorer.conserved_pane.visible or "no conserved quantity" in explorer.conserved_note.object
+    assert (portrait.figure.xaxis[0].axis_label == laws.variables[0]) == (laws.dimension == 2)
+
+
+def test_a_system_without_conserved_quantities_offers_what_can_be_used(explorer):
+    explorer.scene.system = "relay_feedback"
+    explorer.settle(20)
+    assert explorer.sidebar.methods.options == ["rk2", "rk4", "rk8", "taylor"]
+    assert explorer.sidebar.methods.value == ["rk2"]
+    assert "keep conserved quantities" in explorer.sidebar.methods_note.object
+    explorer.scene.system = "elliptic_curve"
+    assert explorer.sidebar.methods.options == list(core.METHODS)
+    assert explorer.sidebar.methods.value == ["dmm2", "rk2"]
+    assert explorer.sidebar.methods_note.object == ""
+
+
+def test_the_tolerance_is_shown_with_an_integrator_that_has_one(explorer):
+    field = explorer.sidebar.tolerance
+    assert not field.text.visible
+    explorer.sidebar.methods.value = ["dmm2", "taylor"]
+    assert field.text.visible
+    assert field.slider.visible
+    field.slider.value = -9.0
+    assert explorer.scene.tolerance == 1e-9
+    explorer.sidebar.methods.value = ["dmm2"]
+    assert not field.slider.visible
+
+
+def test_a_study_of_few_crossings_says_so(explorer):
+    explorer.scene.param.update(system="coulomb_friction", view="order")
+    explorer.settle(20)
+    words = explorer.studies["order"].words.object
+    assert "after 1 crossing, slope" in words
+    assert "ends too early" in words
+
+
 def test_a_study_that_is_impossible_says_why(explorer):
     explorer.scene.accept("x0", (1.4, -1.4))  # runs off to infinity
     explorer.scene.view = "order"

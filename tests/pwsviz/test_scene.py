@@ -29,7 +29,9 @@ def test_settings_given_at_the_start_are_kept():
     assert Scene(x0=(0.5, 0.25)).x0 == (0.5, 0.25)
 
 
-@pytest.mark.parametrize(("field", "text", "expected"), [("tau", "1e-3", 1e-3), ("t_end", " 7.5 ", 7.5)])
+@pytest.mark.parametrize(
+    ("field", "text", "expected"), [("tau", "1e-3", 1e-3), ("t_end", " 7.5 ", 7.5), ("tolerance", "1e-9", 1e-9)]
+)
 def test_numbers_may_come_as_text(field, text, expected):
     scene = Scene()
     scene.accept(field, text)
@@ -54,6 +56,8 @@ def test_a_coordinate_and_a_parameter_are_set_by_themselves():
         ("tau", "nan", "finite"),
         ("tau", "", "not a number"),
         ("t_end", "inf", "finite"),
+        ("tolerance", "1e-20", "between"),
+        ("tolerance", "0.1", "between"),
         ("x0.0", "1e9", "between"),
         ("x0", (1.0,), "needs 2 numbers"),
         ("methods", [], "at least one"),
@@ -115,3 +119,43 @@ def test_the_order_study_follows_when_its_method_is_dropped():
     scene.accept("methods", ["rk4"])
     assert scene.study_method == "rk4"
     assert scene.param["study_method"].objects == ["rk4"]
+
+
+def test_integrators_rest_where_they_cannot_be_used_and_come_back():
+    scene = Scene(methods=["dmm2", "rk2", "prk8"])
+    scene.system = "relay_feedback"
+    assert scene.offered == ["rk2", "rk4", "rk8", "taylor"]
+    assert scene.used == scene.param["study_method"].objects == ["rk2"]
+    scene.accept("methods", ["rk4"])
+    assert scene.used == ["rk4"]
+    scene.system = "pendulum"
+    assert scene.used == ["dmm2", "rk4", "prk8"]
+
+
+def test_there_is_an_integrator_where_none_of_the_chosen_can_be_used():
+    scene = Scene(methods=["dmm2"])
+    scene.system = "gene_switch"
+    assert scene.used == ["rk2"]
+    assert scene.study_method == "rk2"
+    scene.system = "kepler"
+    assert scene.used == ["dmm2"]
+
+
+def test_the_order_study_offers_methods_that_have_an_order():
+    scene = Scene(methods=["taylor", "rk4"])
+    assert scene.param["study_method"].objects == ["rk4"]
+    scene.accept("methods", ["taylor"])
+    assert scene.study_method == "dmm2"
+    assert scene.param["study_method"].objects == ["dmm2"]
+
+
+def test_a_slow_system_gets_time_to_cross_and_no_more_steps_than_allowed():
+    scene = Scene()
+    scene.system = "type_upward"
+    assert scene.t_end == 40.0
+    scene.t_end = 100.0
+    scene.system = "type_downward"
+    assert scene.t_end == 100.0, "what the person chose stays"
+    scene.param.update(tau=1e-6, t_end=1.0)
+    scene.system = "type_upward"
+    require_few_steps(scene.t_end, scene.tau)

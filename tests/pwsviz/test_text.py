@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 import core
 from pwsviz.names import short_name
 from pwsviz.results import Summary
-from pwsviz.text import as_text, complaint, duration, plural, rounded_up, run_line, run_lines
+from pwsviz.scene import Scene
+from pwsviz.text import as_text, complaint, duration, listed, method_notes, plural, rounded_up, run_line, run_lines
 
 
 def summary(**changes):
     values = {
         "method": "dmm2", "steps": 60000, "crossings": 1, "seconds": 0.00481,
-        "worst_error": 8.2e-16, "completed": True, "message": "",
+        "worst_error": 8.2e-16, "status": core.Status.COMPLETED, "message": "",
     }  # fmt: skip
     return Summary(**(values | changes))
 
@@ -26,8 +27,26 @@ def test_a_run_in_one_line():
 
 
 def test_runs_that_stopped_say_why_once():
-    stopped = summary(completed=False, message="ran away <b>")
-    assert run_lines([stopped, stopped, summary()]).count("ran away &lt;b&gt;") == 1
+    stopped = summary(status=core.Status.ESCAPED, message="t = 1: ran away <b>")
+    later = summary(status=core.Status.ESCAPED, message="t = 1.1: ran away <b>")
+    lines = run_lines([stopped, later, summary(message="fine")])
+    assert lines.count("ran away &lt;b&gt;") == 1
+    assert "t = 1:" in lines
+    assert "fine" not in lines
+
+
+def test_integrators_that_are_left_out_are_named_with_the_reason():
+    assert method_notes(Scene()) == ""
+    assert "dmm2, dmm4, dmm6, dmm8 and prk8 keep conserved" in method_notes(Scene(system="gene_switch"))
+    free = Scene(methods=["taylor"])
+    assert "taylor chooses its own steps" in method_notes(free)
+    assert "disturb" not in method_notes(free)
+    free.perturbation_order = 2
+    assert "disturb" in method_notes(free)
+
+
+def test_names_are_listed_as_one_says_them():
+    assert [listed(names) for names in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
 
 
 def test_without_a_conserved_quantity_there_is_no_bound():

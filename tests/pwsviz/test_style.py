@@ -1,0 +1,44 @@
+"""Integrators are told apart, by those who see fewer colours too."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.style import LEGEND_GLYPH, LINES, line_of
+
+#: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
+SIGHT = {
+    "normal": np.eye(3),
+    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+
+
+def lab(colour, seen):
+    """CIE L*a*b* of a colour as it is seen."""
+    srgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255
+    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    xyz = TO_XYZ @ np.clip(np.array(seen) @ linear, 0, 1) / TO_XYZ.sum(axis=1)
+    f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+def test_every_integrator_has_a_look_of_its_own():
+    looks = [line_of(name) for name in core.METHODS]
+    assert len({look.colour for look in looks}) == len({look.dash for look in looks}) == len(core.METHODS)
+    assert len({look.marker for look in looks}) == len(core.METHODS)
+
+
+@pytest.mark.parametrize("seen", SIGHT.values(), ids=SIGHT)
+def test_no_two_colours_are_close_in_any_sight(seen):
+    # A difference of 2.3 is just noticed side by side; the palette of Okabe and Ito keeps 16 among those used here.
+    for a, b in combinations(LINES, 2):
+        assert np.linalg.norm(lab(a.colour, seen) - lab(b.colour, seen)) > 15
+
+
+def test_a_legend_shows_every_dash_once():
+    assert all(sum(line.dash) <= LEGEND_GLYPH for line in LINES)
