@@ -14,7 +14,7 @@ from panel_material_ui.template.base import Page
 
 import core
 from pwsviz.inputs import run_inputs, study_inputs
-from pwsviz.panes import FADED, FRESH, plot_pane, text_pane
+from pwsviz.panes import fade, plot_pane, text_pane
 from pwsviz.plane import Window
 from pwsviz.projection import conserved_note, portrait_note
 from pwsviz.results import ErrorCurve, Pictures, Results
@@ -140,11 +140,11 @@ class Explorer(pn.viewable.Viewer):
         name = core.CATALOGUE[self.scene.system].name
         words = f"{name}: preparing its integrators. That takes some seconds the first time."
         self.status.object, self.portrait_note.object, self.conserved_note.object = as_text(words), "", ""
-        self._fade(FADED)
+        self._fade(past=True)
 
-    def _fade(self, styles: dict[str, str]) -> None:
+    def _fade(self, past: bool) -> None:
         for pane in (self.portrait_pane, self.conserved_pane):
-            pane.styles = styles
+            fade(pane, past)
 
     def _ask(
         self, lane: Lane, what: str, inputs: object, compute: Callable[..., Any], show: Callable[[Any], None]
@@ -173,7 +173,7 @@ class Explorer(pn.viewable.Viewer):
             self.trouble.object = complaint(outcome)
             return
         self.trouble.object = ""
-        self._fade(FRESH)
+        self._fade(past=False)
         system = core.CATALOGUE[outcome.inputs[0].ground.system]
         before = self.portrait.frame
         frame = self.portrait.show_orbits(system, outcome.orbits)

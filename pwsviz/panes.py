@@ -8,10 +8,11 @@ from typing import Any
 import panel as pn
 from bokeh.plotting import figure
 
+from pwsviz.style import PLOT_STYLES
 from pwsviz.text import as_text
 
-FADED, FRESH = {"opacity": "0.35"}, {"opacity": "1"}
-"""Styles of a pane that shows something past, and of one that does not; the browser keeps what is only left out."""
+FADED = {"opacity": "0.35"}
+"""Besides the usual styles, on a pane that shows something past."""
 
 TEXT_CSS = """
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }
@@ -39,6 +40,15 @@ def heading(words: str) -> pn.pane.HTML:
 def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:
     """Return a pane for a figure."""
     return pn.pane.Bokeh(plot, margin=0, sizing_mode="stretch_width", **options)
+
+
+def fade(pane: pn.pane.Bokeh, past: bool) -> None:
+    """Show whether a figure is of something past.
+
+    The styles of a pane take the place of its figure's, and the browser keeps a style that is only left out: so all
+    are given each time.
+    """
+    pane.styles = {**PLOT_STYLES, **(FADED if past else {"opacity": "1"})}
 
 
 def _html(markup: str) -> pn.pane.HTML:

@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
-from pwsviz.panes import FADED, FRESH, plot_pane, text_pane
+from pwsviz.panes import fade, plot_pane, text_pane
 from pwsviz.scene import Scene
 from pwsviz.text import study_text
 from pwsviz.views.order import OrderView, Row
@@ -74,13 +74,13 @@ class StudyView(pn.viewable.Viewer):
         assert order is not None  # noqa: S101  (a study needs one)
         self.plot.show(study.taus, rows, float(study.floor), order)
         self.words.object = study_text(study, rows)
-        self._pane.styles = FRESH
+        fade(self._pane, past=False)
 
     def show_trouble(self, markup: str) -> None:
         """Say why there is no study; what was drawn last stays, faded."""
         self.words.object = markup
         if self.plot is not None:
-            self._pane.styles = FADED
+            fade(self._pane, past=True)
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Choice, progress, plot, words; empty before it is revealed."""

@@ -35,6 +35,9 @@ HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 720px)"
 """Of a figure on the page: what the screen has left, within reason."""
 
 
+PLOT_STYLES = {"height": HEIGHT, "flex": "none"}
+
+
 class Line(NamedTuple):
     """How one curve is drawn."""
 
@@ -78,7 +81,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     """
     settings: dict[str, Any] = {
         "sizing_mode": "stretch_width",
-        "styles": {"height": HEIGHT, "flex": "none"},
+        "styles": PLOT_STYLES,
         "tools": "pan,wheel_zoom,box_zoom,reset,save",
         "toolbar_location": "above",
         "active_drag": None,

@@ -18,7 +18,7 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.scheme import Scheme
 from core.laws import Floats
-from core.trajectory import Crossings, Trajectory
+from core.trajectory import Crossings, Status, Trajectory
 
 __all__ = ["Diagnosis", "diagnose", "step_warning"]
 
@@ -104,6 +104,8 @@ def diagnose(run: Trajectory) -> Diagnosis:
 
 def step_warning(run: Trajectory) -> str:
     """The first of `Diagnosis.warnings` as a sentence, from the first 256 crossings only; '' where there is none."""
+    if run.status is Status.ZENO:  # crossings that accumulate come closer than any step
+        return ""
     warnings = _diagnosis(run, run.crossings.first(_FIRST)).warnings
     return f"{warnings[0]}." if warnings else ""
 

@@ -69,7 +69,7 @@ def test_the_slider_moves_the_step_size(visit):
     drawing = await_painted(page, "conserved quantity")
     page.get_by_text(re.compile("2,000 steps")).first.wait_for()
     before = picture(drawing)
-    slider = page.locator("input[type=range]").last
+    slider = page.locator("input[type=range]").nth(3)  # after those of three parameters
     slider.focus()
     for _ in range(20):
         slider.press("ArrowLeft")
@@ -145,3 +145,48 @@ def test_dark_mode_repaints_the_figures(visit):
     before = picture(drawing)
     page.get_by_label("Toggle theme").click()
     await_other_picture(page, drawing, before)
+
+
+def choose_system(page, name):
+    page.get_by_role("combobox", name="System").click()
+    page.get_by_text(name, exact=True).last.click()
+
+
+def opacity(drawing):
+    return drawing.evaluate("node => { let o = 1; for (; node; node = node.parentElement ?? node.getRootNode().host) "
+                            "o *= getComputedStyle(node).opacity; return o }")  # fmt: skip
+
+
+def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_back(visit):
+    page = visit()
+    await_painted(page, "conserved quantity")
+    choose_system(page, "Relay feedback")
+    page.get_by_text(re.compile("no conserved quantity is known on either side")).wait_for()
+    page.get_by_text(re.compile("keep conserved quantities. None is known here")).wait_for()
+    assert page.get_by_label("dmm2", exact=True).count() == 0
+    assert not page.get_by_role("img", name=re.compile("conserved quantity")).is_visible()
+    choose_system(page, "Elliptic curve")
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    assert page.get_by_label("dmm2", exact=True).is_checked()
+    await_painted(page, "conserved quantity")
+
+
+def test_a_picture_in_more_dimensions_says_that_it_is_projected_and_is_not_left_faded(visit):
+    page = visit()
+    before = await_painted(page, "Phase portrait").bounding_box()["height"]
+    choose_system(page, "Rigid body")
+    page.get_by_text(re.compile("Projected onto the plane of y1, y2")).wait_for(timeout=60_000)
+    page.get_by_label("y3 at start").wait_for()
+    drawing = await_painted(page, "Phase portrait")
+    page.wait_for_timeout(200)
+    assert opacity(drawing) == 1
+    assert drawing.bounding_box()["height"] == before
+
+
+def test_taylor_brings_its_tolerance(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    assert not page.get_by_label("Tolerance of taylor").is_visible()
+    page.get_by_label("taylor", exact=True).check()
+    type_into(page, "Tolerance of taylor", "1e-6")
+    page.get_by_text(re.compile(r"taylor: 2,0\d\d steps")).wait_for()

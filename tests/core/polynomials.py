@@ -42,13 +42,16 @@ def _slope(stem: str, powers: Powers, which: int) -> str:
 @cache
 def system_of(powers: Powers) -> core.PiecewiseSystem:
     """x' = ∂H/∂y, y' = −∂H/∂x with one H a side."""
-    sides = {}
+    sides: dict[str, tuple[str, ...]] = {}
     for stem, word in (("a", "minus"), ("b", "plus")):
         sides[f"f_{word}"] = (_slope(stem, powers, 1), f"-({_slope(stem, powers, 0)})")
         sides[f"psi_{word}"] = (_polynomial(stem, powers),)
     counts = {"a": len(powers), "b": len(powers), "c": len(CONIC)}
-    names = {f"{stem}{k}": 1.0 for stem, n in counts.items() for k in range(n)}
-    return core.PiecewiseSystem("Polynomials", ("x", "y"), g=_polynomial("c", CONIC), parameters=names, **sides)
+    parameters = tuple(core.Parameter(f"{stem}{k}", 1.0) for stem, n in counts.items() for k in range(n))
+    return core.PiecewiseSystem(
+        "Polynomials", ("x", "y"), sides["f_minus"], sides["f_plus"], _polynomial("c", CONIC),
+        sides["psi_minus"], sides["psi_plus"], parameters,
+    )  # fmt: skip
 
 
 def terms(powers: Powers, coefficients: Coefficients, x: Any, dx: int = 0, dy: int = 0) -> NDArray[Any]:

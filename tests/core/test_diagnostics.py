@@ -346,3 +346,9 @@ def test_every_constant_names_its_place_in_the_paper():
                 labels[field.target.id] = ast.literal_eval(doc.value)
     for name in (*ARRAYS, "alpha_S2", "alpha_hat_S2"):
         assert "eq:" in labels[name] or "lem:" in labels[name], name
+
+
+def test_a_run_whose_crossings_accumulate_is_not_blamed_on_its_step():
+    run = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 3.0))
+    assert run.status is core.Status.ZENO
+    assert run.message == run.outcome

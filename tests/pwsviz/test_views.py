@@ -28,6 +28,13 @@ def test_bands_are_the_visits_to_the_minus_side():
     assert all(run.side[np.searchsorted(run.t, t) - 1] == -1 for t in middles)
 
 
+def test_sides_are_those_of_the_run_where_it_comes_back_to_the_same():
+    results, view = Results(), ConservedView()
+    view.show(results.pictures(run_inputs(Scene(system="bouncing_ball")), with_errors=True).errors)
+    assert len(view.visits.data["start"]) == 0, "the ball is never below the ground"
+    assert len(view.instants.data["t"]) > 10
+
+
 def test_a_run_with_very_many_crossings_has_no_bands():
     results, view = Results(), ConservedView()
     view.show(results.pictures(run_inputs(Scene(t_end=2000.0, tau=0.05)), with_errors=True).errors)
