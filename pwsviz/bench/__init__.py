@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TextIO
 
+from pwsviz.bench.catalogue import catalogue_orders
+from pwsviz.bench.drift import drift
 from pwsviz.bench.machine import machine_lines
 from pwsviz.bench.plan import LONG, QUICK, STANDARD, Plan
 from pwsviz.bench.quality import conservation, orders
@@ -15,18 +17,24 @@ from pwsviz.bench.steps import linearity, step_costs
 __all__ = ["LONG", "QUICK", "STANDARD", "Plan", "report"]
 
 
+# Memory first: the greatest that was ever held is no measure once the others have held more.
+_SECTIONS = (
+    linearity, comparison, step_costs, first_calls, moved_slider, conservation, drift, orders, catalogue_orders,
+)  # fmt: skip
+
+
 def report(out: TextIO, plan: Plan = STANDARD) -> None:
     """Measure everything and write it as text, line by line as it comes.
 
     Parameters
     ----------
     plan
-        STANDARD takes some minutes; QUICK shows every section with figures too small to state; LONG has 10⁸ steps.
+        STANDARD takes some minutes; QUICK shows every section with figures too small to state; LONG has 10⁸ steps
+        and the whole catalogue.
     """
     for line in machine_lines():
         print(line, file=out)
-    # Memory first: the greatest that was ever held is no measure once the others have held more.
-    for section in (linearity, comparison, step_costs, first_calls, moved_slider, conservation, orders):
+    for section in _SECTIONS:
         print(file=out)
         for line in section(plan):
             print(line, file=out, flush=True)

@@ -37,7 +37,9 @@ def catalogue_orders(plan: Plan) -> Iterable[str]:
             study = core.order_study(system, sizes, method=method.name, crossings=numbers)
             slopes = [" ".join(f"{s:5.2f}" for s in row) for row in (study.time_slope, study.state_slope)]
             rows.append([name, method.name, *slopes, ",".join(map(str, numbers)), study.reference.split()[0]])
-    yield from aligned(("system", "method", "crossing time", "state: before, after", "crossings", "against"), rows, left=6)
+    yield from aligned(
+        ("system", "method", "crossing time", "state: before, after", "crossings", "against"), rows, left=6
+    )
     if passed:
         yield f"  no second crossing, so nothing to fit: {', '.join(passed)}"
 

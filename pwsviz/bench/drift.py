@@ -40,7 +40,8 @@ def drift(plan: Plan) -> Iterable[str]:
 
 
 def _there_and_back(plan: Plan) -> Iterable[list[str]]:
-    one_sided = [(_smooth(name), x0) for name, x0 in (("harmonic_oscillator", (1.0, 1.0)), ("elliptic_curve", (-1.0, -0.5)))]
+    starts = {"harmonic_oscillator": (1.0, 1.0), "elliptic_curve": (-1.0, -0.5)}
+    one_sided = [(_smooth(name), x0) for name, x0 in starts.items()]
     for method in (m.name for m in core.METHODS.values() if m.symmetric):
         row = [method]
         for system, x0 in one_sided:

@@ -35,6 +35,12 @@ class Plan:
     """Numbers of steps to which the cost should be linear."""
     orders: tuple[int | None, ...]
     """Orders of the perturbation in the order study."""
+    catalogue: tuple[str, ...]
+    """Systems for which the orders of all methods are fitted."""
+    drift_steps: tuple[int, ...]
+    """Numbers of steps after which the drift of ψ is looked at."""
+    steps_back: int
+    """Steps forward, and as many back."""
 
 
 STANDARD = Plan(
@@ -50,8 +56,17 @@ STANDARD = Plan(
     steps=100_000,
     step_counts=(10**4, 10**5, 10**6, 10**7),
     orders=(None, 1, 2, 3),
+    catalogue=("harmonic_oscillator", "elliptic_curve"),
+    drift_steps=(10**5, 10**6),
+    steps_back=10**5,
 )
-LONG = replace(STANDARD, step_counts=(*STANDARD.step_counts, 10**8))
+LONG = replace(
+    STANDARD,
+    step_counts=(*STANDARD.step_counts, 10**8),
+    catalogue=tuple(core.CATALOGUE),
+    drift_steps=(10**6, 10**7, 10**8),
+    steps_back=10**6,
+)
 QUICK = Plan(
     systems=("elliptic_curve",),
     seeds=("elliptic_curve",),
@@ -65,4 +80,7 @@ QUICK = Plan(
     steps=2000,
     step_counts=(10**3, 10**4),
     orders=(None,),
+    catalogue=("elliptic_curve",),
+    drift_steps=(10**3,),
+    steps_back=10**3,
 )

@@ -40,7 +40,7 @@ def without_heyoka(monkeypatch):
 def test_quick_prints_every_section_and_opens_it_with_a_sentence(quick):
     sections = [
         "Cost in proportion to steps", "Time to a state error", "Ratios", "Cost of a step", "First call",
-        "Moved slider", "Conservation", "Order of dmm2",
+        "Moved slider", "Conservation", "Drift", "Order of dmm2", "Orders across",
     ]  # fmt: skip
     places = [quick.index(f"\n{section}") for section in sections]
     assert places == sorted(places)
