@@ -88,6 +88,25 @@ def test_crossings_in_long_steps_alternate_and_lie_on_the_surface(method):
     assert (np.abs(run.crossings.g) <= 16 * EPS * 1.5 * np.abs(run.crossings.x[:, 0])).all()
 
 
+@every
+def test_a_crossing_near_the_origin_is_located_to_its_own_digits_however_far_the_start(method):
+    # x = 1e6 exp(−t) meets 1e-6: what rounding does to g there has nothing to do with the start.
+    system = one_law(("-x", "y"), "x - 0.000001", ("x*y",))
+    run = run_of(system, (0.0, 30.0), (1e6, 1e-6), method, 0.3)
+    assert len(run.crossings) == 1
+    # Half an ulp of a time of 28 moves x by 1.8e-15 of itself, 8 eps; the same again for the state.
+    assert abs(run.crossings.g[0]) <= 16 * EPS * 1e-6
+
+
+@every
+@pytest.mark.parametrize("rate", [1e-180, 1e-20, 1e20, 1e180])
+def test_crossings_are_found_whatever_the_unit_of_time(method, rate):
+    system = one_law(("k*y", "-k*x"), "y", ("x**2 + y**2",), k=1.0).with_parameters(k=rate)
+    run = run_of(system, (0.0, 10 / rate), (1.0, 1.0), method, 0.01 / rate)
+    assert run.status is Status.COMPLETED
+    assert run.crossings.t * rate == pytest.approx([math.pi * (k + 0.25) for k in range(3)], abs=1e-3)
+
+
 # At the ends of steps and runs ---------------------------------------------------------------------------------------
 
 
