@@ -13,7 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 from core.arithmetic import two_sum
-from core.jit import internal
+from core.jit import inlined, internal
 from core.locating import FAILED, NONE, SHORT, TOUCH, arrive, climb, first_crossing, first_on_series, probe
 from core.signatures import DELAY, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, G, call
 from core.trajectory import CROSSING_KINDS, Status
@@ -42,7 +42,7 @@ class Log(NamedTuple):
     places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
 
 
-@internal
+@inlined
 def accept(motion):
     """Add the increment to the state, keeping what rounding would lose (compensated summation)."""
     x, carry, increment = motion.x, motion.carry, motion.increment
@@ -50,7 +50,7 @@ def accept(motion):
         x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
 
 
-@internal
+@inlined
 def pass_time(run, h):
     """Go on in time, compensated likewise."""
     run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
@@ -71,7 +71,7 @@ def is_plain(run, h, height, rate):
     return True
 
 
-@internal
+@inlined
 def look(motion, t):
     """Look at `place`: g to w[G], and to run.own and run.other the rates into the side occupied and into the other."""
     run, w = motion.run, motion.w
@@ -81,14 +81,14 @@ def look(motion, t):
     run.other = -along * w[RATES + (run.side < 0)]
 
 
-@internal
+@inlined
 def note(motion, log, which):
     """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
     for i in range(motion.place.size):
         log.places[motion.run.hits, which, i] = motion.place[i]
 
 
-@internal
+@inlined
 def take_side(motion, side, rate):
     """Occupy a side, from its surface on."""
     run = motion.run
@@ -125,7 +125,7 @@ def enter(motion):
     return RUNNING
 
 
-@internal
+@inlined
 def classify(run):
     """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
     if run.own < 0.0 and run.other < 0.0:
@@ -157,7 +157,7 @@ def leap(motion):
     return _SLIDING, _SLIDING_KIND, 0, 0.0
 
 
-@internal
+@inlined
 def accumulates(run):
     """Whether crossings come ever closer and their accumulation point is no more than round-off away (Zeno).
 
@@ -170,7 +170,7 @@ def accumulates(run):
     return run.shrinking >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
 
 
-@internal
+@inlined
 def switch_side(motion, log):
     """At the surface: jump, classify, take the other side, write the crossing down."""
     run, x = motion.run, motion.x
@@ -206,7 +206,7 @@ def switch_side(motion, log):
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING
 
 
-@internal
+@inlined
 def land(motion, log, t):
     """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
 
@@ -257,7 +257,7 @@ def step_over(motion, log, t, h, height, rate):
     return status
 
 
-@internal
+@inlined
 def cut_to_reach(motion, t, h):
     """The length that a variable-step method takes, at most h; nan where there is none."""
     run = motion.run
@@ -269,7 +269,7 @@ def cut_to_reach(motion, t, h):
     return math.copysign(length, h) if length > _EPS * _EPS * abs(t) else math.nan
 
 
-@internal
+@inlined
 def move(motion, log, h):
     """Go on by h, or to the first crossing before that and onto its other side; run.rest is what is left of h."""
     run = motion.run

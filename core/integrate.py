@@ -116,12 +116,16 @@ def checked_method(system: PiecewiseSystem, name: str) -> Method:
 def checked_start(system: PiecewiseSystem, t0: float, x0: Iterable[float] | None) -> tuple[float, ...]:
     """Return the initial state, if one can start there, else raise ValueError."""
     start = system.x0 if x0 is None else system.check_state(x0)
-    for side in (-1, 1):
-        if not np.isfinite(system.field(side, t0, start)).all() and side * system.switching(t0, start) >= 0:
+    laws, d = system.laws, system.dimension
+    wanted = (*laws.sides[-1].field, *laws.sides[1].field, laws.g, *laws.gradient)
+    values = laws.numbers("start", wanted, t0, start, system.parameter_array)
+    g, gradient = values[2 * d], values[2 * d + 1 :]
+    for side, field in ((-1, values[:d]), (1, values[d : 2 * d])):
+        if not np.isfinite(field).all() and side * g >= 0:
             raise ValueError(f"x0 = {start!r}: the field has no finite value there; choose another state")
-    if not np.isfinite(system.switching(t0, start)):
+    if not math.isfinite(g):
         raise ValueError(f"x0 = {start!r}: g has no finite value there; choose another state")
-    if not system.switching_gradient(t0, start).any():
+    if not gradient.any():
         raise ValueError(f"x0 = {start!r}: the gradient of g vanishes there, so g has no surface; choose another state")
     return start
 
@@ -203,13 +207,12 @@ def _count(value: Any, what: str) -> int:
 def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) -> Trajectory:
     """Rows from the loop, with the first and the last state always among them."""
     rows, crossings = runner.rows, runner.crossings()
-    t = np.concatenate([[t0], *rows.t])
-    x = np.concatenate([x0[None], *rows.x])
-    side = np.concatenate([[runner.first_side], *rows.side]).astype(np.int64)
-    segment = np.concatenate([[0], *rows.segment]).astype(np.int64)
-    if runner.t != t[-1] or (runner.x != x[-1]).any():
-        t, x = np.append(t, runner.t), np.concatenate([x, runner.x[None]])
-        side, segment = np.append(side, runner.side), np.append(segment, runner.segment)
+    t = np.concatenate([[t0], *rows.t, [runner.t]])
+    x = np.concatenate([x0[None], *rows.x, runner.x[None]])
+    side = np.concatenate([[runner.first_side], *rows.side, [runner.side]], dtype=np.int64)
+    segment = np.concatenate([[0], *rows.segment, [runner.segment]], dtype=np.int64)
+    if t[-1] == t[-2] and (x[-1] == x[-2]).all():  # it was recorded, or the run has not moved
+        t, x, side, segment = t[:-1], x[:-1], side[:-1], segment[:-1]
     entered_t = np.concatenate([[t0], crossings.t])
     entered_x = np.concatenate([x0[None], crossings.x_after])
     if record == "end":

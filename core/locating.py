@@ -12,8 +12,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from core.doubled import fma
 from core.isolation import DOUBLE, ROOT, first_root
-from core.jit import internal
+from core.jit import inlined, internal
 from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
 
 __all__ = [
@@ -58,7 +59,7 @@ class Motion(NamedTuple):
     pieces: Any  # scratch of `first_root`
 
 
-@internal
+@inlined
 def probe(motion, t, s):
     """Height after a step of length s, on the scheme itself; nan where there is none."""
     run = motion.run
@@ -70,7 +71,7 @@ def probe(motion, t, s):
     return run.side * motion.w[G_END]
 
 
-@internal
+@inlined
 def arrive(motion):
     """Write the end of the step tried last to `place`; returns whether it is bounded."""
     x, place, bounded = motion.x, motion.place, True
@@ -80,7 +81,7 @@ def arrive(motion):
     return bounded
 
 
-@internal
+@inlined
 def slack(motion, t):
     """What rounding of the state alone can do to g at the end of the step tried last."""
     arrive(motion)
@@ -88,13 +89,13 @@ def slack(motion, t):
     return motion.w[SLACK]
 
 
-@internal
+@inlined
 def climb(motion):
     """Rate at the end of the step tried last."""
     return math.copysign(1.0, motion.run.tau) * motion.run.side * motion.w[RATE_END]
 
 
-@internal
+@inlined
 def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     """Where the cubic in σ that has the lengths and slopes ds/dσ of both ends is at σ = 0."""
     width, drop = abs(high - low), f_high - f_low
@@ -104,7 +105,7 @@ def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     return low + part * (high - low)
 
 
-@internal
+@inlined
 def root(motion, t, low, high, f_low, f_high, r_low, r_high):
     """Step length between low and high, where the height changes sign, at which it vanishes: to the last digit.
 
@@ -178,7 +179,7 @@ def peak(motion, t, high, r_low, r_high):
     return s, f, r
 
 
-@internal
+@inlined
 def first_crossing(motion, t, h, f_end, r_end):
     """Look for the first crossing in a step of length h; its place goes to run.hit.
 
@@ -229,15 +230,15 @@ def first_crossing(motion, t, h, f_end, r_end):
     return FAILED
 
 
-@internal
+@inlined
 def _polynomial_root(row, order, low, high):
     """Root of Σ row[k] sᵏ between low and high, where it falls from positive values: by Newton's method, bisecting."""
     s = low + 0.5 * (high - low)
     for _ in range(_MAX_PROBES):
         f, r = row[order], 0.0
         for k in range(order - 1, -1, -1):
-            r = r * s + f
-            f = f * s + row[k]
+            r = fma(r, s, f)
+            f = fma(f, s, row[k])
         low, high = (s, high) if f > 0.0 else (low, s)
         near = s - f / r
         if not min(low, high) < near < max(low, high):
@@ -248,7 +249,7 @@ def _polynomial_root(row, order, low, high):
     return s
 
 
-@internal
+@inlined
 def _newton(motion, t, low, high):
     """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
     run = motion.run
@@ -267,7 +268,7 @@ def _newton(motion, t, low, high):
     return abs(f_best) <= _MARGIN * noise or s == best
 
 
-@internal
+@inlined
 def first_on_series(motion, t, h, f_end, r_end):
     """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself.
 

@@ -14,7 +14,7 @@ from typing import Any
 import numba
 from numba import njit, types
 
-from core import arithmetic, crossing, isolation, jit, locating, signatures, state, trajectory
+from core import arithmetic, crossing, doubled, isolation, jit, locating, signatures, state, trajectory
 from core.arithmetic import two_sum
 from core.crossing import RUNNING, Log, enter, is_plain, move
 from core.jit import OPTIONS, internal
@@ -76,7 +76,7 @@ def compiled_march() -> Callable[..., int]:
     """
     # numba looks for changes in this file only. The loop inlines others: a hash of them, being a closed-over
     # variable, becomes part of the key that numba caches under.
-    modules = (arithmetic, crossing, isolation, jit, locating, signatures, state, trajectory)
+    modules = (arithmetic, crossing, doubled, isolation, jit, locating, signatures, state, trajectory)
     text = "\0".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in modules)
     inlined = hashlib.sha256(text.encode()).hexdigest()
     head = Frame(0, 0).x

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from scipy.integrate import DOP853
-from sympy import Expr, Float, Matrix, Rational, symbols
+from sympy import Expr, Float, Integer, Matrix, Rational, symbols
 
 from core.laws import Side
+from core.printing import fma
 from core.stepcode import StepCode
 
 __all__ = ["METHODS", "Method", "method_named"]
@@ -119,8 +120,12 @@ def rk8(side: Side, step: StepCode) -> Sequence[Expr]:
 
 
 def _weighted(step: StepCode, weights: Iterable[float], slopes: Sequence[Sequence[Expr]]) -> list[Expr]:
-    used = [(Float(b), k) for b, k in zip(weights, slopes, strict=False) if b]
-    return [step.h * sum(b * k[i] for b, k in used) for i in range(len(step.x))]
+    """h Σ bₖ kₖ, the slope that was worked out last being added last: the rest is there before it is."""
+    sums = [Integer(0)] * len(step.x)
+    for b, k in zip(weights, slopes, strict=False):
+        if b:
+            sums = [fma(Float(b), slope, total) if total else Float(b) * slope for slope, total in zip(k, sums, strict=True)]
+    return [step.h * total for total in sums]
 
 
 def prk8(side: Side, step: StepCode) -> Sequence[Expr]:

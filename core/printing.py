@@ -16,7 +16,13 @@ from sympy.printing.pycode import PythonCodePrinter
 from core.doubled import split
 from core.multiplier import DividedDifference, SecondDifference
 
-__all__ = ["assignments", "doubled_assignments", "named", "printed"]
+__all__ = ["assignments", "doubled_assignments", "fma", "named", "printed"]
+
+
+class fma(sympy.Function):  # noqa: N801 - the name it is printed by
+    """a b + c, rounded once (`doubled.fma`)."""
+
+    nargs = 3
 
 
 class _Printer(PythonCodePrinter):
@@ -44,7 +50,7 @@ class _Printer(PythonCodePrinter):
         return f"{base}**({self._print(exponent)})"
 
     def _print_Function(self, expr: Any) -> str:
-        if isinstance(expr, DividedDifference | SecondDifference):
+        if isinstance(expr, DividedDifference | SecondDifference | fma):
             return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
         return str(super()._print_Function(expr))
 

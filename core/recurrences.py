@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from core.doubled import fma
 from core.jit import always_inlined, jitted
 
 __all__ = ["MAX_ORDER", "convolution", "order_of", "power_sum", "reach", "symmetric"]
@@ -36,8 +37,8 @@ def convolution(c, a, b, k):
     forward, backward = 0.0, 0.0
     i, j = 1, k - 1
     while i < j:
-        forward += c[a, _u(i)] * c[b, _u(j)]
-        backward += c[a, _u(j)] * c[b, _u(i)]
+        forward = fma(c[a, _u(i)], c[b, _u(j)], forward)
+        backward = fma(c[a, _u(j)], c[b, _u(i)], backward)
         i += 1
         j -= 1
     if i == j:
@@ -51,7 +52,7 @@ def symmetric(c, a, k):
     half, middle = 0.0, 0.0
     i, j = 1, k - 1
     while i < j:
-        half += c[a, _u(i)] * c[a, _u(j)]
+        half = fma(c[a, _u(i)], c[a, _u(j)], half)
         i += 1
         j -= 1
     if i == j:

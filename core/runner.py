@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from core.methods import Method
 from core.recurrences import order_of
 from core.signatures import ORDER, TOLERANCE, Frame
 from core.state import HIT, ROW, RUN
-from core.system import PiecewiseSystem
+from core.system import MAX_DIMENSION, PiecewiseSystem
 from core.taylor import memo_rows
 from core.trajectory import CROSSING_KINDS, Crossings, Status
 
@@ -30,6 +31,7 @@ __all__ = ["Rows", "Runner", "Settings"]
 #: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
 _CHUNK = 131072
 _HITS = 4096
+_KINDS = np.array(CROSSING_KINDS)
 _RUNAWAY = 4.0  #: growth of the state from which a failed step may be an escape
 
 
@@ -186,12 +188,10 @@ class Runner:
 
     def crossings(self) -> Crossings:
         """Every crossing kept so far."""
-        d = self.system.dimension
-        empty = (np.empty(0, dtype=HIT), np.empty((0, 3, d)))
-        hits, places = (np.concatenate(parts) for parts in zip(empty, *self._hit_chunks, strict=True))
-        surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
-        columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "side", "rate_before", "rate_after")}
-        return Crossings(x=x, x_after=after, surface=surface, kind=np.array(CROSSING_KINDS)[hits["kind"]], **columns)
+        if not self._hit_chunks:
+            return _no_crossings(self.system.dimension)
+        hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
+        return _crossings(hits, places)
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
@@ -229,3 +229,14 @@ class Runner:
         with np.errstate(all="ignore"):
             ahead = self._x + float(self._run["tau"][0]) * self.system.field(self.side or 1, self.t, self._x)
         return size > _RUNAWAY * self._size0 and not float(np.linalg.norm(ahead)) < 1.25 * size
+
+
+def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
+    surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
+    columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "side", "rate_before", "rate_after")}
+    return Crossings(x=x, x_after=after, surface=surface, kind=_KINDS[hits["kind"]], **columns)
+
+
+@lru_cache(maxsize=MAX_DIMENSION)
+def _no_crossings(d: int) -> Crossings:
+    return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, d)))

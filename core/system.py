@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -143,7 +144,7 @@ class PiecewiseSystem:
         """d."""
         return len(self.variables)
 
-    @property
+    @cached_property
     def laws(self) -> Laws:
         """The mathematics; shared by all systems that differ in parameter values only."""
         names = tuple(q.name for q in self.parameters)
@@ -266,7 +267,9 @@ class PiecewiseSystem:
             if self.dimension == 2 and not getattr(self, name):
                 side = self.laws.sides[sign]
                 found = stream_function(side.field, side.variables)
-                object.__setattr__(self, name, () if found is None else (to_text(found),))
+                if found is not None:
+                    object.__setattr__(self, name, (to_text(found),))
+                    self.__dict__.pop("laws")  # they have a ψ more
 
     def _check_surface(self) -> None:
         if not self.laws.g.free_symbols & set(self.laws.x):
