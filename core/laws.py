@@ -103,7 +103,6 @@ class Laws:
                 result[..., k] = column
         return result
 
-
     def numbers(self, key: object, expressions: Sequence[Expr], t: float, x: Sequence[float], p: Floats) -> Floats:
         """Values of expressions at one state, as `evaluate` gives them, but in a tenth of its time."""
         if ("number", key) not in self._functions:

@@ -124,7 +124,9 @@ def _weighted(step: StepCode, weights: Iterable[float], slopes: Sequence[Sequenc
     sums = [Integer(0)] * len(step.x)
     for b, k in zip(weights, slopes, strict=False):
         if b:
-            sums = [fma(Float(b), slope, total) if total else Float(b) * slope for slope, total in zip(k, sums, strict=True)]
+            sums = [
+                fma(Float(b), slope, total) if total else Float(b) * slope for slope, total in zip(k, sums, strict=True)
+            ]
     return [step.h * total for total in sums]
 
 

@@ -153,7 +153,11 @@ class StepCode:
         Even and odd powers apart: two chains of half the length (Horner in h²), and those of all rows overlap.
         """
         d = range(len(self.x))
-        inner = [line for k in d for line in (f"d{k} = fma(d{k}, square, c[{k}, j])", f"z{k} = fma(z{k}, square, c[{k}, j + 1])")]
+        inner = [
+            line
+            for k in d
+            for line in (f"d{k} = fma(d{k}, square, c[{k}, j])", f"z{k} = fma(z{k}, square, c[{k}, j + 1])")
+        ]
         self._lines += [f"order = int(w[{signatures.ORDER}])", f"c = carray(memo, ({len(d)}, order + 1))"]
         self._lines += [f"part = h / w[{signatures.UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
         self._lines += [f"d{k}, z{k} = c[{k}, top], 0.0 if top == order else c[{k}, order]" for k in d]
