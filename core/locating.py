@@ -213,7 +213,7 @@ def first_crossing(motion, t, h, f_end, r_end):
         s2, f2, r2 = s1, f1, r1
         if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
             s2, f2, r2 = dip(motion, t, s, s1, f, f1, r, r1)
-            above = f - 2.0 * low + high >= 0.0 and low - 2.0 * high + f1 >= 0.0  # convex: tangents bound it
+            above = above or (f - 2.0 * low + high >= 0.0 and low - 2.0 * high + f1 >= 0.0)  # convex: tangents bound it
         if (f2 > 0.0 and above) or third <= _EPS * abs(h):
             if depth == 0:
                 return NONE

@@ -220,6 +220,18 @@ def test_starts_near_an_equilibrium_complete(method, distance, place):
         check_kept(case, run, 16)
 
 
+def test_a_motion_of_a_few_ulps_a_step_far_from_the_surface_is_no_failure():
+    # Rates that are round-off change sign between any two looks: that is no sign of a dip.
+    case = Case(
+        SEPARABLE,
+        (1.3742629533908246, 0.6059514183291346, -1.1995756916419236, -1.3411173078807936, 0.15970534307367285),
+        (1.3742629533908246, 0.6059514183291346, -1.1995756916419236, -1.3411173078807936, 0.15970534307367285),
+        (0.13122269006495163, 0.37977885975123876, 0.5946816814615442, 0.0, 0.0, 0.0),
+        (-0.7220903427746013, -2.7557290370728174e-14), 3.6352886082158262, 0.011151192049741798,
+    )  # fmt: skip
+    assert case.run("rk4").status is Status.COMPLETED
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("speed", [1e-16, 1e-15, 1e-14, 1e-12])
 def test_a_start_on_the_surface_and_tangent_to_it_never_walks_through(method, speed):
