@@ -287,9 +287,7 @@ def move(motion, log, h):
     found = NONE
     if run.adaptive == 1:
         found = first_on_series(motion, t, h, height, rate)
-    elif (h > 0.0) == (
-        run.tau > 0.0
-    ):  # a perturbed crossing may lie beyond the end: going back is no motion to be watched
+    elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
         found = first_crossing(motion, t, h, height, rate)
     if found == SHORT:
         h, run.final = run.hit, 0

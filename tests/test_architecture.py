@@ -31,6 +31,10 @@ def test_importing_core_loads_nothing_of_a_screen():
     ("module", "barred"),
     [
         ("core/crossing.py", ["core.march", "core.runner", "core.integrate", "core.studies"]),
+        ("core/locating.py", ["core.crossing", "core.march", "core.runner"]),
+        ("core/printing.py", ["core.codegen", "core.stepcode", "core.methods"]),
+        ("core/stepcode.py", ["core.compiled", "core.methods", "core.march"]),
+        ("core/trajectory.py", ["core.diagnostics", "core.integrate", "core.runner"]),
         ("core/march.py", ["core.runner", "core.integrate", "core.system", "core.methods"]),
         ("core/multiplier.py", ["core.system", "core.laws", "core.codegen"]),
         ("core/methods.py", ["core.compiled", "core.march", "core.integrate"]),
