@@ -26,7 +26,7 @@ from numba.extending import intrinsic
 from core.arithmetic import two_sum
 
 __all__ = [
-    "dd_add", "dd_div", "dd_mul", "dd_power", "dd_scale", "dd_sqrt", "dd_square", "dd_sub", "fast_two_sum", "fma",
+    "dd_add", "dd_div", "dd_mul", "dd_scale", "dd_sqrt", "dd_square", "fast_two_sum", "fma",
     "split", "two_product",
 ]  # fmt: skip
 
@@ -76,12 +76,6 @@ def dd_add(ah, al, bh, bl):
 
 
 @_inline
-def dd_sub(ah, al, bh, bl):
-    """a − b."""
-    return dd_add(ah, al, -bh, -bl)
-
-
-@_inline
 def dd_mul(ah, al, bh, bl):
     """a b."""
     high, lost = two_product(ah, bh)
@@ -119,25 +113,6 @@ def dd_sqrt(ah, al):
     if root == 0.0 or not math.isfinite(root):
         return root, 0.0
     return fast_two_sum(root, (al + fma(-root, root, ah)) / (2.0 * root))
-
-
-@_inline
-def dd_power(ah, al, n):
-    """aⁿ of a whole number n; relative error at most about 5 |n| u²; overflow as in double precision."""
-    high, low = 1.0, 0.0
-    square_high, square_low = ah, al
-    left = abs(n)
-    while left > 0:
-        if left & 1:
-            high, low = dd_mul(high, low, square_high, square_low)
-        left >>= 1
-        if left > 0:
-            square_high, square_low = dd_square(square_high, square_low)
-    if n < 0:
-        high, low = dd_div(1.0, 0.0, high, low)
-    if not math.isfinite(high):
-        return ah ** float(n), 0.0
-    return high, low
 
 
 def split(value: sympy.Expr | Fraction) -> tuple[float, float]:

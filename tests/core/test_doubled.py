@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from numba import njit
 
 from core import doubled
-from core.doubled import dd_add, dd_div, dd_mul, dd_power, dd_scale, dd_sqrt, dd_square, dd_sub, split, two_product
+from core.doubled import dd_add, dd_div, dd_mul, dd_scale, dd_sqrt, dd_square, split, two_product
 
 ROOT = Path(__file__).parents[2]
 wide = pairs(sized(-200, 200))
@@ -49,7 +49,7 @@ def test_sum_is_accurate_whatever_cancels(ends: tuple[Pair, Pair]) -> None:
         first, second = (mp.mpf(high) + mp.mpf(low) for high, low in ends)
         total, difference = first + second, first - second
     assert relative_error(dd_add(*a, *b), total) <= 0.76
-    assert relative_error(dd_sub(*a, *b), difference) <= 0.76
+    assert relative_error(dd_add(*a, -b[0], -b[1]), difference) <= 0.76
 
 
 @FIXED
@@ -68,14 +68,6 @@ def test_quotient_and_root_are_accurate(a: Pair, b: Pair) -> None:
         assert relative_error(dd_div(*a, *b), exact(a) / exact(b)) <= 3.75
         positive = a if a[0] > 0 else (-a[0], -a[1])
         assert relative_error(dd_sqrt(*positive), mp.sqrt(exact(positive))) <= 0.79
-
-
-@FIXED
-@given(pairs(sized(-20, 20)), st.integers(-40, 40))
-def test_whole_powers_lose_no_more_than_a_product_a_factor(a: Pair, n: int) -> None:
-    # |n| products of 5 u² at most, and the quotient where n < 0
-    with mp.workdps(DIGITS):
-        assert relative_error(dd_power(*a, n), exact(a) ** n) <= 1.25 * abs(n) + (3.75 if n < 0 else 0)
 
 
 @FIXED
@@ -133,7 +125,7 @@ def test_a_polynomial_on_its_level_set_is_found_there_to_106_bits() -> None:
         y_pair = float(y), float(y - float(y))
     cube = dd_mul(*dd_square(*split(x)), *split(x))
     right = dd_add(*cube, *dd_scale(*split(x), float(a)))
-    got = dd_sub(*dd_square(*y_pair), *right)
+    got = dd_add(*dd_square(*y_pair), -right[0], -right[1])
     assert abs(exact(got) - mp.mpf(psi.numerator) / psi.denominator) <= 2 * 12 * 2.0**-104
 
 
@@ -148,11 +140,6 @@ def test_a_polynomial_on_its_level_set_is_found_there_to_106_bits() -> None:
         (dd_sqrt(0.0, 0.0), 0.0),
         (dd_sqrt(-1.0, 0.0), math.nan),
         (dd_sqrt(math.inf, 0.0), math.inf),
-        (dd_power(0.0, 0.0, 0), 1.0),
-        (dd_power(0.0, 0.0, -1), math.inf),
-        (dd_power(-1e200, 0.0, 3), -math.inf),
-        (dd_power(1e200, 0.0, -2), 0.0),
-        (dd_power(math.nan, 0.0, 2), math.nan),
     ],
 )
 def test_special_values_are_those_of_double_precision(got: Pair, high: float) -> None:
