@@ -86,7 +86,7 @@ def _load(text: str) -> ModuleType:
     # numba looks at a function's own file only: what it inlines from elsewhere has to be part of the name.
     key = hashlib.sha256("\0".join((text, _inlined(), numba.__version__, sys.version)).encode()).hexdigest()[:32]
     path = _folder() / f"pws_{key}.py"
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
+    if not _stands(path, text):
         partial = path.with_name(f"{path.name}.{os.getpid()}")
         partial.write_text(text, encoding="utf-8")
         partial.replace(path)
@@ -101,6 +101,15 @@ def _load(text: str) -> ModuleType:
     finally:
         del sys.modules[path.stem]  # the functions keep it alive for as long as they are needed
     return module
+
+
+def _stands(path: Path, text: str) -> bool:
+    """Whether a file has this text; it is then the last that another process would drop."""
+    try:
+        os.utime(path)
+        return path.read_text(encoding="utf-8") == text
+    except FileNotFoundError:
+        return False
 
 
 @lru_cache(maxsize=1)
@@ -126,8 +135,16 @@ def _folder() -> Path:
 
 
 def _prune(folder: Path) -> None:
-    """Drop the oldest modules, and their machine code, beyond `MAX_FILES`."""
-    modules = sorted(folder.glob("pws_*.py"), key=lambda path: path.stat().st_mtime)
+    """Drop the modules not used for longest, and their machine code, beyond `MAX_FILES`."""
+    modules = sorted(folder.glob("pws_*.py"), key=_last_used)
     for path in modules[:-MAX_FILES]:
         for file in (path, *folder.glob(f"__pycache__/{path.stem}.*")):
             file.unlink(missing_ok=True)
+
+
+def _last_used(path: Path) -> float:
+    """When a file was last used; long ago where another process has dropped it meanwhile."""
+    try:
+        return path.stat().st_mtime
+    except FileNotFoundError:
+        return 0.0

@@ -88,3 +88,29 @@ def test_the_cache_on_disk_is_bounded(tmp_path, monkeypatch):
         os.utime(path, (k, k))
     compiled._prune(tmp_path)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["pws_3.py", "pws_4.py", "pws_5.py"]
+
+
+def test_a_cache_that_two_processes_prune_at_once_is_still_pruned(tmp_path, monkeypatch):
+    for age in range(5):
+        path = tmp_path / f"pws_{age}.py"
+        path.touch()
+        os.utime(path, (1e9 - age, 1e9 - age))
+
+    def listed_with_one_dropped_meanwhile(_folder, pattern):
+        return [*glob(tmp_path, pattern), *([tmp_path / "pws_gone.py"] if pattern == "pws_*.py" else [])]
+
+    glob = type(tmp_path).glob
+    monkeypatch.setattr(type(tmp_path), "glob", listed_with_one_dropped_meanwhile)
+    monkeypatch.setattr(compiled, "MAX_FILES", 2)
+    compiled._prune(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pws_0.py", "pws_1.py"]
+
+
+def test_a_module_in_use_is_the_last_to_be_pruned(tmp_path):
+    path = tmp_path / "pws_a.py"
+    assert not compiled._stands(path, "x = 1")
+    path.write_text("x = 1")
+    os.utime(path, (1, 1))
+    assert compiled._stands(path, "x = 1")
+    assert compiled._last_used(path) > 1e9
+    assert not compiled._stands(path, "x = 2")
