@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from core.excess import excess_along
 from core.laws import Floats
 from core.system import PiecewiseSystem
 
@@ -159,18 +160,12 @@ class Trajectory:
         return f"{self.outcome} {self.warn(self)}".strip()
 
     def conserved_error(self) -> Floats:
-        """ψ of the side occupied, less its value where that side was entered.
+        """ψ of the side occupied, less its value where that side was entered, worked out in double-double.
 
         Returns
         -------
         (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
         """
-        counts = {side: len(self.system.laws.sides[side].conserved) for side in (-1, 1)}
-        error = np.full((len(self.t), max(counts.values())), np.nan)
-        for side, m in counts.items():
-            rows = self.side == side
-            if m and rows.any():
-                now = self.system.conserved(side, self.t[rows], self.x[rows])
-                entry = self.system.conserved(side, self.entered_t, self.entered_x)
-                error[rows, :m] = now - entry[self.segment[rows]]
-        return error
+        return excess_along(
+            self.system, self.method, self.t, self.x, self.side, self.segment, self.entered_t, self.entered_x
+        )

@@ -1,29 +1,33 @@
 """Long curves at the resolution of a screen: no more vertices than the eye can use.
 
-Everything here is vectorised NumPy on plain arrays, and every reduction comes with a bound that the tests hold it to.
+A million states pass through here between two frames of a dragged slider; so the loops are compiled. Every reduction
+comes with a bound that the tests hold it to.
 """
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# numba takes the types of what is compiled from the first call.
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 RESOLUTION = 1500
 """Pixels along the longer side of a plot, at a generous guess."""
 
+_compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
+
 
 def simplify(points: Floats, tolerance: float, pinned: Mask | None = None) -> Indices:
     """Choose vertices by shape: many where the curve bends, few where it is straight.
-
-    Vertices are dropped in rounds, every second one at most. Each edge of the curve that remains carries a bound on
-    its distance to what was dropped beneath it, and no bound may exceed the tolerance.
 
     Parameters
     ----------
@@ -38,33 +42,48 @@ def simplify(points: Floats, tolerance: float, pinned: Mask | None = None) -> In
     -------
     (k,) int array
         Indices of the vertices to keep, ascending.
+
+    Notes
+    -----
+    One pass: from the last vertex kept an edge is drawn out for as long as all points passed lie within the tolerance
+    of it (the cone of admissible directions: Williams, Comput. J. 21, 1978; Sklansky, Gonzalez, Pattern Recogn. 12,
+    1980). An edge that would have to turn back is ended, too, so that no point is left beyond its end.
     """
-    n = len(points)
-    fixed = np.zeros(n, dtype=bool) if pinned is None else pinned.copy()
-    z = points[:, 0] + 1j * points[:, 1]
-    kept, debt = np.arange(n), np.zeros(n)  # debt[i]: the bound of the edge that starts at vertex i
-    parity, idle = 0, 0
-    while idle < 2 and len(z) > 2:
-        before, here = slice(parity, -2, 2), slice(1 + parity, -1, 2)
-        cost = _gap(z[before], z[here], z[2 + parity :: 2]) + np.maximum(debt[before], debt[here])
-        gone = (cost <= tolerance) & ~fixed[here]
-        parity = 1 - parity
-        idle = 0 if gone.any() else idle + 1
-        debt[before][gone] = cost[gone]
-        stays = np.ones(len(z), dtype=bool)
-        stays[here] = ~gone
-        z, kept, debt, fixed = z[stays], kept[stays], debt[stays], fixed[stays]
-    return kept
+    kept = np.empty(len(points), dtype=np.intp)
+    fixed = np.zeros(len(points), dtype=bool) if pinned is None else pinned
+    count = _simplify(np.ascontiguousarray(points), float(tolerance), fixed, kept)
+    return kept[:count].copy()
 
 
-def _gap(before: Complexes, vertex: Complexes, after: Complexes) -> Floats:
-    """Distance of each vertex to the segment between its neighbours."""
-    chord, offset = after - before, vertex - before
-    product = offset * chord.conj()
-    share = product.real / np.maximum(chord.real**2 + chord.imag**2, np.finfo(np.float64).tiny)
-    rest = offset - np.clip(share, 0.0, 1.0, out=share) * chord
-    gap: Floats = np.sqrt(rest.real**2 + rest.imag**2)
-    return gap
+@_compiled
+def _simplify(points, tolerance, fixed, kept):
+    last = points.shape[0] - 1
+    kept[0] = anchor = 0
+    count, far, open_ = 1, 0.0, True  # open: no direction is excluded yet
+    low_x = low_y = high_x = high_y = 0.0  # the ends of the cone, clockwise and counterclockwise
+    for i in range(1, last + 1):
+        x, y = points[i, 0] - points[anchor, 0], points[i, 1] - points[anchor, 1]
+        r = np.sqrt(x * x + y * y)
+        within = r >= far and (open_ or (low_x * y - low_y * x >= 0.0 and high_x * y - high_y * x <= 0.0))
+        if i - 1 > anchor and (fixed[i - 1] or not within):
+            anchor = kept[count] = i - 1
+            count, far, open_ = count + 1, 0.0, True
+            x, y = points[i, 0] - points[anchor, 0], points[i, 1] - points[anchor, 1]
+            r = np.sqrt(x * x + y * y)
+        far = max(far, r)
+        if r > tolerance:  # narrow the cone to the directions that pass this point closely enough
+            along = np.sqrt(r * r - tolerance * tolerance)
+            right_x, right_y = x * along + y * tolerance, y * along - x * tolerance
+            left_x, left_y = x * along - y * tolerance, y * along + x * tolerance
+            if open_ or low_x * right_y - low_y * right_x > 0.0:
+                low_x, low_y = right_x, right_y
+            if open_ or high_x * left_y - high_y * left_x < 0.0:
+                high_x, high_y = left_x, left_y
+            open_ = False
+    if last > 0:
+        kept[count] = last
+        count += 1
+    return count
 
 
 def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None = None, limit: int = 4000) -> Floats:
@@ -90,19 +109,19 @@ def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None =
     (k, 2) array
         Vertices, pieces parted by a row of NaN.
     """
-    valid = np.isfinite(points).all(axis=1) if shown is None else shown & np.isfinite(points).all(axis=1)
+    valid = np.ones(len(points), dtype=bool) if shown is None else shown.copy()
     fixed = np.zeros(len(points), dtype=bool) if pinned is None else pinned
-    curve = _Curve(points[valid], fixed[valid], np.diff(np.flatnonzero(valid)) > 1)
-    pixel = float(np.ptp(curve.points, axis=0).max(initial=0.0)) / RESOLUTION if valid.any() else 0.0
+    points = np.ascontiguousarray(points)
+    box = _bounds(points, valid)
+    if valid.all():
+        curve = _Curve(points, fixed, np.zeros(max(len(points) - 1, 0), dtype=bool))
+    else:
+        curve = _Curve(points[valid], fixed[valid], np.diff(np.flatnonzero(valid)) > 1)
+    pixel = max(box[1] - box[0], box[3] - box[2]) / RESOLUTION if len(curve.points) else 0.0
     if pixel == 0.0:
         return curve.points[:1]
-    curve = curve.strided(pixel / 2)
-    eighth = simplify(curve.points[: len(curve.points) // 8], pixel / 4)
-    if 8 * len(eighth) <= 2 * limit:  # else the whole would only be looked at in vain
-        path = curve.path(pixel / 4)
-        if len(path) <= limit:
-            return path
-    while len(path := curve.unpainted(pixel).path(pixel / 4)) > limit:
+    while len(path := curve.path(pixel / 4)) > limit:
+        curve = curve.unpainted(pixel)
         pixel *= 1.5
     return path
 
@@ -126,33 +145,11 @@ class _Curve:
 
     def path(self, tolerance: float) -> Floats:
         """Vertices chosen by shape, with NaN in the gaps."""
-        ends = np.zeros(len(self.points), dtype=bool)
-        ends[:-1] |= self.broken
-        ends[1:] |= self.broken
-        kept = simplify(self.points, tolerance, self.fixed | ends)
+        pinned = self.fixed.copy()
+        pinned[:-1] |= self.broken
+        pinned[1:] |= self.broken
+        kept = simplify(self.points, tolerance, pinned)
         return np.insert(self.points[kept], 1 + np.flatnonzero(self.broken[kept[:-1]]), np.nan, axis=0)
-
-    def only(self, stays: Mask, bridged: bool) -> _Curve:
-        """Some of the vertices; where others were left out there is an edge (`bridged`) or a gap."""
-        index = np.flatnonzero(stays)
-        gaps = np.concatenate([[0], np.cumsum(self.broken)])
-        broken = gaps[index[1:]] > gaps[index[:-1]]
-        if not bridged:
-            broken |= np.diff(index) > 1
-        return _Curve(self.points[stays], self.fixed[stays], broken)
-
-    def strided(self, spacing: float) -> _Curve:
-        """Every k-th vertex, k such that these are at most about `spacing` apart: for steps far finer than a pixel."""
-        lengths = np.abs(np.diff(self.points, axis=0)).max(axis=1)
-        longest = float(lengths[~self.broken].max(initial=0.0))
-        stride = int(spacing / longest) if longest > 0 else 1
-        if stride < 2:
-            return self
-        stays = self.fixed.copy()
-        stays[::stride] = stays[-1] = True
-        stays[:-1] |= self.broken
-        stays[1:] |= self.broken
-        return self.only(stays, bridged=True)
 
     def unpainted(self, cell: float) -> _Curve:
         """Only what enters a square of side `cell` for the first time, with the edges that lead there and away."""
@@ -160,22 +157,77 @@ class _Curve:
         touched = new.copy()
         touched[1:] |= new[:-1]
         touched[:-1] |= new[1:]
-        return _Curve(self.points, self.fixed & new, self.broken).only(touched, bridged=False)
+        index = np.flatnonzero(touched)
+        gaps = (np.diff(index) > 1) | self.broken[index[:-1]]
+        return _Curve(self.points[index], (self.fixed & new)[index], gaps)
 
 
 def first_visits(points: Floats, cell: float) -> Mask:
     """Mark the points that are the first of all in their square of side `cell`."""
-    square = ((points - points.min(axis=0)) / cell).astype(np.int64)
-    number = square[:, 0] * (square[:, 1].max() + 1) + square[:, 1]
-    earliest = np.empty(number.max() + 1, dtype=np.int64)
-    earliest[number[::-1]] = np.arange(len(points) - 1, -1, -1)  # of equal indices the last assignment stays
-    mask: Mask = earliest[number] == np.arange(len(points))
-    return mask
+    first = np.ones(len(points), dtype=bool)
+    points = np.ascontiguousarray(points)
+    x_low, x_high, y_low, y_high = _bounds(points, first)
+    columns, rows = 1 + int((x_high - x_low) / cell), 1 + int((y_high - y_low) / cell)
+    _first_visits(points, x_low, y_low, cell, np.zeros((columns, rows), dtype=bool), first)
+    return first
+
+
+@_compiled
+def _first_visits(points, x_low, y_low, cell, visited, first):
+    for i in range(points.shape[0]):
+        column, row = int((points[i, 0] - x_low) / cell), int((points[i, 1] - y_low) / cell)
+        first[i] = not visited[column, row]
+        visited[column, row] = True
+
+
+@_compiled
+def _bounds(points, valid):
+    """Least and greatest x and y of the valid points, of which those that are not finite are struck off."""
+    x_low = y_low = np.inf
+    x_high = y_high = -np.inf
+    for i in range(points.shape[0]):
+        x, y = points[i, 0], points[i, 1]
+        if valid[i] and abs(x) < np.inf and abs(y) < np.inf:
+            x_low, x_high, y_low, y_high = min(x_low, x), max(x_high, x), min(y_low, y), max(y_high, y)
+        else:
+            valid[i] = False
+    return x_low, x_high, y_low, y_high
+
+
+def spliced(points: Floats, rows: Floats, places: Indices) -> tuple[Floats, Mask]:
+    """Insert rows into a curve, and mark them.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+    rows : (k, 2) array
+    places : (k,) int array
+        Before which of the points each row goes; ascending.
+
+    Returns
+    -------
+    (n + k, 2) array and (n + k,) bool array
+    """
+    out, marks = np.empty((len(points) + len(rows), 2)), np.zeros(len(points) + len(rows), dtype=bool)
+    marks[places + np.arange(len(places))] = True
+    out[marks] = rows
+    _spread(points, marks, out)
+    return out, marks
+
+
+@_compiled
+def _spread(points, marks, out):
+    k = 0
+    for i in range(marks.size):
+        if not marks[i]:
+            out[i, 0], out[i, 1] = points[k, 0], points[k, 1]
+            k += 1
 
 
 def distinct_pixels(points: Floats, limit: int = 1000) -> Indices:
     """Indices of points that do not hide one another, at most `limit` of them."""
-    span = float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
+    x_low, x_high, y_low, y_high = _bounds(np.ascontiguousarray(points), np.ones(len(points), dtype=bool))
+    span = max(x_high - x_low, y_high - y_low) if len(points) else 0.0
     if span == 0.0:
         return np.arange(min(len(points), 1))
     return np.flatnonzero(first_visits(points, 2 * span / RESOLUTION))[:limit]
@@ -200,8 +252,7 @@ def envelope(t: Floats, y: Floats, columns: int = 1200) -> tuple[Floats, Floats]
     """
     if len(t) <= 2 * columns:
         return t, y
-    share = (t - t[0]) / (t[-1] - t[0])
-    starts = np.unique(np.searchsorted(share, np.arange(columns) / columns))
+    starts = np.unique(np.searchsorted(t, t[0] + (t[-1] - t[0]) * (np.arange(columns) / columns)))
     starts = starts[starts < len(t)]
     low, high = np.fmin.reduceat(y, starts), np.fmax.reduceat(y, starts)
     return np.repeat(t[starts], 2), np.column_stack([low, high]).ravel()

@@ -26,8 +26,10 @@ def accumulated_error(run: core.Trajectory) -> Floats:
     visits = len(run.entered_t) - 1
     lost = np.zeros((visits + 1, within.shape[1]))
     lost[1:] = _lost_on_visits(run, visits, within.shape[1]) + _lost_at_crossings(run, visits, within.shape[1])
-    total = np.abs(within + np.cumsum(lost, axis=0)[run.segment])
-    worst: Floats = np.fmax.reduce(total, axis=1)
+    total = within + np.cumsum(lost, axis=0)[run.segment]
+    worst = np.abs(total[:, 0])
+    for other in total.T[1:]:
+        np.fmax(worst, np.abs(other), out=worst)
     return worst
 
 

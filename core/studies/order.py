@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 
@@ -28,6 +29,8 @@ _ROUND_OFF = 16.0
 #: A reference's estimate of its own error is that of the worse of two solutions.
 _OF_ESTIMATE = 0.1
 _MAX_TAUS = 64
+
+Progress: TypeAlias = "Callable[[int, int, OrderStudy], object]"
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ def order_study(
     transition: str = "mannshardt",
     t0: float = 0.0,
     cancel: Callable[[], bool] | None = None,
+    progress: Progress | None = None,
 ) -> OrderStudy:
     """Measure the order of a method before the first crossing and after later ones.
 
@@ -83,6 +87,8 @@ def order_study(
         Numbers of the crossings to look at, increasing, from 1.
     perturbation_order, perturbation_scale, transition, cancel
         As in `integrate`.
+    progress
+        Told after each step size how many are done, of how many, and the study as far as it has come.
 
     Raises
     ------
@@ -99,8 +105,19 @@ def order_study(
     settings = [checked_settings(chosen, tau, None, *options, cancel=cancel) for tau in steps]
     exact = reference_solution(system, start, t0)
     times, states, crossing_times = _targets(exact, t0, numbers)
+    size = float(np.abs(states).max())
+    floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * (exact.error or 0.0))
     time_error = np.full((len(numbers), len(steps)), np.nan)
     state_error = np.full((1 + len(numbers), len(steps)), np.nan)
+
+    def study() -> OrderStudy:
+        time_slope, time_window = _fits(steps, time_error, floor, max(size, 1.0))
+        state_slope, window = _fits(steps, state_error, floor, size)
+        return OrderStudy(
+            method, steps, numbers, times, time_error.copy(), state_error.copy(), time_slope, state_slope, time_window,
+            window, floor, exact.name,
+        )  # fmt: skip
+
     for j, setting in enumerate(settings):
         if cancel is not None and cancel():
             break
@@ -108,14 +125,9 @@ def order_study(
         time_error[:, j] = np.abs(t_hat - crossing_times)
         state_error[:, j] = np.linalg.norm(found - states, axis=1)
         state_error[times - t0 < setting.tau, j] = np.nan  # reached by a shorter step
-    size = float(np.abs(states).max())
-    floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * (exact.error or 0.0))
-    time_slope, time_window = _fits(steps, time_error, floor, max(size, 1.0))
-    state_slope, window = _fits(steps, state_error, floor, size)
-    return OrderStudy(
-        method, steps, numbers, times, time_error, state_error, time_slope, state_slope, time_window, window,
-        floor, exact.name,
-    )  # fmt: skip
+        if progress is not None:
+            progress(j + 1, len(settings), study())
+    return study()
 
 
 def _checked_taus(taus: Iterable[float]) -> Floats:

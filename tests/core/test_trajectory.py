@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 
 import core
 from core import Status
@@ -18,6 +19,25 @@ def test_conserved_error_is_measured_from_where_each_side_was_entered():
         entered = run.crossings.x[last[-1]] if len(last) else run.x[0]
         expected = system.conserved(side, run.t[k], run.x[k]) - system.conserved(side, 0.0, entered)
         assert error[k] == pytest.approx(expected, abs=1e-15)
+
+
+@pytest.mark.parametrize("system", ["rigid_body", "damped_oscillator", "predator_prey", "bouncing_ball"])
+def test_conserved_error_agrees_with_a_sum_of_fifty_digits(system):
+    system = core.CATALOGUE[system]
+    run = core.integrate(system, (0.0, 3.0), tau=0.05, method="rk4")
+    names = [*system.laws.x, sympy.Symbol("t"), *system.laws.p]
+    psi = {side: system.laws.sides[side].conserved for side in (-1, 1)}
+
+    def exact(side, t, x):
+        values = [sympy.Float(float(v), 50) for v in (*x, t, *system.parameter_array)]
+        return [e.xreplace(dict(zip(names, values, strict=True))).evalf(50) for e in psi[side]]
+
+    error = run.conserved_error()
+    for k in range(0, len(run.t), 7):
+        side, s = int(run.side[k]), int(run.segment[k])
+        here, there = exact(side, run.t[k], run.x[k]), exact(side, run.entered_t[s], run.entered_x[s])
+        for found, a, b in zip(error[k], here, there, strict=True):
+            assert found == pytest.approx(float(a - b), rel=1e-9, abs=1e-28)
 
 
 def test_a_side_with_fewer_conserved_quantities_leaves_nan():

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from pwsviz.curves import RESOLUTION, distinct_pixels, envelope, first_visits, screen_path, simplify
+from pwsviz.curves import RESOLUTION, distinct_pixels, envelope, first_visits, screen_path, simplify, spliced
 
 coordinates = st.floats(-100, 100, width=32)
 polylines = hnp.arrays(float, st.tuples(st.integers(2, 60), st.just(2)), elements=coordinates)
@@ -34,6 +34,7 @@ def circle(n, turns=1.0, drift=0.0):
     return np.column_stack([np.cos(t), np.sin(t)]) * (1 + drift * t)[:, None]
 
 
+@settings(deadline=None)  # the first call compiles
 @given(polylines, st.floats(0, 50))
 def test_simplified_curve_stays_within_tolerance(points, tolerance):
     kept = simplify(points, tolerance)
@@ -107,6 +108,16 @@ def test_first_visits_leaves_no_cell_empty_and_none_twice():
     cells = ((points - points.min(axis=0)) / 0.05).astype(int)
     first = cells[first_visits(points, 0.05)]
     assert len(np.unique(first, axis=0)) == len(first) == len(np.unique(cells, axis=0))
+
+
+@settings(deadline=None)
+@given(polylines, st.data())
+def test_rows_are_spliced_in_before_their_places(points, data):
+    places = np.sort(data.draw(hnp.arrays(int, st.integers(0, 9), elements=st.integers(0, len(points)))))
+    rows = np.arange(2.0 * len(places)).reshape(-1, 2)
+    out, marks = spliced(points, rows, places)
+    assert np.array_equal(out, np.insert(points, places, rows, axis=0))
+    assert np.array_equal(out[marks], rows)
 
 
 def test_coinciding_marks_are_drawn_once():

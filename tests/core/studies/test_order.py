@@ -147,3 +147,11 @@ def test_arguments_that_make_no_sense_are_refused(change):
 def test_cancelling_leaves_the_rest_out():
     study = core.order_study(SYSTEMS[0], [1e-2, 1e-3], cancel=lambda: True)
     assert np.isnan(study.state_error).all()
+
+
+def test_progress_tells_the_study_so_far_after_each_step_size():
+    seen = []
+    study = core.order_study(SYSTEMS[0], [1e-2, 5e-3, 2.5e-3], crossings=(3,), progress=lambda *told: seen.append(told))
+    assert [(done, total) for done, total, _ in seen] == [(1, 3), (2, 3), (3, 3)]
+    assert [int(np.isfinite(partial.state_error[0]).sum()) for *_, partial in seen] == [1, 2, 3]
+    np.testing.assert_array_equal(seen[-1][2].state_error, study.state_error)
