@@ -4,7 +4,9 @@ from core.diagnostics import Diagnosis, diagnose
 from core.integrate import integrate
 from core.methods import METHODS, Method
 from core.reference import reference_solution
+from core.studies.cost import WorkPrecision, work_precision
 from core.studies.order import OrderStudy, order_study
+from core.studies.stability import StabilityStudy, stability_study
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE
 from core.trajectory import Crossings, Status, Trajectory
@@ -18,10 +20,14 @@ __all__ = [
     "OrderStudy",
     "Parameter",
     "PiecewiseSystem",
+    "StabilityStudy",
     "Status",
     "Trajectory",
+    "WorkPrecision",
     "diagnose",
     "integrate",
     "order_study",
     "reference_solution",
+    "stability_study",
+    "work_precision",
 ]

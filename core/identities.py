@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
+from itertools import islice
+from math import comb
+from typing import Any
 
 import mpmath
 import sympy
 
-__all__ = ["independent", "is_zero"]
+from core.expressions import FUNCTIONS
+
+__all__ = ["independent", "is_larger", "is_zero", "size_expanded", "tidied"]
 
 _DIGITS = 40
 _POINTS = 4
 _ATTEMPTS = 40
+_LARGEST_ARGUMENT = 1e6  #: of exp, sin and the like; for more, mpmath needs a digit of π or log 2 for each of its bits
+_TIDIED_TERMS = 40  #: of a sum that is multiplied out
+_TIDIED_NODES = 600
 
 
 def is_zero(expression: sympy.Expr, ranges: Mapping[sympy.Symbol, tuple[float, float]] | None = None) -> bool:
@@ -47,6 +56,35 @@ def independent(rows: sympy.Matrix, ranges: Mapping[sympy.Symbol, tuple[float, f
     return True
 
 
+def tidied(expression: sympy.Expr) -> sympy.Expr:
+    """Return `expression` multiplied out where that makes it shorter; what is large is returned as it is.
+
+    This is not `sympy.simplify`, which can take minutes for a line of text.
+    """
+    if is_larger(expression, _TIDIED_NODES) or size_expanded(expression) > _TIDIED_TERMS:
+        return expression
+    out = sympy.expand(expression)
+    return out if sympy.count_ops(out) < sympy.count_ops(expression) else expression
+
+
+def is_larger(expression: sympy.Basic, nodes: int) -> bool:
+    """Whether the tree of an expression has more nodes than that; found without walking through all of it."""
+    return next(islice(sympy.preorder_traversal(expression), nodes, None), None) is not None
+
+
+def size_expanded(expression: sympy.Expr) -> int:
+    """Bound the number of terms that `sympy.expand` would make of an expression or of any part of it."""
+    sizes = [size_expanded(part) for part in expression.args]
+    if expression.is_Add:
+        return sum(sizes)
+    if expression.is_Mul:
+        return int(sympy.prod(sizes))
+    if expression.is_Pow and expression.exp.is_Rational:
+        power = abs(int(expression.exp))
+        return max(sizes[0], comb(sizes[0] + power - 1, power))
+    return max(sizes, default=1)
+
+
 def _sample(
     terms: tuple[sympy.Expr, ...],
     symbols: set[sympy.Symbol],
@@ -54,7 +92,8 @@ def _sample(
 ) -> list[list[mpmath.mpc] | None]:
     """Values of every term at a few random points, None for a point where one of them is not finite."""
     ordered = sorted(symbols, key=str)
-    function = sympy.lambdify(ordered, list(terms), "mpmath", dummify=True)
+    guarded = [term.replace(_is_general_power, lambda u: _GUARDED_POWER(u.base, u.exp)) for term in terms]
+    function = sympy.lambdify(ordered, guarded, [_GUARDED, "mpmath"], dummify=True, cse=True)
     generator = random.Random(20260101)  # noqa: S311 - test points, not secrets
     found: list[list[mpmath.mpc] | None] = []
     with mpmath.workdps(_DIGITS):
@@ -69,3 +108,26 @@ def _sample(
             if len(found) == _POINTS:
                 break
     return found
+
+
+def _is_general_power(node: sympy.Expr) -> bool:
+    return bool(node.is_Pow and not node.exp.is_Rational and node.base is not sympy.E)
+
+
+def _moderate(function: Callable[..., Any], argument: Any) -> Any:
+    """Value of a function where that is soon worked out."""
+    if abs(argument) > _LARGEST_ARGUMENT:
+        raise OverflowError
+    return function(argument)
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    if base == 0:
+        return mpmath.power(base, exponent)
+    return _moderate(mpmath.exp, exponent * mpmath.log(base))
+
+
+_GUARDED_POWER = sympy.Function("guarded_power")
+_GUARDED: dict[str, Callable[..., Any]] = {
+    name: partial(_moderate, getattr(mpmath, name)) for name in FUNCTIONS if name not in ("log", "sqrt")
+} | {"guarded_power": _power}

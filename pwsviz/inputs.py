@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import core
-from pwsviz.scene import Scene
+from pwsviz.scene import Scene, Start
 
 Values = tuple[tuple[str, float], ...]
 
@@ -14,18 +14,19 @@ Values = tuple[tuple[str, float], ...]
 class Ground:
     """What a system is, and where it starts."""
 
-    system: str
+    declaration: core.PiecewiseSystem
     values: Values
-    x0: tuple[float, ...]
+    x0: Start
 
     @classmethod
-    def of(cls, scene: Scene) -> Ground:
-        """Read it from a scene."""
-        return cls(scene.system, tuple(sorted(scene.values.items())), tuple(scene.x0))
+    def of(cls, scene: Scene, start: Start | None = None) -> Ground:
+        """Read it from a scene, with the start that is looked into or with another."""
+        values = tuple(sorted(scene.values.items()))
+        return cls(scene.declaration, values, scene.x0 if start is None else start)
 
     def build(self) -> core.PiecewiseSystem:
         """Return the system at these values."""
-        return core.CATALOGUE[self.system].with_parameters(**dict(self.values))
+        return self.declaration.with_parameters(**dict(self.values))
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,16 @@ class RunInputs:
 
 
 @dataclass(frozen=True)
+class ErrorInputs:
+    """Exactly what one plot of the conserved quantity depends on."""
+
+    runs: tuple[RunInputs, ...]
+    """One for each integrator."""
+    axes: tuple[int, int]
+    """Of the portrait, in which crossings are marked that are pointed at."""
+
+
+@dataclass(frozen=True)
 class StudyInputs:
     """Exactly what one order study depends on: neither the step size nor the end time of the scene."""
 
@@ -71,12 +82,55 @@ class StudyInputs:
     scheme: Scheme
 
 
+@dataclass(frozen=True)
+class CostInputs:
+    """Exactly what one comparison of run times depends on."""
+
+    ground: Ground
+    t_end: float
+    methods: tuple[str, ...]
+    peers: tuple[str, ...]
+
+    @classmethod
+    def of(cls, scene: Scene) -> CostInputs:
+        """Read it from a scene."""
+        return cls(Ground.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
+
+
+@dataclass(frozen=True)
+class StabilityInputs:
+    """Exactly what one stability study depends on."""
+
+    ground: Ground
+    t_end: float
+    methods: tuple[str, ...]
+    part: str
+    coordinate: int
+
+    @classmethod
+    def of(cls, scene: Scene) -> StabilityInputs:
+        """Read it from a scene, leaving out what its part has no use for."""
+        part = scene.stability_part
+        coordinate = scene.stability_coordinate if part != "drift" else 0
+        return cls(Ground.of(scene), scene.t_end, tuple(scene.used), part, coordinate)
+
+
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
-    """One set of inputs for each integrator of a scene."""
-    ground = Ground.of(scene)
-    return tuple(RunInputs(ground, Scheme.of(scene, name), scene.tau, scene.t_end) for name in scene.used)
+    """Inputs of each integrator on the start that the views look into."""
+    return tuple(_run_inputs(scene, name, scene.x0) for name in scene.used)
+
+
+def beside_inputs(scene: Scene) -> tuple[RunInputs, ...]:
+    """Inputs of each integrator on each of the other starts, start by start."""
+    index = min(scene.selected, len(scene.starts) - 1)
+    others = scene.starts[:index] + scene.starts[index + 1 :]
+    return tuple(_run_inputs(scene, name, start) for start in others for name in scene.used)
 
 
 def study_inputs(scene: Scene) -> StudyInputs:
     """Return the inputs of a scene's order study."""
-    return StudyInputs(Ground.of(scene), Scheme.of(scene, scene.study_method))
+    return StudyInputs(Ground.of(scene), Scheme.of(scene, scene.order_method))
+
+
+def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:
+    return RunInputs(Ground.of(scene, start), Scheme.of(scene, method), scene.tau, scene.t_end)

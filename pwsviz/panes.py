@@ -32,6 +32,11 @@ def text_pane(words: str, kind: str = "") -> pn.pane.HTML:
     return _html(as_text(words, kind))
 
 
+def markup_pane() -> pn.pane.HTML:
+    """Return an empty pane for markup of our own making."""
+    return _html("")
+
+
 def heading(words: str) -> pn.pane.HTML:
     """Return the small title of a group of controls."""
     return _html(f'<div class="heading" role="heading" aria-level="2">{escape(words)}</div>')

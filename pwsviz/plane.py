@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import core
 from pwsviz.curves import Floats, simplify
-from pwsviz.projection import shows_field, shows_levels, shows_surface
+from pwsviz.projection import Axes, shows_field, shows_levels, shows_surface
 
 GRID = 160
 """Points across the longer side of the grid on which surfaces and level sets are traced."""
@@ -87,19 +87,23 @@ class Backdrop:
     orbit_levels: dict[int, Floats]
 
 
-def backdrop(system: core.PiecewiseSystem, window: Window, orbits: dict[int, tuple[float, ...]]) -> Backdrop:
+def backdrop(
+    system: core.PiecewiseSystem, window: Window, orbits: dict[int, tuple[float, ...]], axes: Axes = (0, 1)
+) -> Backdrop:
     """Trace everything that depends on the system and the window alone, as it is at t = 0.
 
     Parameters
     ----------
     system : core.PiecewiseSystem
-        Its first two variables span the plane. What cannot be drawn there (see `projection`) is left empty.
+        What of it cannot be drawn in the plane (see `projection`) is left empty.
     window : Window
         The part of the plane to cover.
     orbits : dict
         For each side the values of ψ that the visible orbits have there.
+    axes : (int, int)
+        The variables that span the plane.
     """
-    plane = _Plane(system, window)
+    plane = _Plane(system, window, axes)
     rings = plane.minus_rings()
     return Backdrop(
         window=window,
@@ -112,9 +116,9 @@ def backdrop(system: core.PiecewiseSystem, window: Window, orbits: dict[int, tup
     )
 
 
-def closed_surface(system: core.PiecewiseSystem, window: Window) -> Floats:
+def closed_surface(system: core.PiecewiseSystem, window: Window, axes: Axes = (0, 1)) -> Floats:
     """Return the points (k, 2) of those pieces of the surface that are closed within a window."""
-    lines = _Plane(system, window).surface()
+    lines = _Plane(system, window, axes).surface()
     loops = [line for line in lines if len(line) > 3 and np.array_equal(line[0], line[-1])]
     return np.concatenate([*loops, np.empty((0, 2))])
 
@@ -122,9 +126,10 @@ def closed_surface(system: core.PiecewiseSystem, window: Window) -> Floats:
 class _Plane:
     """A grid on the window, with the system's functions on it."""
 
-    def __init__(self, system: core.PiecewiseSystem, window: Window) -> None:
+    def __init__(self, system: core.PiecewiseSystem, window: Window, axes: Axes) -> None:
         self.system = system
         self.window = window
+        self.axes = axes
         self.x, self.y = self._axes(GRID)
         self.g = self._switching(*np.meshgrid(self.x, self.y))
 
@@ -143,7 +148,7 @@ class _Plane:
     def _states(self, x: Floats, y: Floats) -> Floats:
         """States over points of the plane; where there are more variables, nothing drawn depends on them."""
         states = np.zeros((*x.shape, self.system.dimension))
-        states[..., 0], states[..., 1] = x, y
+        states[..., self.axes[0]], states[..., self.axes[1]] = x, y
         return states
 
     def _switching(self, x: Floats, y: Floats) -> Floats:
@@ -165,11 +170,11 @@ class _Plane:
 
     def surface(self) -> list[Floats]:
         """Pieces of the curve g = 0, where it is one."""
-        return self.contour(self.g, 0.0) if shows_surface(self.system) else []
+        return self.contour(self.g, 0.0) if shows_surface(self.system, self.axes) else []
 
     def minus_rings(self) -> list[list[Floats]]:
         """Outlines of the ground where g < 0, each followed by those of its holes."""
-        if not shows_surface(self.system):
+        if not shows_surface(self.system, self.axes):
             return []
         inside = contour_generator(self.x, self.y, self.g, fill_type=FillType.OuterOffset)
         filled: Any = inside.filled(-np.inf, 0.0)
@@ -214,7 +219,7 @@ class _Plane:
         x, y = x[there], y[there]
         with np.errstate(all="ignore"):
             field = np.asarray(self.system.field(side, 0.0, self._states(x, y)))
-            u, v = (field[:, :2] / np.linalg.norm(field[:, :2], axis=1, keepdims=True)).T
+            u, v = (field[:, self.axes] / np.linalg.norm(field, axis=1, keepdims=True)).T
         flows = np.isfinite(u) & np.isfinite(v)
         return _arrow_lines(x[flows], y[flows], u[flows], v[flows], self._arrow_length())
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Hashable
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
+from threading import BoundedSemaphore
 from typing import Any
 
 import numpy as np
@@ -13,12 +16,13 @@ from numpy.typing import NDArray
 
 import core
 from pwsviz.cache import Cache, Cancelled, Value
-from pwsviz.curves import Floats, Mask, distinct_pixels, envelope, screen_path
-from pwsviz.inputs import Ground, RunInputs, Scheme, StudyInputs
+from pwsviz.checks import MAX_STEPS
+from pwsviz.curves import Floats, Mask, distinct_pixels, envelope, screen_path, spliced
+from pwsviz.frames import Frames, Landmarks, frames, landmarks
+from pwsviz.inputs import CostInputs, Ground, RunInputs, Scheme, StabilityInputs, StudyInputs
 from pwsviz.loss import accumulated_error
 from pwsviz.plane import Backdrop, Window, backdrop, closed_surface
-from pwsviz.projection import SHOWN, shows_levels
-from pwsviz.scene import MAX_STEPS
+from pwsviz.projection import PLANE, Axes, in_plane, shows_levels
 
 Cancel = Callable[[], bool]
 Levels = tuple[tuple[int, tuple[float, ...]], ...]
@@ -29,6 +33,9 @@ STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
 """Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
 STUDY_HORIZON, STUDY_PROBE = 500.0, 1e-2
 """How long, and in what steps, the order study looks for crossings."""
+
+STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
+"""Long computations that run at the same time, whoever asked for them: sliders keep a processor for themselves."""
 
 FAR = 8.0
 """How far out an orbit is drawn, in sizes of what it starts from."""
@@ -44,6 +51,14 @@ COMPARABLE = 2.0
 """A closed surface that fits into a window this much larger than an orbit is shown whole beside it."""
 
 
+Report = Callable[[int, int, Any], object]
+"""Told how much of a study is done, of how much, and the study as far as it has come."""
+
+
+def silent(_done: int, _total: int, _partial: object) -> None:
+    """Leave progress unsaid."""
+
+
 def never() -> bool:
     """Answer the question whether to give up with no."""
     return False
@@ -57,9 +72,12 @@ class Orbit:
     path: Floats
     surface: Floats
     crossings: Floats
+    numbers: NDArray[np.intp]
+    """Which crossing of the run each is, from 1."""
+    times: Floats
     kinds: tuple[str, ...]
     jumps: Floats
-    x0: tuple[float, ...]
+    start: tuple[float, float]
     levels: Levels
 
 
@@ -90,13 +108,24 @@ class ErrorCurve:
 
 
 @dataclass(frozen=True)
-class Pictures:
-    """All that is drawn of one scene, the order study apart."""
+class PortraitInputs:
+    """Exactly what the curves of one portrait depend on."""
 
-    inputs: tuple[RunInputs, ...]
+    looked_into: tuple[RunInputs, ...]
+    """One for each integrator."""
+    beside: tuple[RunInputs, ...] = ()
+    """Those of the other starts."""
+    axes: Axes = (0, 1)
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The curves of one portrait, and what there is to say of them."""
+
+    inputs: PortraitInputs
     orbits: list[Orbit]
+    beside: list[Orbit]
     summaries: list[Summary]
-    errors: list[ErrorCurve] | None
 
 
 class Results:
@@ -106,23 +135,30 @@ class Results:
     ----------
     computed : Counter
         How often each kind of thing was really computed: ``"run"``, ``"orbit"``, ``"error"``, ``"curve"``,
-        ``"backdrop"``, ``"study"``.
+        ``"backdrop"``, ``"diagnosis"``, ``"study"``, ``"cost"``, ``"stability"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
         self._cache = Cache(max_bytes)
         self.computed = self._cache.computed
+        self._turns = BoundedSemaphore(STUDIES_AT_ONCE)
+        self._pool = ThreadPoolExecutor(STUDIES_AT_ONCE, thread_name_prefix="pwsviz-study")
 
-    def pictures(self, inputs: tuple[RunInputs, ...], with_errors: bool, cancel: Cancel = never) -> Pictures:
-        """Everything the portrait, the status lines and (if visible) the conserved quantity need."""
-        first = self.orbit(inputs[0], None, cancel)
+    def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
+        """Everything the portrait and the status lines need."""
+        axes = inputs.axes
+        first = self.orbit(inputs.looked_into[0], None, axes, cancel)
         near = Window.around(first.path).scaled(FAR)
         return Pictures(
             inputs=inputs,
-            orbits=[first, *(self.orbit(one, near, cancel) for one in inputs[1:])],
-            summaries=[self.summary(one, cancel) for one in inputs],
-            errors=[self.error_curve(one, cancel) for one in inputs] if with_errors else None,
+            orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.looked_into[1:])],
+            beside=[self.orbit(one, near, axes, cancel) for one in inputs.beside],
+            summaries=[self.summary(one, cancel) for one in inputs.looked_into],
         )
+
+    def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:
+        """Everything the plot of the conserved quantity needs."""
+        return [self.error_curve(one, cancel) for one in inputs]
 
     def _get(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
         """Compute one stage, unless it is remembered or nobody waits for it any more."""
@@ -138,12 +174,27 @@ class Results:
         """Integrate."""
         return self._get("run", inputs, cancel, partial(_run, inputs, cancel))
 
-    def orbit(self, inputs: RunInputs, near: Window | None = None, cancel: Cancel = never) -> Orbit:
+    def orbit(
+        self, inputs: RunInputs, near: Window | None = None, axes: Axes = (0, 1), cancel: Cancel = never
+    ) -> Orbit:
         """Return the trajectory for the portrait, as far as it stays within `near`.
 
         Without such a window all of it, except that one that runs off to infinity is left where it has gone far.
         """
-        return self._get("orbit", (inputs, near), cancel, lambda: _orbit(inputs, self.run(inputs, cancel), near))
+        return self._get(
+            "orbit", (inputs, near, axes), cancel, lambda: _orbit(inputs, self.run(inputs, cancel), near, axes)
+        )
+
+    def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
+        """Return the steps that the player shows, for each integrator."""
+        return [self._get("frames", (one, axes), cancel, partial(self._frames, one, axes, cancel)) for one in inputs]
+
+    def _frames(self, inputs: RunInputs, axes: Axes, cancel: Cancel) -> Frames:
+        return frames(self.run(inputs, cancel), axes)
+
+    def landmarks(self, inputs: RunInputs, axes: Axes, cancel: Cancel = never) -> Landmarks:
+        """Return what the plot of the conserved quantity marks of a run."""
+        return self._get("landmarks", (inputs, axes), cancel, lambda: landmarks(self.run(inputs, cancel), axes))
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
         """Return |change of ψ| at every step of a run."""
@@ -161,14 +212,50 @@ class Results:
             "summary", inputs, cancel, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
 
-    def backdrop(self, ground: Ground, window: Window, levels: Levels) -> Backdrop:
+    def backdrop(self, ground: Ground, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
         """Return the ground of the portrait on a window, with the level sets named besides the usual ones."""
         still = replace(ground, x0=())
-        return self._cache.get("backdrop", (still, window, levels), partial(_backdrop, still, window, levels))
+        key = (still, window, levels, axes)
+        return self._cache.get("backdrop", key, lambda: backdrop(still.build(), window, dict(levels), axes))
 
-    def study(self, inputs: StudyInputs, cancel: Cancel = never) -> core.OrderStudy:
+    def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis:
+        """Work out the constants of the theory along a run."""
+        return self._get("diagnosis", inputs, cancel, lambda: core.diagnose(self.run(inputs, cancel)))
+
+    def study(self, inputs: StudyInputs, cancel: Cancel = never, report: Report = silent) -> core.OrderStudy:
         """Measure the order."""
-        return self._cache.get("study", inputs, partial(_study, inputs, cancel))
+        return self._in_turn("study", inputs, cancel, partial(_study, inputs, cancel, report))
+
+    def cost(self, inputs: CostInputs, cancel: Cancel = never, report: Report = silent) -> core.WorkPrecision:
+        """Measure run time against error."""
+        return self._in_turn("cost", inputs, cancel, lambda: _cost(inputs, self._pool, cancel, report))
+
+    def stability(
+        self, inputs: StabilityInputs, cancel: Cancel = never, report: Report = silent
+    ) -> core.StabilityStudy:
+        """Measure what goes well and what does not."""
+        return self._in_turn("stability", inputs, cancel, lambda: _stability(inputs, self._pool, cancel, report))
+
+    def forget(self, kind: str, inputs: Hashable) -> None:
+        """Have something computed anew when it is next asked for."""
+        self._cache.forget(kind, inputs)
+
+    def _in_turn(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
+        """Compute something long, when the processors are not busy with other people's."""
+
+        def study() -> Value:
+            while not self._turns.acquire(timeout=0.05):
+                if cancel():
+                    raise Cancelled
+            try:
+                value = compute()
+            finally:
+                self._turns.release()
+            if cancel():  # it is not whole
+                raise Cancelled
+            return value
+
+        return self._cache.get(kind, inputs, study)
 
 
 def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
@@ -185,10 +272,6 @@ def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
     if cancel():
         raise Cancelled
     return run
-
-
-def _backdrop(ground: Ground, window: Window, levels: Levels) -> Backdrop:
-    return backdrop(ground.build(), window, dict(levels))
 
 
 def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
@@ -217,18 +300,44 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
     return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
 
 
-def _study(inputs: StudyInputs, cancel: Cancel) -> core.OrderStudy:
-    study = core.order_study(
+def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
+    return core.order_study(
         inputs.ground.build(),
         STUDY_TAUS,
         x0=inputs.ground.x0,
         crossings=_studied_crossings(inputs, cancel),
         cancel=cancel,
+        progress=report,
         **_scheme_arguments(inputs.scheme),
     )
-    if cancel():
-        raise Cancelled
-    return study
+
+
+def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) -> core.WorkPrecision:
+    return core.work_precision(
+        inputs.ground.build(),
+        (0.0, inputs.t_end),
+        x0=inputs.ground.x0,
+        methods=inputs.methods,
+        peers=inputs.peers,
+        executor=pool,
+        cancel=cancel,
+        progress=report,
+    )
+
+
+def _stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: Report) -> core.StabilityStudy:
+    parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
+    return core.stability_study(
+        inputs.ground.build(),
+        (0.0, inputs.t_end),
+        x0=inputs.ground.x0,
+        methods=inputs.methods,
+        coordinate=inputs.coordinate,
+        parts=parts,
+        executor=pool,
+        cancel=cancel,
+        progress=report,
+    )
 
 
 def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
@@ -240,49 +349,47 @@ def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
     }
 
 
-def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None) -> Orbit:
-    points, kinks = _polyline(run)
+def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: Axes) -> Orbit:
+    points, kinks = _polyline(run, axes)
     if near is None and run.status in _RUNS_OFF:
-        near = _surroundings(run)
-    crossings = run.crossings
-    marks = np.flatnonzero(near.holds(crossings.x)) if near else np.arange(len(crossings))
-    marks = marks[distinct_pixels(crossings.x[marks, :SHOWN])]
+        near = _surroundings(run, axes)
+    crossings, at = run.crossings, in_plane(run.crossings.x, axes)
+    marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))
+    marks = marks[distinct_pixels(at[marks])]
     jumped = marks[crossings.kind[marks] == "jump"]
     path = screen_path(points, kinks, near.holds(points) if near else None)
     return Orbit(
         method=inputs.scheme.method,
         path=path,
-        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE)),
-        crossings=crossings.x[marks, :SHOWN],
+        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), axes),
+        crossings=at[marks],
+        numbers=1 + marks,
+        times=crossings.t[marks],
         kinds=tuple(str(crossings.kind[k]) for k in marks),
-        jumps=_jumps(crossings.x[jumped], crossings.x_after[jumped]).reshape(-1, SHOWN),
-        x0=inputs.ground.x0,
+        jumps=_jumps(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
+        start=(inputs.ground.x0[axes[0]], inputs.ground.x0[axes[1]]),
         levels=_levels(run),
     )
 
 
-def _polyline(run: core.Trajectory) -> tuple[Floats, Mask]:
+def _polyline(run: core.Trajectory, axes: Axes) -> tuple[Floats, Mask]:
     """States in the plane with the crossings among them, and which of all these are kinks; a jump leaves a gap."""
     crossings = run.crossings
     places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
-    rows = _jumps(crossings.x, crossings.x_after)[:, [0, 2, 1]]  # before, gap, after
+    rows = _jumps(in_plane(crossings.x, axes), in_plane(crossings.x_after, axes))[:, [0, 2, 1]]  # before, gap, after
     there = np.ones(rows.shape[:2], dtype=bool)
     there[crossings.kind != "jump", 1:] = False
-    index = np.repeat(places, there.sum(axis=1))
-    points = np.insert(run.x[:, :SHOWN], index, rows[there], axis=0)
-    kinks = np.zeros(len(points), dtype=bool)
-    kinks[index + np.arange(len(index))] = True
-    return points, kinks
+    return spliced(in_plane(run.x, axes), rows[there], np.repeat(places, there.sum(axis=1)))
 
 
 def _jumps(before: Floats, after: Floats) -> Floats:
     """Return (k, 3, 2): where each jump starts and ends in the plane, and a gap."""
-    return np.stack([before[:, :SHOWN], after[:, :SHOWN], np.full((len(before), SHOWN), np.nan)], axis=1)
+    return np.stack([before, after, np.full((len(before), PLANE), np.nan)], axis=1)
 
 
-def _surroundings(run: core.Trajectory) -> Window:
+def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
     """Return a window many times as large as the first part of a run."""
-    anchors = np.concatenate([run.x[:1, :SHOWN], run.crossings.x[:12, :SHOWN], np.zeros((1, SHOWN))])
+    anchors = np.concatenate([in_plane(run.x[:1], axes), in_plane(run.crossings.x[:12], axes), np.zeros((1, PLANE))])
     return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(FAR / 2)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -12,22 +13,40 @@ import core
 from pwsviz.fields import NumberField
 from pwsviz.names import short_name
 from pwsviz.panes import heading, text_pane
-from pwsviz.scene import PERTURBATION_ORDERS, TOLERANCES, Scene
+from pwsviz.presets import PRESETS
+from pwsviz.projection import PLANE, Axes, planes
+from pwsviz.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text import as_text, method_notes
+from pwsviz.trajectories import Trajectories
 
 TAU_SLIDER = (1e-4, 0.3)
 COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 80px !important; min-width: 80px; }"
 """Side by side as far as their names can be read."""
 
+NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
+
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin": (6, 0)}
 
 
 class Sidebar(pn.viewable.Viewer):
-    """Controls of one scene."""
+    """Controls of one scene.
 
-    def __init__(self, scene: Scene) -> None:
+    Parameters
+    ----------
+    scene : Scene
+        The settings.
+    on_edit : callable
+        Told that the person wants to write a system.
+    """
+
+    def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
         super().__init__()
         self.scene = scene
+        self.presets = pmui.Select(
+            label="Figures of the paper, and more", value="", options={"choose …": "", **_titles()}, **WIDE
+        )
+        self.presets.param.watch(self._load, "value")
+        self.preset_note = text_pane("", "about")
         self.tau = self._number("tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True)
         self.tolerance = self._number(
             "tolerance",
@@ -43,13 +62,12 @@ class Sidebar(pn.viewable.Viewer):
         )
         self.methods_note = text_pane("", "about")
         self.methods_message = text_pane("", "error")
-        self.system = pmui.Select.from_param(
-            scene.param.system,
-            label="System",
-            options={s.name: key for key, s in core.CATALOGUE.items()},
-            description="",
-            **WIDE,
-        )
+        self.system = pmui.Select(label="System", value=scene.system, options=self._systems(), **WIDE)
+        self.system.param.watch(self._take_system, "value")
+        self.write = pmui.Button(label="Write your own …", icon="edit", variant="text", size="small", margin=(0, 0))
+        self.write.on_click(lambda _: on_edit())
+        self.plane = pmui.Select(label="Portrait in the plane of", options={"": (0, 1)}, value=(0, 1), **WIDE)
+        self.plane.param.watch(self._take_plane, "value")
         self.locate = pmui.Switch.from_param(
             scene.param.locate, label="Land on the surface", description="", margin=(4, 0)
         )
@@ -60,14 +78,16 @@ class Sidebar(pn.viewable.Viewer):
             **WIDE,
         )
         self.order.param.watch(lambda event: scene.param.update(perturbation_order=event.new or None), "value")
+        scene.param.watch(lambda event: self.order.param.update(value=event.new or 0), "perturbation_order")
         self.about = text_pane("", "about")
         self.parameters = pn.Column(margin=0, sizing_mode="stretch_width")
+        self.trajectories = Trajectories(scene)
         self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
         self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
-        self._built_for = ""
+        self._built_for: core.PiecewiseSystem | None = None
         self.methods.param.watch(self._take_methods, "value")
-        scene.param.watch(self._sync, ["system", "tau", "tolerance", "t_end", "perturbation_scale", "x0", "values"])
-        scene.param.watch(self._dim, ["system", "methods", "locate", "perturbation_order"])
+        scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values", "axes"])
+        scene.param.watch(self._dim, ["system", "own", "methods", "locate", "perturbation_order"])
         self._sync()
         self._dim()
 
@@ -83,21 +103,26 @@ class Sidebar(pn.viewable.Viewer):
 
     def _rebuild(self) -> None:
         """Make the fields of another system's parameters and coordinates."""
-        system = core.CATALOGUE[self.scene.system]
+        system = self.scene.declaration
         parameters = {
             f"values.{p.name}": {"label": short_name(p), "bounds": p.bounds, "description": f"{p.name}: {p.doc}"}
             for p in system.parameters
         }
         coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
         self.fields = {key: self._number(key, **options) for key, options in (parameters | coordinates).items()}
-        self._built_for = self.scene.system
+        self._built_for = system
+        self.plane.param.update(options={_plane_name(system, axes): axes for axes in planes(system)})
+        self.plane.visible = system.dimension > PLANE
         self.about.object = as_text(system.doc, "about")
         self.parameters.objects = [self.fields[key] for key in parameters]
         self.coordinates.objects = [self.fields[key] for key in coordinates]
 
     def _sync(self, *_: Any) -> None:
-        if self._built_for != self.scene.system:
+        if self._built_for != self.scene.declaration:
             self._rebuild()
+        self.system.param.update(options=self._systems(), value=self.scene.system)
+        if self.scene.axes in self.plane.options.values():
+            self.plane.value = self.scene.axes
         for field in (self.tau, self.tolerance, self.t_end, self.scale, *self.fields.values()):
             field.sync()
 
@@ -108,6 +133,26 @@ class Sidebar(pn.viewable.Viewer):
         self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
         self.order.disabled = not self.scene.locate
         self.scale.text.disabled = not self.scene.locate or self.scene.perturbation_order is None
+
+    def _systems(self) -> dict[str, str]:
+        names = {system.name: key for key, system in core.CATALOGUE.items()}
+        return {**names, f"{self.scene.own.name} (yours)": OWN} if self.scene.own is not None else names
+
+    def _take_system(self, event: Any) -> None:
+        if event.new is not None and event.new != self.scene.system:
+            self.scene.accept("system", event.new)
+
+    def _take_plane(self, event: Any) -> None:
+        if event.new is not None and event.new != self.scene.axes and self._built_for == self.scene.declaration:
+            self.scene.accept("axes", event.new)
+
+    def _load(self, event: Any) -> None:
+        """Take over a preset, and say what to look at and what to try."""
+        if event.new:
+            preset = PRESETS[event.new]
+            self.scene.load(preset.settings)
+            self.preset_note.object = as_text(preset.look, "about") + as_text(preset.try_, "about")
+            self.presets.value = ""
 
     def _take_methods(self, event: Any) -> None:
         if event.new == self.scene.used:
@@ -121,10 +166,19 @@ class Sidebar(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """Top to bottom in the order one sets things up."""
         return pn.Column(
-            heading("System"), self.system, self.about, self.parameters,
-            heading("Start"), self.coordinates,
+            self.presets, self.preset_note,
+            heading("System"), self.system, self.write, self.about, self.parameters, self.plane,
+            heading("Starts"), self.trajectories, self.coordinates,
             heading("Integrators"), self.methods, self.methods_message, self.methods_note,
             self.tau, self.tolerance, self.t_end,
             heading("Crossings"), self.locate, self.order, self.scale,
             margin=(4, 12), sizing_mode="stretch_width",
         )  # fmt: skip
+
+
+def _titles() -> dict[str, str]:
+    return {preset.title: key for key, preset in PRESETS.items()}
+
+
+def _plane_name(system: core.PiecewiseSystem, axes: Axes) -> str:
+    return ", ".join(system.variables[k] for k in axes)

@@ -19,28 +19,32 @@ Cancel = Callable[[], bool]
 
 @dataclass(frozen=True)
 class Job:
-    """One request: what to compute, and whom to tell (a value, or the exception that came instead)."""
+    """One request.
+
+    Parameters
+    ----------
+    compute : callable
+        Takes a question whether to give up, and returns a value.
+    deliver : callable
+        Is told the value, or the exception that came instead; nothing if the job was cancelled.
+    quiet : float
+        Seconds without a newer job before it is started: a dragged slider starts long work when it rests.
+    patience : float
+        Seconds after which it is given up once a newer one waits. Work as short as a few frames is finished and shown,
+        so that the picture keeps moving under a dragged slider.
+    """
 
     compute: Callable[[Cancel], Any]
     deliver: Callable[[Any], None]
+    quiet: float = 0.0
+    patience: float = 0.0
     given_up: Event = field(default_factory=Event)
 
 
 class Lane:
-    """Runs one job at a time in a thread; a newer job replaces the one that waits.
+    """Runs one job at a time in a thread; a newer job replaces the one that waits."""
 
-    Parameters
-    ----------
-    quiet : float
-        Seconds without a newer job before one is started: a dragged slider starts its work when it rests.
-    patience : float
-        Seconds after which a running job is given up once a newer one waits. Work as short as a few frames is finished
-        and shown, so that the picture keeps moving under a dragged slider.
-    """
-
-    def __init__(self, quiet: float = 0.0, patience: float = 0.0) -> None:
-        self.quiet = quiet
-        self.patience = patience
+    def __init__(self) -> None:
         self._changed = Condition()
         self._waiting: Job | None = None
         self._running: Job | None = None
@@ -87,7 +91,7 @@ class Lane:
             job.deliver(outcome)
 
     def _given_up(self, job: Job, started: float) -> bool:
-        return job.given_up.is_set() or (self._waiting is not None and monotonic() - started > self.patience)
+        return job.given_up.is_set() or (self._waiting is not None and monotonic() - started > job.patience)
 
     def _replaced(self, job: Job) -> bool:
         return self._waiting is not job
@@ -97,7 +101,7 @@ class Lane:
             self._running = None
             while self._waiting is not None:
                 candidate = self._waiting
-                if not self._changed.wait_for(partial(self._replaced, candidate), self.quiet):
+                if not self._changed.wait_for(partial(self._replaced, candidate), candidate.quiet):
                     self._running, self._waiting = candidate, None
                     return candidate
             self._thread = None

@@ -1,28 +1,234 @@
-"""The phase portrait: orbits over the sides, the surface, the field and the level sets of ψ."""
+"""The phase portrait: orbits over the sides, the surface, the field and the level sets of ψ.
+
+Stars stand where the trajectories start. They are placed, chosen, dragged and removed by hand, with mouse or finger;
+the browser moves them (`GESTURES`), and tells the server where to.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from bokeh.core.properties import value
-from bokeh.events import Tap
-from bokeh.models import ColumnDataSource, DataRange1d
+from bokeh.events import Event, MouseEnter, MouseLeave, PointEvent, Tap
+from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool
 from bokeh.plotting import figure
 
 import core
 from pwsviz.curves import Floats
 from pwsviz.plane import Backdrop, Window
-from pwsviz.projection import axis_labels, shows_surface, surface_name
-from pwsviz.results import Orbit
-from pwsviz.style import GREY, ORANGE, PURPLE, SIDES, assign, fit_to, legend_below, line_of, plain_figure, ranges, refit
+from pwsviz.projection import Axes, axis_labels, shows_surface, surface_name
+from pwsviz.results import Orbit, Pictures
+from pwsviz.style import (
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SIDES,
+    VERMILION,
+    assign,
+    fit_to,
+    legend_below,
+    line_of,
+    plain_figure,
+    ranges,
+    refit,
+)
+
+if TYPE_CHECKING:
+    from pwsviz.views.conserved import ConservedView
 
 KIND_MARKERS = {
     "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
 }  # fmt: skip
+KIND_COLOURS = {
+    "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": ORANGE,
+}  # fmt: skip
+"""Besides the markers; those of one colour never meet at one crossing."""
+
+PALE_STAR = "#F7DDA2"
+"""Of the starts that are not looked into; a black number is legible on it as on the other."""
+
+RIM = "#9A6700"
+"""Around the stars; black would be lost on a dark page."""
+
 NEAR = 1.2
-"""How far out, in sizes of the first orbit, another may still widen the view."""
+"""How far out, in sizes of the first orbit, another integrator's may still widen the view."""
+
+BESIDE = 3.0
+"""How far out trajectories from other starts may."""
+
+SUMMARY = "Phase portrait"
+
+GESTURES = """
+const view = cb_context.index.find_one(plot)
+const ground = view?.canvas_view.events_el
+if (ground == null || ground.dataset.gestures) { return }
+ground.dataset.gestures = "on"
+
+const FINGER = 22, MOUSE = 11, STILL = 4   // pixels
+const DOUBLE = 400, PAUSE = 50             // milliseconds
+let held = null      // the star under the hand
+let dropped = null   // the one that was there last, until the server has heard of it
+let last_tap = null  // of a finger on a star
+let pointed = false  // whether the pointer is over the figure
+
+const reach = event => event.pointerType == "mouse" ? MOUSE : FINGER
+const place = event => {
+  const box = ground.getBoundingClientRect()
+  return [event.clientX - box.left, event.clientY - box.top]
+}
+const screen = index =>
+  [view.frame.x_scale.compute(starts.data.x[index]), view.frame.y_scale.compute(starts.data.y[index])]
+const star_at = event => {
+  const [sx, sy] = place(event)
+  if (!view.frame.bbox.contains(sx, sy)) { return null }
+  let found = null, least = reach(event)
+  for (let index = 0; index < starts.data.x.length; index++) {
+    const [x, y] = screen(index)
+    const gap = Math.hypot(x - sx, y - sy) - (starts.data.chosen[index] ? 0.5 : 0)
+    if (gap <= least) { least = gap; found = index }
+  }
+  return found
+}
+const say = (act, index, x, y) => {
+  hand.data = { act: [act], index: [index], x: [x], y: [y], count: [hand.data.count[0] + 1] }
+}
+const put = star => {  // in place: the server knows it from `say`
+  if (star.index >= starts.data.x.length) { return }
+  starts.data.x[star.index] = star.x
+  starts.data.y[star.index] = star.y
+  starts.change.emit()
+}
+const tell = act => {
+  clearTimeout(held.timer)
+  held.timer = null
+  held.told = performance.now()
+  say(act, held.index, held.x, held.y)
+}
+const stop = event => {
+  event.stopImmediatePropagation()
+  event.preventDefault()
+}
+const drop = () => {
+  if (held.moved) {
+    tell("drop")
+    dropped = { ...held, count: hand.data.count[0] }
+  }
+  held = null
+}
+
+ground.addEventListener("pointerdown", event => {
+  if (held != null) { return stop(event) }
+  if (event.button != 0) { return }
+  const index = star_at(event)
+  if (index == null) { return }
+  stop(event)
+  ground.focus({ preventScroll: true })
+  ground.setPointerCapture(event.pointerId)
+  const [sx, sy] = place(event), [x, y] = screen(index)
+  held = { index, pointer: event.pointerId, sx, sy, dx: x - sx, dy: y - sy, x: starts.data.x[index],
+           y: starts.data.y[index], moved: false, told: -Infinity, timer: null }
+}, { capture: true })
+
+ground.addEventListener("pointermove", event => {
+  if (held == null) { return }
+  stop(event)
+  if (event.pointerId != held.pointer) { return }
+  const [sx, sy] = place(event), frame = view.frame.bbox
+  if (!held.moved && Math.hypot(sx - held.sx, sy - held.sy) < STILL) { return }
+  held.moved = true
+  ground.style.cursor = "grabbing"
+  held.x = view.frame.x_scale.invert(Math.min(Math.max(sx + held.dx, frame.left), frame.right))
+  held.y = view.frame.y_scale.invert(Math.min(Math.max(sy + held.dy, frame.top), frame.bottom))
+  put(held)
+  const wait = held.told + PAUSE - performance.now()
+  if (wait <= 0) { tell("drag") } else { held.timer ??= setTimeout(() => tell("drag"), wait) }
+}, { capture: true })
+
+ground.addEventListener("pointerup", event => {
+  if (held == null) { return }
+  stop(event)
+  if (event.pointerId != held.pointer) { return }
+  const { index, moved } = held
+  drop()
+  if (moved) { return }
+  const again = last_tap?.index == index && event.timeStamp - last_tap.time < DOUBLE
+  last_tap = event.pointerType == "mouse" || again ? null : { index, time: event.timeStamp }
+  say(again ? "remove" : "select", index, 0, 0)
+}, { capture: true })
+
+ground.addEventListener("pointercancel", event => {
+  if (held?.pointer == event.pointerId) { drop() }
+}, { capture: true })
+
+// After Bokeh's own, which sets the cursor too.
+ground.addEventListener("pointermove", event => { if (star_at(event) != null) { ground.style.cursor = "grab" } })
+ground.addEventListener("pointerenter", () => { pointed = true })
+ground.addEventListener("pointerleave", () => { pointed = false })
+
+ground.addEventListener("touchstart", event => { if (held != null) { event.preventDefault() } }, { passive: false })
+
+starts.connect(starts.properties.data.change, () => {  // answers to what was said some time ago
+  if (held?.moved) {
+    put(held)
+  } else if (dropped != null && starts.data.heard[0] < dropped.count) {
+    put(dropped)
+  } else {
+    dropped = null
+  }
+})
+
+const NO_TEXT = ["range", "checkbox", "radio", "button", "submit"]
+const typing = node => node.isContentEditable || ["TEXTAREA", "SELECT"].includes(node.tagName)
+  || node.tagName == "INPUT" && !NO_TEXT.includes(node.type)
+const keydown = event => {
+  if (!ground.isConnected) { return document.removeEventListener("keydown", keydown) }  // its figure was made anew
+  if (event.key != "Delete" && event.key != "Backspace" || event.repeat || held != null) { return }
+  const path = event.composedPath()
+  if (path.some(typing) || !(pointed || path[0] == ground)) { return }
+  event.preventDefault()
+  say("remove", starts.data.chosen.indexOf(true), 0, 0)
+}
+document.addEventListener("keydown", keydown)
+"""
+"""Takes what begins on a star before the tools of the figure see it: all other gestures are theirs as ever."""
+
+POINT = """
+const put = (source, columns) => {
+  const name = Object.keys(columns)[0], before = source.data[name], after = columns[name]
+  if (before.length == after.length && after.every((value, k) => value == before[k])) { return }
+  source.setv({ data: columns }, { sync: false })  // the server has no use for it
+}
+const point = (x, y, t) => {
+  put(portrait, x == null || !Number.isFinite(x) ? { x: [], y: [] } : { x: [x], y: [y] })
+  put(conserved, t == null ? { t: [] } : { t: [t] })
+}
+"""
+
+POINT_FROM_PORTRAIT = """
+const [i] = cb_data?.index?.indices ?? []
+const { x, y, time } = marks.data
+if (i == null) { point() } else { point(x[i], y[i], time[i]) }
+"""
+
+POINT_FROM_CONSERVED = """
+const [i] = cb_data?.index?.indices ?? []
+if (i == null) { point() } else {
+  const { t, x, y, number, method } = ticks.data
+  let place = [x[i], y[i]]
+  if (!Number.isFinite(x[i])) {  // not told: then where the portrait has the mark of this crossing
+    const j = marks.data.number.findIndex((other, k) => other == number[i] && marks.data.method[k] == method[i])
+    place = j < 0 ? [null, null] : [marks.data.x[j], marks.data.y[j]]
+  }
+  point(...place, t[i])
+}
+"""
+
+POINTED_SIZE = 19
+"""Pixels across the ring around the crossing pointed at: a mark, and some room."""
 
 
 class PortraitView:
@@ -32,8 +238,12 @@ class PortraitView:
     ----------
     on_window : callable
         Told the part of the plane on the screen whenever that changes.
-    on_tap : callable
-        Told where the person clicked.
+    on_place : callable
+        Told where (x, y) the person clicked on empty ground.
+    on_move : callable
+        Told which start (from 0) was dragged where (x, y): some twenty times a second on the way, and at the end.
+    on_remove, on_select : callable
+        Told which start is to go, or to be looked into.
 
     Attributes
     ----------
@@ -41,24 +251,45 @@ class PortraitView:
         What the view is fitted to, unless the person has zoomed.
     covered : Window or None
         The part of the plane the backdrop covers.
+    dragging : bool
+        Whether a star is under the person's hand; the view then stays as it is.
     """
 
-    def __init__(self, on_window: Callable[[Window], None], on_tap: Callable[[float, float], None]) -> None:
+    def __init__(
+        self,
+        on_window: Callable[[Window], None],
+        on_place: Callable[[float, float], None],
+        on_move: Callable[[int, float, float], None],
+        on_remove: Callable[[int], None],
+        on_select: Callable[[int], None],
+    ) -> None:
         self.figure = self._plot()
         self.frame: Window | None = None
         self.covered: Window | None = None
-        self._system = ""
+        self.dragging = False
+        self._fitted_to: Hashable = None
+        self._box: Window | None = None
         self._ground: Backdrop | None = None
+        self._visible: Window | None = None
+        self._turn = self._heard = 0
+        self._acts: dict[str, Callable[[int, float, float], None]] = {
+            "drag": on_move,
+            "drop": on_move,
+            "remove": lambda index, _x, _y: on_remove(index),
+            "select": lambda index, _x, _y: on_select(index),
+        }
         self._ground_glyphs()
         self._orbit_glyphs()
+        self._crossing_glyphs()
+        self._start_glyphs()
         self._add_legend()
-        self.figure.on_event(Tap, lambda event: on_tap(event.x, event.y))
         self._watch_window(on_window)
+        self._watch_hand(on_place)
 
     @staticmethod
     def _plot() -> figure:
         plot = plain_figure(
-            "Phase portrait: trajectories, the switching surface, directions of the field and level sets",
+            SUMMARY,
             match_aspect=True,
             x_range=DataRange1d(range_padding=0.08),
             y_range=DataRange1d(range_padding=0.08),
@@ -84,30 +315,54 @@ class PortraitView:
     def _orbit_glyphs(self) -> None:
         plot = self.figure
         columns = ("xs", "ys", "method", "colour", "dash", "width")
+        looks: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_join": "round"}
+        self.beside = ColumnDataSource({name: [] for name in columns})
+        plot.multi_line("xs", "ys", source=self.beside, alpha=0.55, **looks)
         self.orbits = ColumnDataSource({name: [] for name in columns})
-        self.curves = plot.multi_line(
-            "xs", "ys", source=self.orbits, color="colour", line_dash="dash", line_width="width", line_join="round"
-        )
+        self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
         self.jumps = _line_source()
         self.jump_lines = plot.line("x", "y", source=self.jumps, color=ORANGE, line_dash=[2, 4], line_width=2)
-        self.crossings = ColumnDataSource({name: [] for name in ("x", "y", "kind", "marker")})
+
+    def _crossing_glyphs(self) -> None:
+        plot = self.figure
+        columns = ("x", "y", "label", "kind", "marker", "colour", "method", "number", "time")
+        self.crossings = ColumnDataSource({name: [] for name in columns})
         self.marks = plot.scatter(
-            "x",
-            "y",
-            source=self.crossings,
-            marker="marker",
-            size=7,
-            fill_color="white",
-            line_color=PURPLE,
+            "x", "y", source=self.crossings, marker="marker", size=7, fill_color="white", line_color="colour",
             line_width=2,
-        )
-        self.starts = ColumnDataSource({"x": [], "y": []})
-        self.start = plot.scatter(
-            "x", "y", source=self.starts, marker="star", size=15, color=ORANGE, line_color="black", line_width=0.7
-        )
+        )  # fmt: skip
+        reach = plot.scatter("x", "y", source=self.crossings, size=16, alpha=0.0)  # a mark is small to hit
+        self.hover = HoverTool(
+            renderers=[reach],
+            tooltips=[
+                ("crossing", "@number"), ("time", "@time{%.9g}"), ("kind", "@kind"), ("integrator", "@method"),
+            ],
+            formatters={"@time": "printf"}, attachment="above", visible=False, limit=3,
+        )  # fmt: skip
+        plot.add_tools(self.hover)
+        self.pointed = ColumnDataSource({"x": [], "y": []})
+        ring: dict[str, Any] = {"size": POINTED_SIZE, "fill_alpha": 0.0, "line_color": VERMILION, "line_width": 3}
+        plot.scatter("x", "y", source=self.pointed, **ring)
+
+    def _start_glyphs(self) -> None:
+        plot = self.figure
+        columns = ("x", "y", "number", "size", "fill", "chosen", "heard", "turn")
+        self.starts = ColumnDataSource({name: [] for name in columns})
+        self.stars = plot.scatter(
+            "x", "y", source=self.starts, marker="star", size="size", fill_color="fill", line_color=RIM,
+            line_width=1.2,
+        )  # fmt: skip
+        plot.text(
+            "x", "y", "number", source=self.starts, text_align="center", text_baseline="middle", text_color="black",
+            text_font_size="10px", text_font_style="bold", y_offset=1,
+        )  # fmt: skip
+        self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size")})
+        plot.scatter(
+            "x", "y", source=self.moving, marker="marker", size="size", fill_color="colour", line_color="white",
+            line_width=1.5,
+        )  # fmt: skip
         self.corners = ColumnDataSource({"x": [-1.0, 1.0], "y": [-1.0, 1.0]})
-        frame = plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1)
-        fit_to(plot, frame)
+        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
 
     def _add_legend(self) -> None:
         *_, self.surface_entry, self.tint_entry = legend_below(
@@ -115,8 +370,8 @@ class PortraitView:
             3,
             [
                 ({"field": "method"}, self.curves),
-                ("start", self.start),
-                ({"field": "kind"}, self.marks),
+                ("start", self.stars),
+                ({"field": "label"}, self.marks),
                 ("S: g = 0", self.surface_line),
                 ("g < 0", self.tint),
             ],
@@ -128,54 +383,118 @@ class PortraitView:
         def tell(_attribute: str, _old: object, _new: object) -> None:
             bounds = np.array([across.start, across.end, up.start, up.end], dtype=float)
             if np.isfinite(bounds).all():
-                on_window(Window(*bounds.tolist()))
+                self._visible = Window(*bounds.tolist())
+                on_window(self._visible)
 
         for axis in (across, up):
             axis.on_change("start", tell)
             axis.on_change("end", tell)
 
-    def show_orbits(self, system: core.PiecewiseSystem, orbits: Sequence[Orbit]) -> Window:
-        """Draw the trajectories, fit the view if it no longer suits them, and return the part of the plane to cover."""
-        self._name(system)
-        lines = [line_of(orbit.method) for orbit in orbits]
-        self.orbits.data = {
-            "xs": [orbit.path[:, 0] for orbit in orbits],
-            "ys": [orbit.path[:, 1] for orbit in orbits],
-            "method": [orbit.method for orbit in orbits],
-            "colour": [line.colour for line in lines],
-            "dash": [list(line.dash) for line in lines],
-            "width": [line.width for line in lines],
-        }
-        marks = np.concatenate([orbit.crossings for orbit in orbits])
+    # The hand --------------------------------------------------------------------------------------------------------
+
+    def _watch_hand(self, on_place: Callable[[float, float], None]) -> None:
+        def place(event: Event) -> None:
+            if not isinstance(event, PointEvent) or event.x is None or event.y is None:
+                return
+            x, y = float(event.x), float(event.y)
+            if self._visible is None or self._visible.holds(np.array([[x, y]])).all():  # else on an axis
+                on_place(x, y)
+
+        self.figure.on_event(Tap, place)
+        self.hand = ColumnDataSource({"act": [""], "index": [0], "x": [0.0], "y": [0.0], "count": [0]})
+        self.hand.on_change("data", lambda _attribute, _old, new: self._obey(new))
+        attach = CustomJS(args={"plot": self.figure, "starts": self.starts, "hand": self.hand}, code=GESTURES)
+        self.figure.js_on_change("inner_width", attach)  # once it is laid out, the figure has its element
+        self.figure.js_on_event(MouseEnter, attach)  # and again where it was given another one of the same size
+
+    def _obey(self, said: dict[str, Sequence[Any]]) -> None:
+        """Pass on what the browser says the hand has done."""
+        act, index, x, y, self._heard = (said[name][0] for name in ("act", "index", "x", "y", "count"))
+        self.dragging = act == "drag"
+        if act in self._acts and 0 <= index < len(self.starts.data["x"]) and math.isfinite(x) and math.isfinite(y):
+            self._acts[act](int(index), float(x), float(y))
+        if act == "drop" and self._box is not None:
+            self._fit(self._fitted_to, self._box)
+
+    # What is drawn ---------------------------------------------------------------------------------------------------
+
+    def show_orbits(
+        self, system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
+    ) -> Window:
+        """Draw the trajectories, fit the view if it no longer suits them, and return the part of the plane to cover.
+
+        Parameters
+        ----------
+        system : core.PiecewiseSystem
+            Whose they are.
+        pictures : Pictures
+            Their curves, in the plane of ``pictures.inputs.axes``.
+        starts : sequence of (float, float)
+            Where in that plane all trajectories start by now; the person may have gone on meanwhile.
+        selected : int
+            Which of them is looked into.
+        """
+        axes = pictures.inputs.axes
+        self._name(system, axes)
+        self.orbits.data = _curves(pictures.orbits)
+        self.beside.data = _curves(pictures.beside, thinner=0.5)
+        self._show_crossings(pictures.orbits)
+        self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.beside)]))
+        self.show_starts(starts, selected)
+        describe(self.figure, portrait_text(system, pictures, starts, selected))
+        self._box = extent(pictures.orbits, pictures.beside)
+        return self._fit((pictures.inputs.looked_into[0].ground.declaration, axes), self._box)
+
+    def _show_crossings(self, orbits: Sequence[Orbit]) -> None:
         kinds = [kind for orbit in orbits for kind in orbit.kinds]
+        marks = np.concatenate([orbit.crossings for orbit in orbits])
         assign(
             self.crossings,
             x=marks[:, 0],
             y=marks[:, 1],
-            kind=["crossing" if kind == "transversal" else kind for kind in kinds],
+            label=["crossing" if kind == "transversal" else kind for kind in kinds],
+            kind=kinds,
             marker=[KIND_MARKERS.get(kind, "cross") for kind in kinds],
+            colour=[KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+            method=[orbit.method for orbit in orbits for _ in orbit.kinds],
+            number=np.concatenate([orbit.numbers for orbit in orbits]),
+            time=np.concatenate([orbit.times for orbit in orbits]),
         )
-        assign(self.starts, x=[orbits[0].x0[0]], y=[orbits[0].x0[1]])
-        jumps = np.concatenate([orbit.jumps for orbit in orbits])
-        self.jumps.data = _columns(jumps)
-        return self._fit(system.name, extent(orbits))
 
-    def _name(self, system: core.PiecewiseSystem) -> None:
+    def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
+        """Put the stars where the trajectories start: also where a move was refused, to bring its star back."""
+        chosen = [k == selected for k in range(len(starts))]
+        self._turn += 1  # sent in any case: a hand may have moved them in the browser alone
+        self.starts.data = {
+            "x": [float(x) for x, _ in starts],
+            "y": [float(y) for _, y in starts],
+            "number": [str(k + 1) for k in range(len(starts))],
+            "size": [26 if it else 21 for it in chosen],
+            "fill": [ORANGE if it else PALE_STAR for it in chosen],
+            "chosen": chosen,
+            "heard": [self._heard] * len(starts),
+            "turn": [self._turn] * len(starts),
+        }
+
+    def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Say what is on the axes, and name in the legend only what is there."""
-        self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system)
+        self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, axes)
         self.surface_entry.label = value(surface_name(system))
-        self.surface_entry.visible = self.tint_entry.visible = shows_surface(system)
+        self.surface_entry.visible = self.tint_entry.visible = shows_surface(system, axes)
 
-    def _fit(self, system: str, box: Window) -> Window:
-        """Keep a view that holds the orbits at a fair size; else take a new one. A new system always gets its own."""
-        new_system = system != self._system
-        if self.frame is None or new_system or not _holds(self.frame, box):
-            self.frame, self._system = box, system
+    def _fit(self, what: Hashable, box: Window) -> Window:
+        """Keep a view that holds the orbits at a fair size, or is held itself; else take a new one.
+
+        A new system, or another plane, always gets its own.
+        """
+        news = what != self._fitted_to
+        if self.frame is None or news or not (self.dragging or _holds(self.frame, box)):
+            self.frame, self._fitted_to = box, what
             assign(self.corners, x=[box.x_low, box.x_high], y=[box.y_low, box.y_high])
             for axis in ranges(self.figure):  # as far as digits tell points apart, and no farther out than is of use
                 axis.min_interval = 1e-9 * _power_of_ten(max(map(abs, box)))
                 axis.max_interval = 1e4 * _power_of_ten(max(box.width, box.height))
-        if new_system:
+        if news:
             refit(self.figure)
         return self.frame
 
@@ -195,11 +514,66 @@ class PortraitView:
             self.arrows[side].data = _columns(ground.arrows[side])
 
 
-def extent(orbits: Sequence[Orbit]) -> Window:
-    """Return the box that shows the first orbit whole, closed surfaces of its size, and the others near it."""
+def portrait_text(
+    system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
+) -> str:
+    """Return what the portrait shows, in a sentence for those who cannot see it."""
+    across, up = (system.variables[k] for k in pictures.inputs.axes)
+    x, y = starts[selected]
+    count = len(starts)
+    which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
+    crossed = "; ".join(
+        f"{one.method} crosses the surface {one.crossings} time{'s' * (one.crossings != 1)}"
+        for one in pictures.summaries
+    )
+    return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {crossed}."
+
+
+def link_crossings(portrait: PortraitView, conserved: ConservedView) -> None:
+    """Mark a crossing that is pointed at in one of the views in the other too; the server hears nothing of it."""
+    args = {
+        "portrait": portrait.pointed, "conserved": conserved.pointed,
+        "marks": portrait.crossings, "ticks": conserved.instants,
+    }  # fmt: skip
+    from_portrait = CustomJS(args=args, code=POINT + POINT_FROM_PORTRAIT)
+    from_conserved = CustomJS(args=args, code=POINT + POINT_FROM_CONSERVED)
+    for view, callback in ((portrait, from_portrait), (conserved, from_conserved)):
+        view.hover.callback = callback
+        view.figure.js_on_event(MouseLeave, CustomJS(args=args, code=POINT + "point()"))
+
+
+def describe(plot: figure, words: str) -> None:
+    """Say what a figure shows now, for those who cannot see it; the browser takes it over at once."""
+    plot.html_attributes = {**plot.html_attributes, "aria-label": words}
+
+
+def extent(orbits: Sequence[Orbit], beside: Sequence[Orbit] = ()) -> Window:
+    """Return the box that shows the first orbit whole, closed surfaces of its size, and the others near it.
+
+    Parameters
+    ----------
+    orbits : sequence of Orbit
+        One for each integrator, from the start that is looked into.
+    beside : sequence of Orbit
+        The same from the other starts, start by start. Another start counts farther out than another integrator.
+    """
     first = Window.around(np.concatenate([orbits[0].path, orbits[0].surface]))
     points = np.concatenate([*(orbit.path for orbit in orbits), orbits[0].surface])
-    return Window.around(points[first.scaled(NEAR).holds(points)])
+    others = np.concatenate([np.empty((0, 2)), *(orbit.path for orbit in beside[:: len(orbits)])])
+    near, far = first.scaled(NEAR).holds(points), first.scaled(BESIDE).holds(others)
+    return Window.around(np.concatenate([points[near], others[far]]))
+
+
+def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
+    lines = [line_of(orbit.method) for orbit in orbits]
+    return {
+        "xs": [orbit.path[:, 0] for orbit in orbits],
+        "ys": [orbit.path[:, 1] for orbit in orbits],
+        "method": [orbit.method for orbit in orbits],
+        "colour": [line.colour for line in lines],
+        "dash": [list(line.dash) for line in lines],
+        "width": [thinner * line.width for line in lines],
+    }
 
 
 def _holds(frame: Window, box: Window) -> bool:

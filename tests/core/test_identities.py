@@ -5,7 +5,7 @@ import time
 import pytest
 import sympy
 
-from core.identities import independent, is_zero
+from core.identities import independent, is_larger, is_zero, size_expanded, tidied
 
 X, Y, A = sympy.symbols("x y a")
 
@@ -64,3 +64,47 @@ def test_the_verdict_is_the_same_every_time_and_quick() -> None:
     start = time.process_time()
     assert {is_zero(expression) for _ in range(20)} == {False}
     assert time.process_time() - start < 2
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x**" * 18 + "x",
+        "exp(exp(exp(exp(exp(1e9*x)))))",
+        "sin(exp(exp(exp(exp(x*1e50)))))",
+        "(x**2 + y**2)**((x**2 + y**2)**((x**2 + y**2)**(x**2*1e9)))",
+    ],
+)
+def test_values_too_large_to_work_out_are_passed_over_in_bounded_time(text: str) -> None:
+    # mpmath runs out of memory, or takes minutes, on each of them.
+    start = time.process_time()
+    assert not is_zero(sympy.sympify(text, rational=True))
+    assert time.process_time() - start < 2.0
+
+
+@pytest.mark.parametrize("text", ["2**x*4**y - 2**(x + 2*y)", "x**(a*y) - exp(a*y*log(x))", "(x*y)**a - x**a*y**a"])
+def test_zeros_of_powers_with_names_in_the_exponent_are_recognised(text: str) -> None:
+    assert is_zero(sympy.sympify(text))
+    assert not is_zero(sympy.sympify(text) + sympy.Rational(1, 10**20) * X)
+
+
+@pytest.mark.parametrize(
+    "text", ["x", "x*(y + a)", "(x + y + a)**5", "(x + y)**3*(x - a)**2", "sin((x + y)**4)", "1/(x + y)**3", "x*y"]
+)
+def test_no_more_terms_come_of_expanding_than_was_said(text: str) -> None:
+    expression = sympy.sympify(text)
+    expanded = sympy.expand(expression)
+    parts = [expanded, *(sympy.denom(expanded),), *(inner for inner in expanded.args if inner.is_Function)]
+    assert max(len(sympy.Add.make_args(part)) for part in parts) <= size_expanded(expression)
+
+
+def test_what_multiplies_out_to_less_is_shown_so_and_what_is_large_is_left_alone() -> None:
+    assert tidied((X + Y) ** 2 - X**2 - Y**2) == 2 * X * Y
+    assert tidied(X * (Y + A)) == X * (Y + A)
+    huge = (X + Y + A + 1) ** 64 - X**64
+    assert tidied(huge) is huge
+
+
+def test_sizes_of_trees_are_told_apart() -> None:
+    assert is_larger(X + Y, 2)
+    assert not is_larger(X + Y, 3)

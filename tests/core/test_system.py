@@ -3,6 +3,7 @@
 import copy
 import dataclasses
 import pickle
+import time
 from typing import Any
 
 import numpy as np
@@ -178,6 +179,30 @@ def test_what_is_left_of_a_quantity_that_is_not_conserved_is_shown() -> None:
     left = str(caught.value).split("time derivative is ")[1].removesuffix(", not 0")
     x, y, k = sympy.symbols("x y k")
     assert sympy.expand(sympy.sympify(left) - (2 * x * y - 2 * k * x * y)) == 0
+
+
+def test_what_is_left_over_is_not_shown_where_it_is_long() -> None:
+    with pytest.raises(ValueError, match="too long to show") as caught:
+        system(psi_minus=("*".join(f"sin(k*x*y + {k})*log(k*x + {k})" for k in range(1, 14)),))
+    assert len(str(caught.value)) < 600
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "sin(y)**20*cos(y)**20",
+        "sin(k*y)**3*cos(k*y)**3",
+        "(k + y + k**2 + 1/k)**64",
+        "sin(exp(y))*exp(y)*log(y)",
+        "y**60*exp(y)",
+        "log(y)**40",
+    ],
+)
+def test_a_quantity_that_takes_long_to_find_or_to_write_is_not_sought(law: str) -> None:
+    # sympy takes minutes over some of these integrals; others are longer than a declaration may be.
+    start = time.process_time()
+    assert system(f_plus=(law, "-x"), psi_plus=()).psi_plus == ()
+    assert time.process_time() - start < 2.0
 
 
 @pytest.mark.parametrize(

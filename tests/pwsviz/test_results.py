@@ -6,10 +6,10 @@ import pytest
 import core
 from pwsviz.cache import Cancelled
 from pwsviz.curves import RESOLUTION
-from pwsviz.inputs import Scheme, run_inputs, study_inputs
+from pwsviz.inputs import Scheme, beside_inputs, run_inputs, study_inputs
 from pwsviz.loss import accumulated_error
 from pwsviz.plane import Window
-from pwsviz.results import Results
+from pwsviz.results import PortraitInputs, Results
 from pwsviz.scene import Scene
 
 
@@ -18,26 +18,54 @@ def results():
     return Results()
 
 
+def portrait(scene):
+    return PortraitInputs(run_inputs(scene), beside_inputs(scene), scene.axes)
+
+
 def test_portrait_alone_draws_no_error_curve(results):
-    pictures = results.pictures(run_inputs(Scene()), with_errors=False)
-    assert pictures.errors is None
+    results.pictures(portrait(Scene()))
     assert results.computed["run"] == 2
     assert results.computed["curve"] == results.computed["study"] == results.computed["backdrop"] == 0
 
 
 def test_portrait_and_error_share_one_run_for_each_method(results):
-    inputs = run_inputs(Scene())
-    results.pictures(inputs, with_errors=True)
-    results.pictures(inputs, with_errors=True)
+    for _ in range(2):
+        results.pictures(portrait(Scene()))
+        results.error_curves(run_inputs(Scene()))
     assert dict(results.computed) == {"run": 2, "orbit": 2, "error": 2, "curve": 2, "summary": 2}
 
 
 def test_one_more_method_costs_one_more_run(results):
     scene = Scene()
-    results.pictures(run_inputs(scene), with_errors=True)
+    results.pictures(portrait(scene))
     scene.accept("methods", ["dmm2", "rk2", "rk4"])
-    results.pictures(run_inputs(scene), with_errors=True)
+    results.pictures(portrait(scene))
     assert results.computed["run"] == 3
+
+
+def test_one_more_trajectory_costs_one_more_run_for_each_integrator(results):
+    scene = Scene()
+    results.pictures(portrait(scene))
+    scene.place((-0.5, 0.25))
+    pictures = results.pictures(portrait(scene))
+    assert results.computed["run"] == 4
+    assert [orbit.start for orbit in pictures.orbits] == [(-0.5, 0.25)] * 2
+    assert [orbit.start for orbit in pictures.beside] == [(-1.0, -1.0)] * 2
+    scene.selected = 0
+    results.pictures(portrait(scene))
+    assert results.computed["run"] == 4
+
+
+def test_another_projection_costs_no_run(results):
+    scene = Scene(system="kepler", methods=["rk4"])
+    flat = results.pictures(portrait(scene)).orbits[0]
+    scene.accept("axes", (2, 3))
+    tilted = results.pictures(portrait(scene)).orbits[0]
+    assert results.computed["run"] == 1
+    run = results.run(run_inputs(scene)[0])
+    assert np.array_equal(flat.path[0], run.x[0, :2])
+    assert np.array_equal(tilted.path[0], run.x[0, 2:])
+    assert np.array_equal(tilted.crossings[0], run.crossings.x[0, 2:])
 
 
 def test_the_order_study_does_not_depend_on_step_size_and_end_time():

@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
+from pwsviz.checks import MAX_STEPS, number, require_few_steps
 from pwsviz.names import short_name
-from pwsviz.scene import MAX_STEPS, Scene, number, require_few_steps
+from pwsviz.scene import MAX_STARTS, Scene
 
 
 def test_starts_with_the_defaults_of_its_system():
@@ -26,7 +27,7 @@ def test_another_system_brings_its_own_parameters_and_start():
 
 
 def test_settings_given_at_the_start_are_kept():
-    assert Scene(x0=(0.5, 0.25)).x0 == (0.5, 0.25)
+    assert Scene(starts=((0.5, 0.25),)).x0 == (0.5, 0.25)
 
 
 @pytest.mark.parametrize(
@@ -117,15 +118,16 @@ def test_methods_keep_the_order_of_the_table():
 def test_the_order_study_follows_when_its_method_is_dropped():
     scene = Scene()
     scene.accept("methods", ["rk4"])
-    assert scene.study_method == "rk4"
-    assert scene.param["study_method"].objects == ["rk4"]
+    assert scene.looked_into == scene.order_method == "rk4"
+    scene.accept("methods", ["dmm2", "rk4"])
+    assert scene.order_method == "dmm2", "what the person chose comes back"
 
 
 def test_integrators_rest_where_they_cannot_be_used_and_come_back():
     scene = Scene(methods=["dmm2", "rk2", "prk8"])
     scene.system = "relay_feedback"
     assert scene.offered == ["rk2", "rk4", "rk8", "taylor"]
-    assert scene.used == scene.param["study_method"].objects == ["rk2"]
+    assert scene.used == scene.steady == ["rk2"]
     scene.accept("methods", ["rk4"])
     assert scene.used == ["rk4"]
     scene.system = "pendulum"
@@ -136,17 +138,18 @@ def test_there_is_an_integrator_where_none_of_the_chosen_can_be_used():
     scene = Scene(methods=["dmm2"])
     scene.system = "gene_switch"
     assert scene.used == ["rk2"]
-    assert scene.study_method == "rk2"
+    assert scene.looked_into == "rk2"
     scene.system = "kepler"
     assert scene.used == ["dmm2"]
 
 
 def test_the_order_study_offers_methods_that_have_an_order():
     scene = Scene(methods=["taylor", "rk4"])
-    assert scene.param["study_method"].objects == ["rk4"]
+    assert scene.steady == ["rk4"]
     scene.accept("methods", ["taylor"])
-    assert scene.study_method == "dmm2"
-    assert scene.param["study_method"].objects == ["dmm2"]
+    assert scene.steady == ["dmm2"]
+    assert scene.order_method == "dmm2"
+    assert scene.looked_into == "taylor"
 
 
 def test_a_slow_system_gets_time_to_cross_and_no_more_steps_than_allowed():
@@ -159,3 +162,94 @@ def test_a_slow_system_gets_time_to_cross_and_no_more_steps_than_allowed():
     scene.param.update(tau=1e-6, t_end=1.0)
     scene.system = "type_upward"
     require_few_steps(scene.t_end, scene.tau)
+
+
+def test_trajectories_are_placed_moved_and_removed():
+    scene = Scene()
+    scene.place((0.5, 0.25))
+    assert (len(scene.starts), scene.selected, scene.x0) == (2, 1, (0.5, 0.25))
+    scene.move(0, (0.5, -0.25))
+    assert (scene.starts, scene.selected) == (((0.5, -0.25), (0.5, 0.25)), 0)
+    scene.remove(0)
+    assert (scene.starts, scene.selected) == (((0.5, 0.25),), 0)
+    with pytest.raises(ValueError, match="has to stay"):
+        scene.remove(0)
+
+
+def test_there_is_room_for_so_many_trajectories_and_no_more():
+    scene = Scene()
+    for k in range(MAX_STARTS - 1):
+        scene.place((0.5, 0.01 * k))
+    with pytest.raises(ValueError, match="remove one first"):
+        scene.place((0.5, 0.5))
+    assert len(scene.starts) == MAX_STARTS
+
+
+def test_the_selected_trajectory_stays_selected_when_an_earlier_one_goes():
+    scene = Scene(starts=((0.1, 0.0), (0.2, 0.0), (0.3, 0.0)), selected=2)
+    scene.remove(0)
+    assert scene.x0 == (0.3, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("system", "pendulm", "is none of"),
+        ("system", "own", "no system of one's own"),
+        ("methods", ["dmm2", "euler"], "“euler” is not an integrator"),
+        ("peers", "scipy", "no list"),
+        ("starts", (), "From 1 to"),
+        ("starts", ((1.0,),), "needs 2 numbers"),
+        ("selected", 1, "between 0 and 0"),
+        ("axes", (0, 0), "no two of the 2 variables"),
+        ("axes", (0, 2), "no two"),
+        ("values.zeta", 1.0, "no parameter"),
+        ("view", "energy", "is none of"),
+        ("locate", 1, "neither on nor off"),
+        ("perturbation_order", 5, "is none of"),
+        ("perturbation_order", True, "is none of"),
+        ("stability_coordinate", 2, "between 0 and 1"),
+        ("colour", "red", "no setting"),
+    ],
+)
+def test_what_is_no_choice_is_refused_in_words(field, value, words):
+    scene = Scene()
+    before = scene.settings()
+    with pytest.raises(ValueError, match=words):
+        scene.accept(field, value)
+    assert scene.settings() == before
+
+
+def test_settings_bring_the_very_scene_back():
+    scene = Scene()
+    scene.load({"system": "kepler", "tau": 1e-3, "axes": (1, 3), "methods": ["rk4"], "view": "scheme"})
+    scene.place((1.25, 0.0, 0.0, 1.0))
+    other = Scene()
+    other.restore(scene.settings())
+    assert other.settings() == scene.settings()
+
+
+def test_loading_begins_anew():
+    scene = Scene()
+    scene.accept("tau", 0.05)
+    scene.load({"system": "pendulum", "t_end": 2000.0, "tau": 1e-3})
+    assert (scene.system, scene.t_end, scene.tau) == ("pendulum", 2000.0, 1e-3)
+    scene.load({})
+    assert scene.settings() == Scene().settings()
+    with pytest.raises(ValueError, match="between"):
+        scene.load({"system": "pendulum", "tau": -1.0})
+    assert scene.settings() == Scene().settings()
+
+
+def test_a_system_of_ones_own_is_like_any_other():
+    own = core.PiecewiseSystem(
+        "mine", ("u", "v"), ("v", "-k*u"), ("v", "-u"), "v", parameters={"k": 3.0}, x0=(1.0, 1.0)
+    )
+    scene = Scene()
+    scene.use(own)
+    scene.accept("values.k", 2.0)
+    assert scene.build() == own.with_parameters(k=2.0)
+    scene.accept("x0", (2.0, 0.5))
+    scene.system = "pendulum"
+    scene.system = "own"
+    assert (scene.x0, scene.values) == ((1.0, 1.0), {"k": 3.0})

@@ -18,7 +18,7 @@ def test_requests_that_were_overtaken_are_never_started():
 
 
 def test_a_job_that_takes_longer_than_its_patience_is_given_up_for_a_newer_one():
-    lane, seen, started = Lane(patience=0.05), [], Event()
+    lane, seen, started = Lane(), [], Event()
 
     def long(given_up):
         started.set()
@@ -26,17 +26,17 @@ def test_a_job_that_takes_longer_than_its_patience_is_given_up_for_a_newer_one()
             pass
         raise Cancelled
 
-    lane.submit(Job(long, seen.append))
+    lane.submit(Job(long, seen.append, patience=0.05))
     assert started.wait(5)
     lane.submit(Job(lambda _: "new", seen.append))
     assert lane.join(5)
     assert seen == ["new"]
 
 
-def test_a_quiet_lane_starts_when_requests_rest():
-    lane, started = Lane(quiet=0.05), []
+def test_a_job_that_wants_quiet_starts_when_requests_rest():
+    lane, started = Lane(), []
     for k in range(10):
-        lane.submit(Job(lambda _, k=k: started.append(k), lambda _: None))
+        lane.submit(Job(lambda _, k=k: started.append(k), lambda _: None, quiet=0.05))
     assert lane.join(5)
     assert started == [9]
 
@@ -49,22 +49,22 @@ def test_exceptions_are_delivered():
 
 
 def test_cancel_drops_what_waits():
-    lane, seen = Lane(quiet=10.0), []
-    lane.submit(Job(lambda _: 1, seen.append))
+    lane, seen = Lane(), []
+    lane.submit(Job(lambda _: 1, seen.append, quiet=10.0))
     lane.cancel()
     assert lane.join(5)
     assert seen == []
 
 
 def test_a_short_job_is_finished_although_a_newer_one_waits():
-    lane, seen, started, gate = Lane(patience=60.0), [], Event(), Event()
+    lane, seen, started, gate = Lane(), [], Event(), Event()
 
     def short(given_up):
         started.set()
         gate.wait(5)
         return given_up()
 
-    lane.submit(Job(short, seen.append))
+    lane.submit(Job(short, seen.append, patience=60.0))
     assert started.wait(5)
     lane.submit(Job(lambda _: "new", seen.append))
     gate.set()

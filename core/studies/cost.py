@@ -1,0 +1,359 @@
+"""Run time against error: what accuracy costs, of our methods and of integrators made by others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from core.integrate import checked_method, checked_settings, checked_start
+from core.laws import Floats
+from core.methods import METHODS
+from core.reference import Solution, reference_solution
+from core.studies.measure import Measured, Problem, measure
+from core.studies.peers import PEERS
+from core.studies.tasks import as_completed
+from core.system import PiecewiseSystem
+
+__all__ = ["CANCELLED", "DONE", "WAITING", "CostCurve", "WorkPrecision", "work_precision"]
+
+_METHODS = ("dmm2", "dmm4", "rk4", "prk8", "taylor")
+_TOLERANCES = tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13, 15))
+#: Step sizes: the coarsest as part of the mean time between crossings, the digits of error between one and the next and
+#: from the first to the last, and the number of steps a second of the budget is good for.
+_COARSEST, _DIGITS, _ALL_DIGITS, _STEPS_A_SECOND = 0.25, 1.5, 12.0, 5e5
+_MAX_SETTINGS, _MAX_REPEATS = 64, 1000
+#: Where no end is given: so many crossings, or where there are none, so long.
+_CROSSINGS, _LENGTH = 10, 10.0
+#: Round-off of state and reference together, in units of eps times the size; and the part of a reference's estimate of
+#: its own error, which is that of the worse of two solutions, that it is taken to err by (as in `core.studies.order`).
+_ROUND_OFF, _OF_ESTIMATE = 16.0 * 2.0**-52, 0.1
+
+#: What `CostCurve.status` says where nothing is wrong.
+WAITING, CANCELLED, DONE = "not measured yet", "cancelled", "completed"
+
+
+@dataclass(frozen=True)
+class CostCurve:
+    """One integrator at m settings; nan where there is nothing to show, and `status` says why."""
+
+    name: str
+    """A key of METHODS, or of core.studies.peers.PEERS."""
+    title: str
+    """For people."""
+    peer: bool
+    """Whether it was made by others."""
+    setting_name: str
+    """"tau" or "tolerance"."""
+    setting: Floats
+    """(m,) step sizes or tolerances."""
+    seconds: Floats
+    """(m,) processor time of the thread, of the fastest repeat after a first run that is not timed."""
+    evaluations: Floats
+    """(m,) of the (discrete) field; nan for heyoka, which does not count them."""
+    state_error: Floats
+    """(m,) ‖x − x*‖ at the end."""
+    time_error: Floats
+    """(m,) |t̂ − t*| of the last crossing; nan where there is none, or where their number is wrong."""
+    invariant_error: Floats
+    """(m,) largest |Δψ| over all visits to a side, from where it was entered to where it was left, or to the end: as
+    `Trajectory.conserved_error` has it. nan where no ψ is known."""
+    crossings: Floats
+    """(m,) how many were found."""
+    status: tuple[str, ...]
+    """(m,) `DONE`, `WAITING`, `CANCELLED`, or what is wrong."""
+    compile_seconds: float
+    """Processor time of getting ready, in none of `seconds`: to compile, or to load from disk. nan if not measured."""
+
+
+@dataclass(frozen=True)
+class WorkPrecision:
+    """What every integrator made of the same initial value."""
+
+    t_span: tuple[float, float]
+    curves: tuple[CostCurve, ...]
+    crossings: int
+    """How many the solution has."""
+    reference: str
+    """What the errors were measured against."""
+    floor: Mapping[str, float]
+    """Error below which nothing but round-off, of run and reference, is seen: of "state", "time" and "invariant"."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether everything has been measured."""
+        return not any({WAITING, CANCELLED} & set(curve.status) for curve in self.curves)
+
+
+def work_precision(
+    system: PiecewiseSystem,
+    t_span: tuple[float, float] | None = None,
+    x0: Sequence[float] | None = None,
+    methods: Sequence[str] | None = None,
+    settings: Mapping[str, Sequence[float]] | None = None,
+    peers: Sequence[str] = ("scipy",),
+    repeats: int = 3,
+    budget: float = 2.0,
+    executor: Executor | None = None,
+    progress: Callable[[int, int, WorkPrecision], object] | None = None,
+    cancel: Callable[[], bool] | None = None,
+) -> WorkPrecision:
+    """Measure run time and error of some integrators, each at several step sizes or tolerances.
+
+    Times are processor time of the thread that runs, so whatever else the machine does meanwhile is not in them; it
+    shares caches and memory all the same. In one process, one run goes on at a time, since threads that wait for each
+    other's turn with the interpreter would spend processor time on that; many processes, as of a cluster, measure side
+    by side. Times are those of the whole call: of ours ``integrate(..., record="end")``, of a peer the loop from
+    crossing to crossing. The first run is not timed, the garbage collector rests, the least of the repeats counts,
+    compiling is told apart.
+
+    Parameters
+    ----------
+    t_span
+        Start and end time; where not given, from 0 to halfway between the tenth crossing and the next.
+    x0
+        d numbers; the system's own x0 where not given.
+    methods
+        Keys of METHODS. Where not given, those of dmm2, dmm4, rk4, prk8 and taylor that the system admits.
+    settings
+        Name of a method or a peer -> step sizes, or tolerances. For names not in it, some that suit the system.
+    peers
+        Keys of core.studies.peers.PEERS: "scipy", and "heyoka", which need not be installed.
+    repeats
+        How many timed runs at most, at one setting.
+    budget
+        Seconds that one run may take; one that takes longer is given up and leaves a gap.
+    executor
+        Where to measure (see `core.studies.tasks.as_completed`); None: on threads of its own.
+    progress
+        Called as ``progress(done, total, partial)`` after every setting of every integrator.
+    cancel
+        Asked twenty times a second; what is measured when it returns True is returned.
+
+    Raises
+    ------
+    ValueError
+        On arguments that make no sense, and where the solution ends before `t_span` does.
+    """
+    names = _checked_names(system, methods, peers)
+    span = _checked_span(t_span)
+    start = checked_start(system, span[0], x0)
+    _check_limits(repeats, budget)
+    given = _checked_ladders(names, settings or {})
+    exact = reference_solution(system, start, span[0])
+    target = _target(system, exact, start, span)
+    ladders = {name: given.get(name) or _ladder(name, target, budget) for name in names}
+    study = _Study(system, target, exact.name, ladders)
+    most = 2 * target.crossings + 10
+    problem = Problem(system, span[0], target.end, start, most, repeats, budget)
+    tasks = [(problem, name, setting) for _, name, setting in study.places]
+    for done, (number, measured) in enumerate(as_completed(measure, tasks, executor, cancel), 1):
+        study.put(number, measured)
+        if progress is not None:
+            progress(done, len(tasks), study.result())
+    return study.result(CANCELLED)
+
+
+@dataclass(frozen=True)
+class _Target:
+    """The solution, where runs are compared with it."""
+
+    t0: float
+    end: float
+    x: Floats
+    crossings: int
+    last: float
+    floor: Mapping[str, float]
+
+
+class _Study:
+    """Fills the curves, a point at a time."""
+
+    def __init__(
+        self, system: PiecewiseSystem, target: _Target, reference: str, ladders: Mapping[str, Sequence[float]]
+    ) -> None:
+        self._target = target
+        self._reference = reference
+        self._curves = [_empty(name, ladder) for name, ladder in ladders.items()]
+        rounds = range(max(map(len, ladders.values())))
+        #: Column of a curve, its name and the setting: the cheap ones of all integrators first.
+        self.places = [
+            (k, curve.name, float(curve.setting[k])) for k in rounds for curve in self._curves if k < len(curve.setting)
+        ]
+        self._by_name = {curve.name: number for number, curve in enumerate(self._curves)}
+
+    def put(self, number: int, measured: Measured) -> None:
+        """Enter what was measured."""
+        k, name, _ = self.places[number]
+        place = self._by_name[name]
+        self._curves[place] = _with_point(self._curves[place], k, measured, self._target)
+
+    def result(self, waiting: str = WAITING) -> WorkPrecision:
+        """What is there so far."""
+        curves = [
+            replace(curve, status=tuple(waiting if s == WAITING else s for s in curve.status)) for curve in self._curves
+        ]
+        target = self._target
+        span = (target.t0, target.end)
+        return WorkPrecision(span, tuple(curves), target.crossings, self._reference, target.floor)
+
+
+def _empty(name: str, ladder: Sequence[float]) -> CostCurve:
+    peer = PEERS.get(name)
+    setting_name = "tolerance" if peer is not None or METHODS[name].adaptive else "tau"
+    nothing = np.full(len(ladder), np.nan)
+    title = name if peer is None else peer.title
+    status = (WAITING,) * len(ladder)
+    return CostCurve(
+        name, title, peer is not None, setting_name, np.array(ladder), nothing, nothing, nothing, nothing, nothing,
+        nothing, status, math.nan,
+    )  # fmt: skip
+
+
+def _with_point(curve: CostCurve, k: int, measured: Measured, target: _Target) -> CostCurve:
+    """The curve with column k filled; arrays handed out before stay as they are."""
+    status = measured.reason or DONE
+    values: dict[str, float] = {}
+    if measured.x is not None:
+        right = measured.crossings == target.crossings
+        if not right:
+            status = f"{measured.crossings} crossings, where the solution has {target.crossings}"
+        values = {
+            "seconds": measured.seconds,
+            "evaluations": measured.evaluations,
+            "state_error": float(np.linalg.norm(measured.x - target.x)),
+            "time_error": abs(measured.last - target.last) if right else math.nan,
+            "invariant_error": measured.conserved_error,
+            "crossings": measured.crossings,
+        }
+    columns: dict[str, Any] = {name: np.array(getattr(curve, name)) for name in values}
+    for name, value in values.items():
+        columns[name][k] = value
+    compiling = float(np.fmax(curve.compile_seconds, measured.compiling))
+    return replace(
+        curve, status=(*curve.status[:k], status, *curve.status[k + 1 :]), compile_seconds=compiling, **columns
+    )
+
+
+def _checked_names(system: PiecewiseSystem, methods: Sequence[str] | None, peers: Sequence[str]) -> list[str]:
+    if methods is None:
+        known = bool(system.psi_minus or system.psi_plus)
+        methods = [name for name in _METHODS if known or not METHODS[name].needs_conserved]
+    names = [checked_method(system, name).name for name in methods]
+    for name in peers:
+        if name not in PEERS:
+            raise ValueError(f"peer {name!r} is not known: choose from {', '.join(PEERS)}")
+    names += peers
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"{twice[0]!r} stands twice among the methods and peers: name each once")
+    if not names:
+        raise ValueError("methods and peers are both empty: name one integrator at least")
+    return names
+
+
+def _checked_span(t_span: tuple[float, float] | None) -> tuple[float, float | None]:
+    if t_span is None:
+        return 0.0, None
+    try:
+        t0, end = (float(t) for t in t_span)
+    except (TypeError, ValueError):
+        raise ValueError(f"t_span = {t_span!r}: a start and an end time are needed, as in (0.0, 60.0)") from None
+    if not (math.isfinite(t0) and math.isfinite(end) and t0 < end):
+        raise ValueError(f"t_span = {t_span!r}: the end must be after the start, and both finite")
+    return t0, end
+
+
+def _check_limits(repeats: int, budget: float) -> None:
+    if not isinstance(repeats, int) or not 1 <= repeats <= _MAX_REPEATS:
+        raise ValueError(f"repeats = {repeats!r}: a whole number from 1 to {_MAX_REPEATS} is needed")
+    if not (math.isfinite(budget) and budget > 0):
+        raise ValueError(f"budget = {budget!r}: a positive number of seconds is needed")
+
+
+def _checked_ladders(names: Sequence[str], settings: Mapping[str, Sequence[float]]) -> dict[str, list[float]]:
+    if unknown := sorted(set(settings) - set(names)):
+        raise ValueError(f"settings of {unknown[0]!r}, which is not among {', '.join(names)}")
+    ladders = {}
+    for name, values in settings.items():
+        ladder = [float(v) for v in values]
+        if not 1 <= len(ladder) <= _MAX_SETTINGS:
+            raise ValueError(f"settings of {name!r} are {len(ladder)} numbers: 1 to {_MAX_SETTINGS} are possible")
+        for value in ladder:
+            _check_setting(name, value)
+        ladders[name] = ladder
+    return ladders
+
+
+def _check_setting(name: str, value: float) -> None:
+    if name in METHODS:
+        adaptive = METHODS[name].adaptive
+        checked_settings(METHODS[name], None if adaptive else value, value if adaptive else None)
+    elif not PEERS[name].finest <= value <= 0.1:
+        raise ValueError(f"tolerance = {value!r} of {name!r} is outside {PEERS[name].finest:.2g} … 0.1")
+
+
+def _ladder(name: str, target: _Target, budget: float) -> list[float]:
+    """Settings from coarse to fine, such that the errors are likely to range over many powers of ten."""
+    if name in PEERS:
+        return list(PEERS[name].tolerances)
+    order = METHODS[name].order
+    if order is None:
+        return list(_TOLERANCES)
+    length = target.end - target.t0
+    coarsest = _COARSEST * length / (target.crossings + 1)
+    finest = max(coarsest * 10 ** (-_ALL_DIGITS / order), length / (_STEPS_A_SECOND * budget))
+    count = max(int(math.log10(coarsest / finest) * order / _DIGITS), 1)
+    return [coarsest * 10 ** (-_DIGITS / order * k) for k in range(count + 1)]
+
+
+def _target(
+    system: PiecewiseSystem, exact: Solution, x0: tuple[float, ...], span: tuple[float, float | None]
+) -> _Target:
+    """Where the solution is at the end, and the crossings it has until then."""
+    t0, end = span
+    if end is None:
+        end = _usual_end(exact, t0)
+    try:
+        x = exact.state(end)
+    except ValueError as why:
+        raise ValueError(f"t_span ends at {end:g}, after the solution: {why}; take an earlier end") from None
+    times = _crossing_times(exact, end)
+    size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
+    estimate = _OF_ESTIMATE * (exact.error or 0.0)
+    floor = {
+        "state": max(_ROUND_OFF * size, estimate),
+        "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),
+        "invariant": _ROUND_OFF * max(_psi_size(system, exact.side(t), t, y) for t, y in ((t0, x0), (end, x))),
+    }
+    return _Target(t0, end, x, len(times), times[-1] if times else math.nan, floor)
+
+
+def _psi_size(system: PiecewiseSystem, side: int, t: float, x: Sequence[float] | Floats) -> float:
+    """Size of the terms of ψ, of which ψ itself may be a small difference: the largest Σ|xₖ ∂ψ/∂xₖ|; 0 without a ψ."""
+    laws = system.laws
+    sizes = [sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.sides[side].conserved]
+    return float(laws.evaluate(("psi size", side), sizes, t, x, system.parameter_array).max(initial=0.0))
+
+
+def _usual_end(exact: Solution, t0: float) -> float:
+    """Away from the surface, after ten crossings or what there are."""
+    times = [t0, *_crossing_times(exact, math.inf, _CROSSINGS + 1)]
+    return (times[-2] + times[-1]) / 2 if len(times) > 1 else t0 + _LENGTH
+
+
+def _crossing_times(exact: Solution, end: float, most: float = math.inf) -> list[float]:
+    """Times of the crossings up to `end`; ValueError is how a solution says that it has no more."""
+    times: list[float] = []
+    while len(times) < most:
+        try:
+            t, _ = exact.crossing(len(times) + 1)
+        except ValueError:
+            break
+        if t > end:
+            break
+        times.append(t)
+    return times

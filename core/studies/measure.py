@@ -1,0 +1,169 @@
+"""One point of a work-precision diagram: what a run costs, and where it leads."""
+
+from __future__ import annotations
+
+import gc
+import math
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from core.integrate import integrate
+from core.laws import Floats
+from core.methods import METHODS
+from core.studies.peers import PEERS, Arcs, Numbers, Stopped, peer_arcs
+from core.system import PiecewiseSystem
+from core.trajectory import Status, Trajectory
+
+__all__ = ["Measured", "Problem", "measure"]
+
+#: Held while one integrator is measured: threads that wait for each other's turn with the interpreter spend processor
+#: time on that, of which a run of a tenth of a millisecond would be mostly made.
+_turn = threading.Lock()
+
+
+class Problem(NamedTuple):
+    """What every integrator is asked to do."""
+
+    system: PiecewiseSystem
+    t0: float
+    end: float
+    x0: tuple[float, ...]
+    most: int
+    """Number of crossings beyond which a peer's run is given up."""
+    repeats: int
+    budget: float
+    """Seconds that one run may take."""
+
+
+class Measured(NamedTuple):
+    """What one run costs and where it leads; nan in all but `compiling` where it does not get to the end."""
+
+    reason: str
+    """Why there is nothing; empty where there is."""
+    compiling: float
+    """Processor time (s) of getting ready: to compile, or to load from disk; next to none where it was in memory."""
+    seconds: float = math.nan
+    evaluations: float = math.nan
+    x: Floats | None = None
+    """(d,) at the end."""
+    crossings: int = 0
+    last: float = math.nan
+    """Time of the last crossing."""
+    conserved_error: float = math.nan
+    """Largest change of any ψ from where its side was entered to where it was left, or to the end."""
+
+
+class _Clock:
+    """Tells when a run has used up the processor time it may take."""
+
+    def __init__(self, budget: float) -> None:
+        self._budget, self._end = budget, time.thread_time() + budget
+
+    def over(self) -> bool:
+        return time.thread_time() > self._end
+
+    def check(self) -> None:
+        if self.over():
+            raise Stopped(self.reason)
+
+    @property
+    def reason(self) -> str:
+        return f"takes longer than the {self._budget:g} s a run may take"
+
+
+def measure(problem: Problem, name: str, setting: float) -> Measured:
+    """Run one integrator at one setting; in one process, one at a time.
+
+    The first run is not timed: it tells where the crossings are. Then repeats, of which the fastest counts; no further
+    one is begun when those done have taken as long as one may.
+
+    Parameters
+    ----------
+    name
+        A key of METHODS or of PEERS.
+    setting
+        Step size, or tolerance.
+    """
+    with _turn:
+        return _measure(problem, name, setting)
+
+
+def _measure(problem: Problem, name: str, setting: float) -> Measured:
+    started = time.thread_time()
+    try:
+        explore, again = (_own if name in METHODS else _peer)(problem, name, setting)
+    except Stopped as why:
+        return Measured(str(why), time.thread_time() - started)
+    compiling = time.thread_time() - started
+    clock = _Clock(problem.budget)
+    try:
+        arcs = explore(clock)
+    except Stopped as why:
+        return Measured(str(why), compiling)
+    x, last = arcs.left[-1][1], arcs.left[-2][0] if arcs.crossings else math.nan
+    if not np.isfinite(x).all():
+        return Measured("the state at the end is not finite", compiling)
+    seconds = _fastest(again, problem.repeats, problem.budget)
+    error = arcs.conserved_error(problem.system)
+    return Measured("", compiling, seconds, arcs.evaluations, x, arcs.crossings, last, error)
+
+
+def _own(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
+    """A method of ours: as a run that keeps its crossings, and as one that keeps the end only, as fast as can be."""
+    key = "tolerance" if METHODS[name].adaptive else "tau"
+    options: dict[str, Any] = {key: setting, "method": name}
+    system, span, start = problem.system, (problem.t0, problem.end), problem.x0
+
+    def explore(clock: _Clock) -> Arcs:
+        run = integrate(system, span, start, record="crossings", cancel=clock.over, **options)
+        if run.status is not Status.COMPLETED:
+            raise Stopped(clock.reason if run.status is Status.CANCELLED else run.status.reason)
+        return _arcs(run)
+
+    integrate(system, span, start, record="end", max_steps=1, **options)  # compiles what there is to compile
+    return explore, lambda: integrate(system, span, start, record="end", **options)
+
+
+def _arcs(run: Trajectory) -> Arcs:
+    t, x = [*run.crossings.t, run.t[-1]], [*run.crossings.x, run.x[-1]]
+    side = [int(run.side[0]), *run.crossings.side.tolist()]
+    entered = list(zip(run.entered_t, run.entered_x, strict=True))
+    return Arcs(side, entered, list(zip(t, x, strict=True)), run.evaluations)
+
+
+def _peer(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
+    """A peer, and again the same."""
+    start, numbers = np.array(problem.x0), Numbers(problem.system)
+    march = PEERS[name].prepare(numbers, setting, float(np.abs(start).max()) or 1.0)
+
+    def run(check: Callable[[], None]) -> Arcs:
+        return peer_arcs(numbers, march, problem.t0, problem.end, start, problem.most, check)
+
+    def explore(clock: _Clock) -> Arcs:
+        return run(clock.check)
+
+    return explore, lambda: run(_nothing)
+
+
+def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
+    """Least processor time of this thread: what else the machine does meanwhile does not count."""
+    times: list[float] = []
+    collects = gc.isenabled()
+    gc.disable()  # as `timeit` does
+    try:
+        while len(times) < repeats and sum(times) < budget:
+            started = time.thread_time()
+            run()
+            times.append(time.thread_time() - started)
+    finally:
+        if collects:
+            gc.enable()
+    return min(times)
+
+
+def _nothing() -> None:
+    pass

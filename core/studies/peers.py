@@ -1,0 +1,274 @@
+"""Integrators made by others on any declared system: SciPy's DOP853 and heyoka, restarted where they reach the surface.
+
+Used as their manuals say: a terminal event stops them on the surface, the jump is applied, and they start anew with the
+field of the other side. The side is carried, so a restart does not fire again. (`core.reference.peer` looks for
+crossings itself, and at one tolerance: it is made to be trusted, not to be fast.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import sympy
+from scipy.integrate import solve_ivp
+from sympy import Expr
+
+from core.expressions import TIME
+from core.laws import Floats
+from core.system import PiecewiseSystem
+
+__all__ = ["PEERS", "Arcs", "Peer", "Stopped", "peer_arcs"]
+
+_EPS = 2.0**-52
+_OFF_SURFACE = 1e-9  #: |g| after a jump above this part of what it was on the way there: the jump leads off the surface
+#: What is added to g for heyoka, far below round-off: where g is 0 to the last bit, as after a jump, it sees no root
+#: that comes later in the step.
+_NOT_ZERO = 2.0**-100
+_STEPS_AT_ONCE = 4096  #: of heyoka, between looks at the clock
+
+
+class Stopped(Exception):  # noqa: N818 - it is no error of the program's
+    """A peer cannot go on, or may not; the text says why."""
+
+
+@dataclass
+class Arcs:
+    """A run as what is known where it enters and leaves each side: k crossings, k + 1 arcs."""
+
+    side: list[int] = field(default_factory=list)
+    entered: list[tuple[float, Floats]] = field(default_factory=list)
+    """Time and state at the start, and after each crossing."""
+    left: list[tuple[float, Floats]] = field(default_factory=list)
+    """Time and state at each crossing, before its jump, and at the end."""
+    evaluations: float = np.nan
+    """Of the field; nan where that is not known."""
+
+    @property
+    def crossings(self) -> int:
+        """How many there are."""
+        return len(self.left) - 1
+
+    def conserved_error(self, system: PiecewiseSystem) -> float:
+        """Largest change of any ψ from where its side was entered to where it was left; nan where there is no ψ."""
+        worst = np.nan
+        for sign in (-1, 1):
+            ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == sign]
+            if ends and system.laws.sides[sign].conserved:
+                psi = [
+                    system.conserved(sign, np.array([t for t, _ in one]), np.array([x for _, x in one]))
+                    for one in zip(*ends, strict=True)
+                ]
+                worst = np.fmax(worst, np.abs(psi[1] - psi[0]).max())
+        return float(worst)
+
+
+class Arrival(NamedTuple):
+    """Where a peer stopped: on the surface, or at the end time."""
+
+    t: float
+    x: Floats
+    on_surface: bool
+    evaluations: float
+
+
+class March(Protocol):
+    """One integrator, ready to be run again and again."""
+
+    def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
+        """Go on from (t, x) on a side until the surface or `end`; `Stopped` where neither is reached."""
+
+
+class Peer(NamedTuple):
+    """An integrator made by others."""
+
+    name: str
+    """Its key in PEERS."""
+    title: str
+    """For people."""
+    finest: float
+    """The least tolerance it takes."""
+    tolerances: tuple[float, ...]
+    """To try, where nothing else is asked for."""
+    prepare: Callable[[Numbers, float, float], March]
+    """(system as functions of numbers, tolerance, size of the state) -> integrator; `Stopped` if not installed."""
+
+
+class Numbers:
+    """A system as functions of plain numbers, which cost half a microsecond a call, less than a compiled one does."""
+
+    def __init__(self, system: PiecewiseSystem) -> None:
+        laws = self.laws = system.laws
+        self.system, self._p = system, system.parameter_array.tolist()
+        self._names = {s: sympy.Symbol(f"u{k}") for k, s in enumerate((TIME, *laws.x, *laws.p))}
+
+    @cached_property
+    def field(self) -> Mapping[int, Callable[[float, Floats], Sequence[float]]]:
+        """(t, x) -> f (d,), of each side."""
+        return {side: self._function(self.laws.sides[side].field) for side in (-1, 1)}
+
+    @cached_property
+    def height(self) -> Callable[[float, Floats], Sequence[float]]:
+        """(t, x) -> (g,)."""
+        return self._function((self.laws.g,))
+
+    @cached_property
+    def rate(self) -> Mapping[int, Callable[[float, Floats], Sequence[float]]]:
+        """(t, x) -> (ġ,), of each side."""
+        return {side: self._function((self.laws.sides[side].g_dot,)) for side in (-1, 1)}
+
+    @cached_property
+    def jump(self) -> Callable[[float, Floats], Sequence[float]] | None:
+        """(t, x) -> the state (d,) after the jump; None where there is none."""
+        return None if self.laws.jump is None else self._function(self.laws.jump)
+
+    def _function(self, expressions: Sequence[Expr]) -> Callable[[float, Floats], Sequence[float]]:
+        compute = sympy.lambdify(list(self._names.values()), [e.xreplace(self._names) for e in expressions], "math")
+        p, nothing = self._p, [np.nan] * len(expressions)
+
+        def values(t: float, x: Floats) -> Sequence[float]:
+            try:
+                return compute(t, *x.tolist(), *p)  # type: ignore[no-any-return]
+            except (ArithmeticError, ValueError):  # of a trial step: the integrator then takes a shorter one
+                return nothing
+
+        return values
+
+    def first_side(self, t: float, x: Floats) -> int:
+        """Side on which a motion from (t, x) begins."""
+        return self._side(t, x, 0.0)
+
+    def landing(self, t: float, x: Floats, side: int, since: float) -> tuple[int, Floats]:
+        """Side and state after an arc of a side has reached the surface at (t, x)."""
+        if self.jump is None:
+            return -side, x
+        reach = _OFF_SURFACE * abs(self.rate[side](t, x)[0]) * (t - since)
+        after = np.array(self.jump(t, x), dtype=float)
+        return self._side(t, after, reach), after
+
+    def _side(self, t: float, x: Floats, reach: float) -> int:
+        """The sign of g; on the surface, the side to which the fields lead."""
+        height = self.height(t, x)[0]
+        if abs(height) > reach:
+            return 1 if height > 0 else -1
+        return 1 if self.rate[1](t, x)[0] > 0 else -1
+
+
+def peer_arcs(
+    numbers: Numbers, march: March, t0: float, end: float, x0: Floats, most: int, check: Callable[[], None]
+) -> Arcs:
+    """Integrate from crossing to crossing.
+
+    Parameters
+    ----------
+    most
+        Number of crossings beyond which the run is given up.
+    check
+        Called now and then; it raises `Stopped` where the run is to be given up.
+
+    Raises
+    ------
+    Stopped
+        Where the run does not get to the end.
+    """
+    arcs = Arcs(evaluations=0.0)
+    t, x, side = t0, x0, numbers.first_side(t0, x0)
+    while True:
+        arcs.side.append(side)
+        arcs.entered.append((t, x))
+        since = t
+        t, x, on_surface, evaluations = march.arc(side, t, x, end, check)
+        arcs.left.append((t, x))
+        arcs.evaluations += evaluations
+        if not on_surface:
+            return arcs
+        if arcs.crossings > most:
+            raise Stopped(f"more than {most} crossings, up to t = {t:.6g}")
+        side, x = numbers.landing(t, x, side, since)
+
+
+class _ScipyMarch:
+    """SciPy's `solve_ivp` with DOP853 and one terminal event for each side, which fires only when leaving the side."""
+
+    def __init__(self, numbers: Numbers, tolerance: float, size: float) -> None:
+        self._field = numbers.field
+        self._options: dict[str, Any] = {"method": "DOP853", "rtol": tolerance, "atol": tolerance * size}
+        self._check: Callable[[], None]
+        self._events = {side: self._leaving(numbers, side) for side in (-1, 1)}
+
+    def _leaving(self, numbers: Numbers, side: int) -> Any:
+        height = numbers.height
+
+        def event(t: float, x: Floats) -> float:  # once a step: here the clock is looked at
+            self._check()
+            return height(t, x)[0]
+
+        event.terminal, event.direction = True, -side  # type: ignore[attr-defined]
+        return event
+
+    def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
+        """Go on until the surface or `end`."""
+        self._check = check
+        run = solve_ivp(self._field[side], (t, end), x, events=self._events[side], **self._options)
+        if not run.success:
+            raise Stopped(f"SciPy stops at t = {run.t[-1]:.6g}: {run.message}")
+        return Arrival(float(run.t[-1]), np.ascontiguousarray(run.y[:, -1]), run.status == 1, run.nfev)
+
+
+class _HeyokaMarch:
+    """heyoka: one Taylor integrator for each side, with a terminal event which fires only when leaving the side."""
+
+    def __init__(self, numbers: Numbers, tolerance: float, size: float) -> None:
+        try:
+            import heyoka
+        except ImportError:
+            raise Stopped("heyoka is not installed") from None
+        self._outcomes = heyoka.taylor_outcome
+        self._integrators = {side: _heyoka_integrator(heyoka, numbers.system, side, tolerance) for side in (-1, 1)}
+        self._states = {side: one.state for side, one in self._integrators.items()}  # looked up once: a look takes long
+
+    def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
+        """Go on until the surface or `end`."""
+        one, state, outcomes = self._integrators[side], self._states[side], self._outcomes
+        one.time, state[:] = t, x
+        one.reset_cooldowns()
+        while (outcome := one.propagate_until(end, max_steps=_STEPS_AT_ONCE)[0]) == outcomes.step_limit:
+            check()
+        if outcome != outcomes.time_limit and outcome.value != -1:
+            raise Stopped(f"heyoka stops at t = {one.time:.6g}: {outcome}")
+        return Arrival(one.time, state.copy(), outcome != outcomes.time_limit, np.nan)
+
+
+def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: float) -> Any:
+    laws, d = system.laws, system.dimension
+    variables = [hy.expression(f"u{k}") for k in range(d)]
+    wanted = [_in_floats(e) for e in (*laws.sides[side].field, laws.g)]
+    used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # it takes no others
+    names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}
+    *rates, height = (hy.from_sympy(e, names) for e in wanted)
+    height += side * _NOT_ZERO
+    way = hy.event_direction.negative if side > 0 else hy.event_direction.positive
+    return hy.taylor_adaptive(
+        list(zip(variables, rates, strict=True)), [0.0] * d, tol=tolerance,
+        pars=[system.values[str(q)] for q in used], t_events=[hy.t_event(height, direction=way)],
+    )  # fmt: skip
+
+
+def _in_floats(expression: Expr) -> Expr:
+    """The expression with ratios and constants as floating-point numbers: heyoka takes no other."""
+    exact = {q for q in expression.atoms(sympy.Rational, sympy.NumberSymbol) if not q.is_Integer}
+    return expression.xreplace({q: sympy.Float(q, 17) for q in exact})
+
+
+#: Every peer by name.
+PEERS: Mapping[str, Peer] = MappingProxyType({
+    peer.name: peer
+    for peer in (
+        Peer("scipy", "SciPy DOP853", 100 * _EPS, tuple(10.0**-k for k in (3, 5, 7, 9, 11, 12, 13)), _ScipyMarch),
+        Peer("heyoka", "heyoka", _EPS, tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13, 15)), _HeyokaMarch),
+    )
+})  # fmt: skip

@@ -1,0 +1,24 @@
+"""Stability: how large a step may be, what comes of which start, what drifts, and what happens beside a tangency."""
+
+from core.studies.stability.drift import Drift
+from core.studies.stability.grazing import Grazing
+from core.studies.stability.largest import LargestTau
+from core.studies.stability.outcomes import OutcomeMap
+from core.studies.stability.study import PARTS, StabilityStudy, stability_study
+from core.studies.stability.verdict import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, outcome_words
+
+__all__ = [
+    "ENDINGS",
+    "NOT_YET",
+    "NO_START",
+    "PARTS",
+    "WENT_ON",
+    "WRONG_CROSSINGS",
+    "Drift",
+    "Grazing",
+    "LargestTau",
+    "OutcomeMap",
+    "StabilityStudy",
+    "outcome_words",
+    "stability_study",
+]

@@ -1,0 +1,150 @@
+"""What a long run makes of ψ."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+
+from core.integrate import integrate
+from core.laws import Floats
+from core.methods import METHODS
+from core.studies.stability.plan import Plan
+from core.studies.stability.verdict import losses
+from core.studies.tasks import as_completed
+from core.system import PiecewiseSystem
+from core.trajectory import Status, Trajectory
+
+__all__ = ["Drift", "count", "run"]
+
+Item = TypeVar("Item")
+
+_FIRST, _LONGEST = 100, 100_000  #: steps of the first piece of a run, and of the longest: some tenths of a second
+_COLUMNS = 24  #: parts of each piece in which the largest error is kept
+_ADAPTIVE = 4  #: a method that chooses its steps may take so many times as many
+
+
+@dataclass(frozen=True)
+class Drift:
+    """|Δψ| against time: what an integrator has made of ψ, added up over the visits to both sides.
+
+    A visit's part of it is worked out in double-double in the loop; what earlier visits left is measured at the
+    crossings, where rounding the states to double is good for about eps times the size of ψ each.
+    """
+
+    tau: float
+    """Step size; of a method that chooses its own, the longest it may take."""
+    steps: int
+    """How many steps of size τ the whole time is."""
+    t: Floats
+    """(n,) ends of the parts of the time, since the start."""
+    error: Floats
+    """(methods, n) largest |Δψ| in each part; nan where not computed, or beyond the end of a run."""
+    status: tuple[Status, ...]
+    """(methods,) how the run ended; RUNNING where not there yet."""
+    message: tuple[str, ...]
+    """(methods,) where and why it stopped; empty where it did not."""
+    crossings: tuple[int, ...]
+    """(methods,)."""
+    seconds: Floats
+    """(methods,) processor time in the loop."""
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Where a run is after a piece of it, and the errors in that piece."""
+
+    x: tuple[float, ...]
+    offset: Floats
+    """(m,) change of ψ so far."""
+    error: Floats
+    status: Status
+    message: str
+    crossings: int
+    seconds: float
+
+
+def count(plan: Plan) -> int:
+    """Number of tasks."""
+    return len(plan.methods) * (len(_edges(plan.steps)) - 1)
+
+
+def run(plan: Plan, executor: Executor | None, cancel: Callable[[], bool] | None) -> Iterator[Drift]:
+    """Yield what is known after each piece of each run: the first pieces of all, then the second ones, and so on."""
+    n, edges = len(plan.methods), _edges(plan.steps)
+    parts = np.arange(1, _COLUMNS + 1) / _COLUMNS
+    t = np.concatenate([a + (b - a) * parts for a, b in pairwise(edges)]) * plan.tau
+    found = Drift(
+        plan.tau, plan.steps, t, np.full((n, len(t)), np.nan), (Status.RUNNING,) * n, ("",) * n, (0,) * n, np.zeros(n)
+    )
+    counts = [len(side.conserved) for side in plan.system.laws.sides.values()]
+    at = [_Piece(plan.x0, np.zeros(max(counts)), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
+    for number, (start, end) in enumerate(pairwise(edges)):
+        going = [k for k in range(n) if at[k].status is Status.COMPLETED]
+        span = (plan.t_span[0] + start * plan.tau, plan.t_span[0] + end * plan.tau)
+        tasks = [(plan.system, plan.methods[k], span, at[k].x, plan.tau, end - start, at[k].offset) for k in going]
+        for which, piece in as_completed(_piece, tasks, executor, cancel):
+            at[going[which]] = piece
+            last = end == plan.steps
+            found = _joined(found, going[which], number, piece, last)
+            yield found
+
+
+def _edges(steps: int) -> list[int]:
+    """Numbers of steps at which a run is cut into pieces: tenfold up to the longest, then evenly."""
+    decades = [edge for edge in (0, _FIRST, 1_000, 10_000) if edge < steps]
+    return [*decades, *range(_LONGEST, steps, _LONGEST), steps]
+
+
+def _joined(drift: Drift, k: int, number: int, piece: _Piece, last: bool) -> Drift:
+    """Return the drift with one piece of run k more."""
+    error, seconds = drift.error.copy(), drift.seconds.copy()
+    error[k, number * _COLUMNS : (number + 1) * _COLUMNS] = piece.error
+    seconds[k] += piece.seconds
+    stopped = piece.status is not Status.COMPLETED
+    status = piece.status if stopped or last else Status.RUNNING
+    return replace(
+        drift,
+        error=error,
+        seconds=seconds,
+        status=_with(drift.status, k, status),
+        message=_with(drift.message, k, piece.message if stopped else ""),
+        crossings=_with(drift.crossings, k, drift.crossings[k] + piece.crossings),
+    )
+
+
+def _with(items: tuple[Item, ...], k: int, item: Item) -> tuple[Item, ...]:
+    return (*items[:k], item, *items[k + 1 :])
+
+
+def _piece(
+    system: PiecewiseSystem, method: str, span: tuple[float, float], x0: tuple[float, ...], tau: float, steps: int,
+    offset: Floats,
+) -> _Piece:  # fmt: skip
+    """Run one piece, from a state at which ψ is off by `offset` (m,) already."""
+    most = _ADAPTIVE * steps + _FIRST if METHODS[method].adaptive else steps + _FIRST
+    part = integrate(
+        system, span, x0, tau, method, record="crossings", envelope=_COLUMNS, max_steps=most, max_crossings=most
+    )
+    carried = offset + np.concatenate([np.zeros((1, len(offset))), np.cumsum(losses(part), axis=0)])  # in each visit
+    error = _column_errors(part, span, carried)
+    x = tuple(map(float, part.x[-1]))
+    end = carried[-1] + np.nan_to_num(part.conserved_error()[-1]) if len(offset) else offset
+    return _Piece(x, end, error, part.status, part.outcome, part.crossing_count, part.seconds)
+
+
+def _column_errors(part: Trajectory, span: tuple[float, float], carried: Floats) -> Floats:
+    """Largest |Δψ| in each part of the time (columns,): that of a visit on top of what the visits before have left."""
+    errors = np.full(_COLUMNS, np.nan)
+    if part.envelope is None or not carried.shape[1]:
+        return errors
+    edges = np.searchsorted(part.crossings.t, np.linspace(*span, _COLUMNS + 1))
+    for c, (first, last) in enumerate(pairwise(edges)):
+        before = carried[first : last + 1]
+        low, high = part.envelope[c, :, 0] + before.min(axis=0), part.envelope[c, :, 1] + before.max(axis=0)
+        errors[c] = np.fmax.reduce(np.fmax(np.abs(low), np.abs(high)))
+    return errors

@@ -1,0 +1,84 @@
+"""What comes of a run, over step sizes and one coordinate of the start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.laws import Floats
+from core.studies.stability.plan import MAX_STEPS, Plan
+from core.studies.stability.verdict import ENDINGS, NO_START, Verdict, expected_of, judge, start_at
+from core.studies.tasks import as_completed
+from core.system import PiecewiseSystem
+
+__all__ = ["OutcomeMap", "count", "run"]
+
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class OutcomeMap:
+    """Outcome and error of runs over (τ, one coordinate of x₀)."""
+
+    taus: Floats
+    """(m,) step sizes, increasing; of a method that chooses its own, the longest it may take."""
+    values: Floats
+    """(n,) of the coordinate, increasing."""
+    outcome: Integers
+    """(methods, m, n) values of `Status`, or WRONG_CROSSINGS, WENT_ON, NO_START, or NOT_YET; see `outcome_words`."""
+    error: Floats
+    """(methods, m, n) largest |Δψ|; nan where no ψ is known or has a value."""
+    crossings: Integers
+    """(methods, m, n) how many the run has."""
+    expected: Integers
+    """(n,) how the solution from there ends: a value of `Status`, or NO_START, or NOT_YET."""
+    expected_crossings: Integers
+    """(n,) how many it has up to when they are counted."""
+
+    @property
+    def works(self) -> NDArray[np.bool_]:
+        """(methods, m, n) whether a run ends as the solution does, with as many crossings."""
+        works: NDArray[np.bool_] = (self.outcome == self.expected) & np.isin(self.expected, ENDINGS)
+        return works
+
+
+def count(plan: Plan) -> int:
+    """Number of tasks."""
+    return len(plan.methods) * len(plan.values)
+
+
+def run(plan: Plan, executor: Executor | None, cancel: Callable[[], bool] | None) -> Iterator[OutcomeMap]:
+    """Yield what is known after each column of the map."""
+    n, shape = len(plan.values), (len(plan.methods), len(plan.taus), len(plan.values))
+    found = OutcomeMap(
+        plan.taus, plan.values, np.zeros(shape, dtype=np.int64), np.full(shape, np.nan),
+        np.zeros(shape, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64),
+    )  # fmt: skip
+    columns = [(which, row) for row in range(n) for which in range(len(plan.methods))]
+    tasks = [
+        (plan.system, start_at(plan.x0, plan.coordinate, plan.values[row]), plan.t_span, plan.methods[which], plan.taus)
+        for which, row in columns
+    ]
+    for k, (status, crossings, verdicts) in as_completed(_column, tasks, executor, cancel):
+        which, row = columns[k]
+        found.expected[row], found.expected_crossings[row] = status, crossings
+        found.outcome[which, :, row] = [verdict.outcome for verdict in verdicts]
+        found.error[which, :, row] = [verdict.error for verdict in verdicts]
+        found.crossings[which, :, row] = [verdict.crossings for verdict in verdicts]
+        yield replace(found, **{f.name: getattr(found, f.name).copy() for f in fields(found)})
+
+
+def _column(
+    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], method: str, taus: Floats
+) -> tuple[int, int, list[Verdict]]:
+    """How the solution from one start ends, its crossings, and a verdict for each step size."""
+    try:
+        expected = expected_of(system, x0, t_span)
+    except ValueError as why:  # nothing is defined there
+        return NO_START, 0, [Verdict(NO_START, 0, np.nan, str(why))] * len(taus)
+    verdicts = [judge(system, x0, t_span[0], expected, method, float(tau), MAX_STEPS) for tau in taus]
+    return int(expected.status), expected.crossings, verdicts

@@ -1,0 +1,138 @@
+"""stability_study(): check once, work out the parts asked for, tell what is known after each task."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+from core.studies.stability import drift, grazing, largest, outcomes
+from core.studies.stability.drift import Drift
+from core.studies.stability.grazing import Grazing
+from core.studies.stability.largest import LargestTau
+from core.studies.stability.outcomes import OutcomeMap
+from core.studies.stability.plan import Plan, checked_plan
+from core.studies.stability.verdict import REFERENCE
+from core.system import PiecewiseSystem
+
+__all__ = ["PARTS", "StabilityStudy", "stability_study"]
+
+Cancel = Callable[[], bool]
+
+PARTS = ("largest_tau", "map", "drift", "grazing")
+
+
+class _Part(Protocol):
+    """What a part of the study is made of."""
+
+    def count(self, plan: Plan) -> int:
+        """Number of tasks."""
+
+    def run(self, plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Any]:
+        """What is known after each task."""
+
+
+_PARTS: dict[str, _Part] = {"largest_tau": largest, "map": outcomes, "drift": drift, "grazing": grazing}
+
+
+@dataclass(frozen=True)
+class StabilityStudy:
+    """What goes well and what does not; a part is None where it was not asked for, or not reached."""
+
+    system: str
+    """Its name."""
+    methods: tuple[str, ...]
+    t_span: tuple[float, float]
+    x0: tuple[float, ...]
+    coordinate: int
+    coordinate_name: str
+    """Of the coordinate of x₀ that is varied."""
+    reference: str
+    """What says how many crossings a solution has and how it ends, the runs beside a tangency apart, where
+    `reference_solution` does."""
+    largest_tau: LargestTau | None = None
+    map: OutcomeMap | None = None
+    drift: Drift | None = None
+    grazing: Grazing | None = None
+    complete: bool = False
+    """Whether all that was asked for is there."""
+
+
+def stability_study(
+    system: PiecewiseSystem,
+    t_span: tuple[float, float] | None = None,
+    x0: Iterable[float] | None = None,
+    methods: Sequence[str] = ("dmm2", "rk2"),
+    taus: Iterable[float] | None = None,
+    coordinate: int | str = 0,
+    values: Iterable[float] | None = None,
+    parts: Sequence[str] = PARTS,
+    *,
+    tau: float | None = None,
+    steps: int = 1_000_000,
+    executor: Executor | None = None,
+    progress: Callable[[int, int, StabilityStudy], None] | None = None,
+    cancel: Cancel | None = None,
+) -> StabilityStudy:
+    """Find out how far a method can be trusted.
+
+    Parameters
+    ----------
+    system
+    t_span
+        Start and end time, the end later: 0 and 20 where not given.
+    x0
+        d numbers; the system's own x0 where not given.
+    methods
+        Keys of METHODS.
+    taus
+        2 to 400 step sizes, for the largest τ and the map; 25 from 1/20,000 to a tenth of the time where not given. A
+        run of more than 50,000 steps ends with STEP_LIMIT.
+    coordinate
+        Index or name of the coordinate of x₀ that is varied.
+    values
+        2 to 400 values of it; 25 about as far as the trajectory goes, and a fifth farther, where not given.
+    parts
+        Which to work out:
+        "largest_tau", the largest step size that works (`LargestTau`);
+        "map", what comes of runs over (τ, value) (`OutcomeMap`);
+        "drift", ψ in a long run (`Drift`);
+        "grazing", runs beside a tangency (`Grazing`).
+    tau
+        Step size of the long run and of the runs beside a tangency; a thousandth of the time where not given.
+    steps
+        Of the long run, with all methods to the same time tau · steps.
+    executor
+        Where tasks run; own threads where not given. See `as_completed`.
+    progress
+        Called with (tasks done, tasks in all, the study so far) after each task, in the caller's thread.
+    cancel
+        Asked twenty times a second; once it returns True, the study so far is returned.
+
+    Raises
+    ------
+    ValueError
+        On arguments that make no sense, naming the value and what would do.
+    """
+    wanted = _checked_parts(parts)
+    plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps)
+    name = system.variables[plan.coordinate]
+    study = StabilityStudy(system.name, plan.methods, plan.t_span, plan.x0, plan.coordinate, name, REFERENCE)
+    total, before = sum(_PARTS[part].count(plan) for part in wanted), 0
+    for part in wanted:
+        for done, found in enumerate(_PARTS[part].run(plan, executor, cancel), start=1):
+            study = replace(study, **{part: found})
+            if progress is not None:
+                progress(before + done, total, study)
+        if cancel is not None and cancel():
+            return study
+        before += _PARTS[part].count(plan)
+    return replace(study, complete=True)
+
+
+def _checked_parts(parts: Sequence[str]) -> list[str]:
+    given = [parts] if isinstance(parts, str) else list(parts)
+    if not given or set(given) - set(PARTS):
+        raise ValueError(f"parts = {parts!r}: choose from {', '.join(PARTS)}")
+    return [part for part in PARTS if part in given]

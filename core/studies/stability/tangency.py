@@ -1,0 +1,197 @@
+"""The value of a coordinate of the start at which the trajectory touches the surface without crossing it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.laws import Floats
+from core.reference import reference_solution
+from core.studies.stability.plan import Plan
+from core.studies.stability.verdict import ENDINGS, reference_run, start_at
+from core.system import PiecewiseSystem
+from core.trajectory import Trajectory
+
+Cancel = Callable[[], bool]
+
+__all__ = ["Tangency", "exact_times", "find_tangency"]
+
+_EPS = 2.0**-52
+_BESIDE = 1e-9  #: of the size of the coordinate: where both sides of a tangency are looked at
+_FLAT = 1e-3  #: of the largest |ġ| on the trajectory: below it, the surface is met (nearly) tangentially; so of |f|
+_OFF = 1e-5  #: of the largest |g| on the trajectory: what a start off the surface has at least
+_CHANGES = 6  #: between two values, looked at
+_APART = 1e-3  #: of the time: crossings farther apart than this are not the same one
+_NARROW, _WIDE = 1e-13, 1e-9  #: of the size of the coordinate: where the exact solution is asked
+
+
+@dataclass(frozen=True)
+class Tangency:
+    """Where and when a trajectory touches the surface."""
+
+    value: float
+    """Of the coordinate of x₀."""
+    time: float
+    state: Floats
+    """(d,) on the surface."""
+    horizon: float
+    """Halfway between the touch and the crossing that follows, on either side, or the end of the trajectory."""
+    size: float
+    """Of the coordinate: its value, or half the range looked at where that is larger."""
+
+
+def find_tangency(plan: Plan, cancel: Cancel | None) -> Tangency | None:
+    """Return the tangency nearest to the start among those between the values of a plan, None if there is none.
+
+    On one side of it the trajectory has crossings that it has not on the other. Where neighbouring values differ in
+    that, bisection finds the value at which it changes. It is a tangency if it meets the surface nearly tangentially
+    there; it is none where the start itself, or the end of the time, comes to lie on the surface, or an equilibrium.
+    """
+    runs = []
+    for value in plan.values:
+        if cancel is not None and cancel():
+            return None
+        runs.append(_run(plan, value))
+    here = plan.x0[plan.coordinate]
+    gaps = [(a, b) for a, b in pairwise(range(len(runs))) if _differ(runs[a], runs[b])]
+    for a, b in sorted(gaps, key=lambda gap: abs(plan.values[gap[0]] + plan.values[gap[1]] - 2 * here)):
+        tangency = _in_gap(plan, float(plan.values[a]), float(plan.values[b]), cancel)
+        if cancel is not None and cancel():
+            return None
+        if tangency is not None:
+            return _sharpened(plan, tangency, cancel)
+    return None
+
+
+def _in_gap(plan: Plan, low: float, high: float, cancel: Cancel | None) -> Tangency | None:
+    """Return the first tangency among the first few changes between two values."""
+    at_high = _run(plan, high)
+    for _ in range(_CHANGES):
+        at_low = _run(plan, low)
+        if not _differ(at_low, at_high):
+            return None
+        before, after = _bisect(plan, low, high, at_low, _BESIDE, cancel)
+        if _tangency(plan, (before + after) / 2) is not None:  # a rough place tells whether it is one at all
+            before, after = _bisect(plan, before, after, at_low, _EPS, cancel)
+            return _tangency(plan, (before + after) / 2)
+        low = after
+    return None
+
+
+def _run(plan: Plan, value: float) -> Trajectory | None:
+    """Return the reference from a value of the coordinate; None where it cannot start, or gives up."""
+    try:
+        run = reference_run(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span)
+    except ValueError:  # nothing is defined there
+        return None
+    return run if run.status in ENDINGS else None
+
+
+def _differ(a: Trajectory | None, b: Trajectory | None) -> bool:
+    """Whether two trajectories end differently, or have different numbers of crossings."""
+    return a is not None and b is not None and (a.status, a.crossing_count) != (b.status, b.crossing_count)
+
+
+def _bisect(
+    plan: Plan, low: float, high: float, at_low: Trajectory | None, precision: float, cancel: Cancel | None
+) -> tuple[float, float]:
+    """Narrow the bracket of the value at which what the trajectory does changes."""
+    while high - low > precision * _size(plan, low) and not (cancel is not None and cancel()):
+        middle = low + (high - low) / 2
+        if _differ(_run(plan, middle), at_low):
+            high = middle
+        else:
+            low = middle
+    return low, high
+
+
+def _size(plan: Plan, value: float) -> float:
+    """Return the size of the coordinate: the value, or half the range looked at where that is larger."""
+    return max(abs(value), float(np.ptp(plan.values)) / 2)
+
+
+def _tangency(plan: Plan, value: float) -> Tangency | None:
+    """The tangency at a value, if what changes there is one."""
+    size = _size(plan, value)
+    below, above = (_run(plan, value + side * _BESIDE * size) for side in (-1, 1))
+    if below is None or above is None:
+        return None
+    more, less = (above, below) if len(above.crossings) >= len(below.crossings) else (below, above)
+    apart = _APART * (plan.t_span[1] - plan.t_span[0])
+    k = _first_difference(more, less, apart)
+    t = np.append(more.crossings.t[k:], more.t[-1])
+    if len(t) < 2 or t[0] < plan.t_span[0] + apart or not _is_touch(plan, more, k):
+        return None
+    # Through the surface and back again at once; or in, if the other side's field leads on, or into sliding.
+    dip = slice(k, k + 2) if len(t) > 2 and t[1] - t[0] < apart else slice(k, k + 1)
+    time, state = float(more.crossings.t[dip].mean()), more.crossings.x[dip].mean(axis=0)
+    following = [np.append(run.crossings.t, run.t[-1])[n] for run, n in ((less, k), (more, dip.stop))]
+    return Tangency(value, time, state, (time + float(min(following))) / 2, size)
+
+
+def _first_difference(more: Trajectory, less: Trajectory, apart: float) -> int:
+    """Number of the first crossing that a run does not share with the other."""
+    n = min(len(more.crossings), len(less.crossings))
+    differ = np.abs(more.crossings.t[:n] - less.crossings.t[:n]) > apart
+    return int(differ.argmax()) if differ.any() else n
+
+
+def _is_touch(plan: Plan, run: Trajectory, k: int) -> bool:
+    """Whether a run that starts off the surface meets it nearly tangentially at crossing k, and does not rest there."""
+    system, met = plan.system, run.crossings
+    steps = reference_run(system, tuple(run.x[0]), (plan.t_span[0], float(met.t[k])), record="steps")
+    heights, rates, speeds = np.abs(system.switching(steps.t, steps.x)), np.zeros(len(steps.t)), np.zeros(len(steps.t))
+    for side in (-1, 1):
+        rows = steps.side == side
+        rates[rows] = np.abs(system.switching_rate(side, steps.t[rows], steps.x[rows]))
+        speeds[rows] = np.linalg.norm(system.field(side, steps.t[rows], steps.x[rows]), axis=1)
+    before = int(met.side[k - 1] if k else run.side[0])
+    speed = np.linalg.norm(system.field(before, met.t[k], met.x[k]))
+    off, flat = heights[0] > _OFF * heights.max(), abs(met.rate_before[k]) < _FLAT * rates.max()
+    return bool(off and flat and speed > _FLAT * speeds.max())
+
+
+def _sharpened(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
+    """Return the tangency of the exact solution, where there is one: the integrator's is off by its round-off."""
+
+    def crossings(value: float) -> int:
+        return len(exact_times(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0], horizon))
+
+    horizon = tangency.horizon
+    if not _is_exact(plan, tangency.value):
+        return tangency
+    reach = _NARROW * tangency.size
+    while reach < _WIDE * tangency.size:
+        low, high = tangency.value - reach, tangency.value + reach
+        at_low = crossings(low)
+        if at_low != crossings(high):
+            break
+        reach *= 10
+    else:
+        return tangency
+    while low < (middle := low + (high - low) / 2) < high and not (cancel is not None and cancel()):
+        low, high = (middle, high) if crossings(middle) == at_low else (low, middle)
+    return Tangency(middle, tangency.time, tangency.state, horizon, tangency.size)
+
+
+def _is_exact(plan: Plan, value: float) -> bool:
+    try:
+        return reference_solution(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0]).error is None
+    except ValueError:  # it touches the surface at the start
+        return False
+
+
+def exact_times(system: PiecewiseSystem, x0: tuple[float, ...], t0: float, until: float) -> NDArray[np.float64]:
+    """Times of the crossings of the reference solution up to `until`, or up to where it stops."""
+    times: list[float] = []
+    try:
+        solution = reference_solution(system, x0, t0)
+        while not times or times[-1] <= until:
+            times.append(solution.crossing(len(times) + 1)[0])
+    except ValueError:  # it has no more of them
+        return np.array(times)
+    return np.array(times[:-1])

@@ -1,0 +1,43 @@
+"""Numbers as people type them: read, and refused in words that can stand beside the field."""
+
+from __future__ import annotations
+
+import math
+
+MAX_STEPS = 2_000_000
+"""The most steps the page asks of one run, so that a slip of the keyboard cannot keep it busy."""
+
+
+def number(value: object, subject: str, low: float, high: float) -> float:
+    """Read a number and check its range.
+
+    Raises
+    ------
+    ValueError
+        Naming the subject, the text and what would do.
+    """
+    try:
+        result = float(str(value).strip().replace("−", "-"))
+    except ValueError:
+        raise ValueError(f"“{value}” is not a number. Type one such as 0.01 or 1e-3.") from None
+    if not math.isfinite(result):
+        raise ValueError(f"“{value}” is not a finite number. Type one such as 0.01 or 1e-3.")
+    if not low <= result <= high:
+        raise ValueError(f"{subject} has to lie between {low:g} and {high:g}.")
+    return result
+
+
+def require_few_steps(t_end: float, tau: float) -> None:
+    """Refuse a run longer than `MAX_STEPS`, saying what to change."""
+    steps = t_end / tau
+    if steps > MAX_STEPS * (1 + 1e-9):
+        raise ValueError(
+            f"{steps:,.0f} steps are more than this page runs ({MAX_STEPS:,}): "
+            f"take τ ≥ {_rounded_up(t_end / MAX_STEPS)} or an end time ≤ {tau * MAX_STEPS:g}."
+        )
+
+
+def _rounded_up(value: float) -> str:
+    """`value` with two digits, never less than itself."""
+    power = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.ceil(value / power * (1 - 1e-12)) * power:.2g}"

@@ -1,0 +1,135 @@
+"""Computes for one page off the event loop, and brings the outcomes back to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from functools import partial
+from threading import Lock
+from time import monotonic
+from typing import Any
+
+import panel as pn
+
+from pwsviz.results import Report
+from pwsviz.worker import Cancel, Job, Lane
+
+BETWEEN_REPORTS = 0.15
+"""Seconds at least: a browser cannot paint partial results faster."""
+
+
+class Desk:
+    """Lanes of work by name; within each only the newest request counts.
+
+    Made while a page is served, it hands outcomes to the event loop of that page; else it delivers them at once.
+    """
+
+    def __init__(self) -> None:
+        self.document = pn.state.curdoc
+        self.closed = False
+        self._lanes: dict[str, Lane] = {}
+        self._asked: dict[str, Hashable] = {}
+
+    def ask(
+        self,
+        lane: str,
+        inputs: Hashable,
+        compute: Callable[[Cancel, Report], Any],
+        show: Callable[[Any], None],
+        advance: Callable[[int, int, Any], None] | None = None,
+        quiet: float = 0.0,
+        patience: float = 0.0,
+    ) -> bool:
+        """Have something computed unless it is what was asked for last; return whether it was not.
+
+        Parameters
+        ----------
+        compute : callable
+            Takes a question whether to give up, and whom to tell of progress.
+        show : callable
+            Is told the outcome, or the exception that came instead, in the event loop.
+        advance : callable, optional
+            Is told of progress there, as long as nothing else was asked for.
+        quiet, patience : float
+            As in `worker.Job`.
+        """
+        if self._asked.get(lane) == inputs:
+            return False
+        self._asked[lane] = inputs
+        told = _Seldom(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
+        report = told if advance is not None else _nobody
+        job = Job(lambda cancel: compute(cancel, report), partial(self._deliver, show), quiet, patience)
+        self._lanes.setdefault(lane, Lane()).submit(job)
+        return True
+
+    def asked(self, lane: str) -> Hashable:
+        """Return what was asked for last."""
+        return self._asked.get(lane)
+
+    def busy(self, lane: str) -> bool:
+        """Whether something waits or is under way."""
+        return lane in self._lanes and self._lanes[lane].busy
+
+    def cancel(self, lane: str) -> bool:
+        """Give up what is asked for and not there yet, and return whether there was such; it may be asked for again."""
+        if not self.busy(lane):
+            return False
+        self._lanes[lane].cancel()
+        self._asked.pop(lane, None)
+        return True
+
+    def forget(self, lane: str) -> None:
+        """Let the same be asked for again."""
+        self._asked.pop(lane, None)
+
+    def later(self, milliseconds: int, callback: Callable[[], None]) -> None:
+        """Call back from the event loop after a while; not at all where there is none."""
+        if self.document is not None:
+            self.document.add_timeout_callback(callback, milliseconds)
+
+    def settle(self, timeout: float) -> bool:
+        """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""
+        return all(lane.join(timeout) for lane in list(self._lanes.values()))
+
+    def close(self) -> None:
+        """Give up all work: the person has left."""
+        self.closed = True
+        for lane in self._lanes.values():
+            lane.cancel()
+
+    def _pass_on(self, lane: str, inputs: Hashable, advance: Callable[..., None] | None, *news: Any) -> None:
+        """Tell of progress, unless it is of something no longer wanted."""
+        if advance is not None and self._asked.get(lane) == inputs and self.busy(lane):
+            advance(*news)
+
+    def _deliver(self, show: Callable[..., None], *outcome: Any) -> None:
+        """Hand an outcome from a thread to the event loop of this page."""
+        if self.closed:
+            return
+        if self.document is None:
+            show(*outcome)
+        else:
+            self.document.add_next_tick_callback(partial(self._apply, show, *outcome))
+
+    def _apply(self, show: Callable[..., None], *outcome: Any) -> None:
+        """Send all changes in one message: the browser then paints each figure once."""
+        if not self.closed:
+            with pn.io.hold(self.document):
+                show(*outcome)
+
+
+class _Seldom:
+    """Passes news on, but for those that follow others too soon."""
+
+    def __init__(self, tell: Callable[..., None]) -> None:
+        self._tell, self._last, self._lock = tell, -1.0, Lock()
+
+    def __call__(self, done: int, total: int, part: object) -> None:
+        with self._lock:
+            if monotonic() - self._last < BETWEEN_REPORTS:
+                return
+            self._last = monotonic()
+        self._tell(done, total, part)
+
+
+def _nobody(_done: int, _total: int, _partial: object) -> None:
+    """Leave progress unsaid."""

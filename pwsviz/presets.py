@@ -1,0 +1,223 @@
+"""Scenes to start from: each figure of the paper by name, and a few beyond it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+__all__ = ["PRESETS", "Preset"]
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A scene with something to see in it."""
+
+    key: str
+    """Its key in PRESETS."""
+    title: str
+    """For people."""
+    figure: str
+    """Label of the figure in the paper, such as ``fig:CQ_elliptic``; empty for what goes past the paper."""
+    look: str
+    """What to look at, in a line."""
+    try_: str
+    """What to try, in a line."""
+    settings: Mapping[str, object]
+    """Values of settings of a `Scene` by name; all others are as they are in a new scene."""
+
+
+_OSCILLATOR = {
+    "system": "harmonic_oscillator",
+    "values": {"omega2_minus": 3.0, "omega2_plus": 1.0},
+    "starts": ((1.0, 1.0),),
+}
+_CURVE = {
+    "system": "elliptic_curve",
+    "values": {"a_minus": -3.0, "a_plus": -2.0, "radius": 1.0},
+    "starts": ((-1.0, -1.0),),
+}
+#: Long enough for the 31 crossings that an order study looks at.
+_OSCILLATOR_STUDY = {**_OSCILLATOR, "methods": ["dmm2"], "study_method": "dmm2", "t_end": 80.0}
+_CURVE_STUDY = {**_CURVE, "methods": ["dmm2"], "study_method": "dmm2", "t_end": 32.0}
+
+
+def _field_types() -> tuple[Preset, ...]:
+    common = {"methods": ["dmm2"], "tau": 0.01, "t_end": 40.0, "view": "conserved"}
+    figure = "fig:vftypes"
+    below, above = ((-1.0, -2.0), (0.0, -2.0), (1.0, -2.0)), ((-1.0, 2.0), (0.0, 2.0), (1.0, 2.0))
+    beside = ((-1.0, 0.1), (1.0, 0.1), (-1.0, -0.1), (1.0, -0.1))
+    return (
+        Preset(
+            "vf_upward", "Field types: transversal, upward", figure,
+            "Both fields point up through y = 0: every trajectory crosses once, with a kink, and goes on.",
+            "Make the field below faster (v₋): trajectories get there sooner, and cross all the same.",
+            {**common, "system": "type_upward", "starts": below},
+        ),
+        Preset(
+            "vf_downward", "Field types: transversal, downward", figure,
+            "The mirror image: both fields point down, and every trajectory crosses once from above.",
+            "Click below the line: from there a trajectory never meets it.",
+            {**common, "system": "type_downward", "starts": above},
+        ),
+        Preset(
+            "vf_repelling", "Field types: unstable", figure,
+            "Both fields point away from y = 0: trajectories beside it leave, and none ever crosses.",
+            "Type a start with y = 0: there both ways are solutions, so the run stops at once and says so.",
+            {**common, "system": "type_repelling", "starts": beside},
+        ),
+        Preset(
+            "vf_sliding", "Field types: sliding", figure,
+            "Both fields point to y = 0: every run ends where it reaches the line, at t = 20, as sliding.",
+            "Let one side be slower (v₋, v₊): it arrives later, and cannot leave either.",
+            {**common, "system": "type_sliding", "starts": (*below, *above)},
+        ),
+    )  # fmt: skip
+
+
+def _portraits() -> tuple[Preset, ...]:
+    common = {"methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved"}
+    return (
+        Preset(
+            "portrait_harmonic", "Portrait: oscillator", "fig:portraits",
+            "Circles above y = 0 and ellipses below join on the line: closed curves with a kink in their curvature.",
+            "Drag a start, or make ω²₋ = ω²₊: the kink goes away.",
+            {**common, **_OSCILLATOR, "starts": ((0.5, 0.5), (1.0, 1.0), (1.5, 1.5))},
+        ),
+        Preset(
+            "portrait_elliptic", "Portrait: elliptic curves", "fig:portraits",
+            "Pieces of elliptic curves, another family inside the unit circle than outside, joined on the circle.",
+            "Start at x = 1.5, y = 2: there the curve is open and the run escapes to infinity.",
+            {**common, **_CURVE, "starts": ((-1.0, -1.0), (-1.0, -0.5), (-1.2, 0.0))},
+        ),
+    )  # fmt: skip
+
+
+def _time_errors() -> tuple[Preset, ...]:
+    look = "The error of the crossing time has slope 2 at crossings 10, 20 and 30: it grows, its order stays."
+    return (
+        Preset(
+            "harmonic_time", "Crossing time: oscillator", "fig:harmonic_timeError", look,
+            "Choose dmm4: slope 4. Switch the transition off: slope 1.",
+            {**_OSCILLATOR_STUDY, "view": "time"},
+        ),
+        Preset(
+            "elliptic_time", "Crossing time: elliptic curve", "fig:elliptic_time", look,
+            "Choose rk2: its slope is 2, too. What it loses is ψ: see Conserved quantity.",
+            {**_CURVE_STUDY, "view": "time"},
+        ),
+    )  # fmt: skip
+
+
+def _transitions() -> tuple[Preset, ...]:
+    words = {
+        1: ("Crossing times are moved by τ: before the first crossing the slope is 2, after it the order falls to 1.",
+            "Choose p = 2: the order is back."),
+        2: ("Crossing times are moved by τ²: as much as the method errs itself, and the slope stays 2 everywhere.",
+            "Choose p = 1: the order falls to 1."),
+        15: ("Crossing times are moved by τ¹⁵, which is as good as nothing: slope 2 before and after 30 crossings.",
+             "Switch the transition off: without it the order is 1 after the first crossing."),
+    }  # fmt: skip
+    systems = (
+        ("harmonic", "oscillator", _OSCILLATOR_STUDY),
+        ("elliptic", "elliptic curve", _CURVE_STUDY),
+    )
+    return tuple(
+        Preset(
+            f"{key}_transition_{p}", f"Order across the surface: {name}, p = {p}", f"fig:{key}_transition", *words[p],
+            {**study, "perturbation_order": p, "view": "order"},
+        )
+        for key, name, study in systems
+        for p in (1, 2, 15)
+    )  # fmt: skip
+
+
+def _conserved() -> tuple[Preset, ...]:
+    common = {"methods": ["dmm2", "rk2"], "tau": 1e-3, "t_end": 100.0, "view": "conserved"}
+    return (
+        Preset(
+            "cq_harmonic", "Conserved quantity: oscillator", "fig:CQ_harmonic",
+            "dmm2 keeps the energy to 1e-15 for 41 crossings; rk2 drifts, by up to 1e-8 between two of them.",
+            "Make τ ten times larger: the error of rk2 grows a thousandfold, that of dmm2 not at all.",
+            {**common, **_OSCILLATOR},
+        ),
+        Preset(
+            "cq_elliptic", "Conserved quantity: elliptic curve", "fig:CQ_elliptic",
+            "dmm2 keeps ψ to 1e-15 for 105 crossings; rk2 drifts, by up to 8e-7 between two of them.",
+            "Add rk4 and rk8: smaller errors, but still no conservation.",
+            {**common, **_CURVE},
+        ),
+    )  # fmt: skip
+
+
+def _stopping() -> tuple[Preset, ...]:
+    return (
+        Preset(
+            "grazing", "Touching the surface", "",
+            "Three swings of a pendulum to α = 0.5: one falls short, one crosses, one just touches and ends: grazing.",
+            "Move the touching start by 1e-6 to either side, or α itself.",
+            {
+                "system": "pendulum", "starts": ((-0.49, 0.0), (-0.51, 0.0), (-0.5, 0.0)),
+                "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved",
+            },
+        ),
+        Preset(
+            "zeno", "A ball comes to rest", "",
+            "Bounces follow ever faster and accumulate at t = 1.3553 (Zeno): the run stops there and says so.",
+            "Raise ε to 0.9: the time of all bounces grows as (1 + ε)/(1 − ε).",
+            {"system": "bouncing_ball", "methods": ["dmm2"], "tau": 0.01, "t_end": 5.0, "view": "conserved"},
+        ),
+        Preset(
+            "sticking", "Dry friction sticks", "",
+            "Each turning point is nearer by 2μ = 0.8; at the fourth, y = −0.2, the spring is too weak and the block "
+            "sticks.",
+            "Less friction: more swings. With μ = 2 it sticks after the first.",
+            {"system": "coulomb_friction", "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved"},
+        ),
+    )  # fmt: skip
+
+
+def _comparisons() -> tuple[Preset, ...]:
+    return (
+        Preset(
+            "side_by_side", "Four integrators side by side", "",
+            "The same curve at τ = 0.01: rk2 loses ψ by 1e-4, rk4 by 1e-8, dmm2 and prk8 not at all.",
+            "Halve τ: the error of rk2 falls to a fifth, that of rk4 to a sixteenth.",
+            {**_CURVE, "methods": ["dmm2", "rk2", "rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},
+        ),
+        Preset(
+            "kepler", "A planet and a shell of dust", "",
+            "Each time the planet leaves the shell its mass begins to pull; prk8 keeps energy and angular momentum "
+            "to 2e-15 all along.",
+            "Make the mass felt outside equal to that inside: one Kepler ellipse, and no kink at the shell.",
+            {"system": "kepler", "methods": ["rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},
+        ),
+        Preset(
+            "taylor", "Taylor series at 1e-12", "",
+            "Order and step chosen from the tolerance: 63 crossings in some 250 steps, ψ kept to 1e-15.",
+            "Tolerance 1e-6: fewer steps, and ψ is kept as well.",
+            {**_CURVE, "methods": ["taylor"], "tau": 1.0, "tolerance": 1e-12, "t_end": 60.0, "view": "conserved"},
+        ),
+        Preset(
+            "cost", "What an error costs", "",
+            "Higher order is cheaper: prk8 at τ = 0.05 beats dmm2 at τ = 1e-3 with a tenth of the evaluations.",
+            "Look at the error of ψ instead: now dmm2 is at round-off whatever τ.",
+            {
+                **_CURVE, "methods": ["dmm2", "dmm4", "rk4", "prk8"], "study_method": "dmm2", "tau": 0.01,
+                "t_end": 60.0, "view": "cost",
+            },
+        ),
+    )  # fmt: skip
+
+
+def _frozen(preset: Preset) -> Preset:
+    settings = MappingProxyType(dict(preset.settings))
+    return Preset(preset.key, preset.title, preset.figure, preset.look, preset.try_, settings)
+
+
+#: Every preset by key, in display order: the paper's figures first.
+PRESETS: Mapping[str, Preset] = MappingProxyType({
+    preset.key: _frozen(preset)
+    for group in (_field_types, _portraits, _time_errors, _transitions, _conserved, _stopping, _comparisons)
+    for preset in group()
+})  # fmt: skip

@@ -1,0 +1,80 @@
+"""What was measured, as small tables below each figure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import core
+from pwsviz.inputs import RunInputs
+from pwsviz.results import Summary
+from pwsviz.text import duration, rounded_up
+from pwsviz.views.order import Row
+
+__all__ = ["Numbers", "run_numbers", "slope_numbers"]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A table of texts, and a sentence about it."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+
+
+def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:
+    """Return a row for each run, and why those stopped that did not reach the end time."""
+    rows = tuple(
+        (
+            summary.method,
+            f"({', '.join(f'{x:g}' for x in inputs.ground.x0)})",
+            f"{summary.steps:,}",
+            f"{summary.crossings:,}",
+            rounded_up(summary.worst_error) if math.isfinite(summary.worst_error) else "no ψ known",
+            duration(summary.seconds),
+            summary.status.name.lower().replace("_", " "),
+        )
+        for inputs, summary in summaries.items()
+    )
+    stopped = {one.status: one.message for one in reversed(summaries.values())}
+    stopped.pop(core.Status.COMPLETED, None)
+    first = next(iter(summaries))
+    words = [_step(first), "Run times are those of the compiled loop, once, with what it records.", *stopped.values()]
+    return Numbers(
+        ("integrator", "from", "steps", "crossings", "largest |Δψ|", "run time", "how it ended"), rows, " ".join(words)
+    )
+
+
+def _step(inputs: RunInputs) -> str:
+    if inputs.scheme.tolerance is not None:
+        return f"Tolerance {inputs.scheme.tolerance:g}."
+    return f"Step size τ = {inputs.tau:g}."
+
+
+def slope_numbers(study: core.OrderStudy, rows: Sequence[Row]) -> Numbers:
+    """Return a row for each curve of an order plot."""
+    cells = tuple(
+        (row.name, _digits(row.slope, ".3f"), _window(row.window), *(_digits(e, ".1e") for e in _ends(study, row)))
+        for row in rows
+    )
+    sizes = f"{len(study.taus)} step sizes from {study.taus.max():.3g} to {study.taus.min():.2g}"
+    return Numbers(
+        ("curve", "fitted slope", "fitted where τ is", "error at the largest τ", "at the smallest"),
+        cells,
+        f"{study.method}, {sizes}; measured against: {study.reference}; round-off {study.floor:.0e}.",
+    )
+
+
+def _ends(study: core.OrderStudy, row: Row) -> tuple[float, float]:
+    return float(row.error[study.taus.argmax()]), float(row.error[study.taus.argmin()])
+
+
+def _window(window: tuple[float, float]) -> str:
+    low, high = (_digits(tau, ".1e") for tau in window)
+    return f"{low} … {high}" if math.isfinite(window[0]) else "–"
+
+
+def _digits(value: float, spec: str) -> str:
+    return format(value, spec) if math.isfinite(value) else "–"

@@ -1,0 +1,128 @@
+"""One panel of a figure: a preset's scene, computed and drawn the way the page does it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bokeh.plotting import figure
+
+import core
+from pwsviz.inputs import RunInputs, beside_inputs, run_inputs, study_inputs
+from pwsviz.link import query
+from pwsviz.presets import Preset
+from pwsviz.report.numbers import Numbers, run_numbers, slope_numbers
+from pwsviz.results import PortraitInputs, Results
+from pwsviz.scene import Scene
+from pwsviz.takeaway import Table, order_table, runs_table
+from pwsviz.views.conserved import ConservedView
+from pwsviz.views.order import OrderView, Row, state_rows, time_rows
+from pwsviz.views.portrait import PortraitView, describe
+
+__all__ = ["Panel", "draw_panel"]
+
+PORTRAITS = ("fig:vftypes", "fig:portraits")
+"""Figures of the paper that are phase portraits; the others are what stands beside the portrait on the page."""
+
+HEIGHT = {"plot": 420, "portrait": 460}
+"""Pixels: on paper there is no window whose height a figure could follow."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A figure, what was measured for it, and what it is drawn from."""
+
+    preset: Preset
+    plot: figure
+    numbers: Numbers
+    table: Table
+    link: str
+    """The scene, as the page's address has it after the question mark."""
+
+    @property
+    def summary(self) -> str:
+        """What the figure shows, in words."""
+        return str(self.plot.html_attributes["aria-label"])
+
+
+def draw_panel(preset: Preset, results: Results) -> Panel:
+    """Compute and draw what a preset shows of its figure in the paper.
+
+    Raises
+    ------
+    ValueError
+        Where the settings of the preset make no scene.
+    """
+    scene = Scene()
+    scene.load(preset.settings)
+    draw = _portrait if preset.figure in PORTRAITS else _DRAW[scene.view]
+    plot, numbers, table = draw(scene, results)
+    plot.name = preset.key
+    return Panel(preset, plot, numbers, table, query(scene))
+
+
+Drawn = tuple[figure, Numbers, Table]
+
+
+def _portrait(scene: Scene, results: Results) -> Drawn:
+    inputs = PortraitInputs(run_inputs(scene), beside_inputs(scene), scene.axes)
+    pictures = results.pictures(inputs)
+    view = PortraitView(_ignore, _ignore, _ignore, _ignore, _ignore)
+    a, b = scene.axes
+    starts = [(start[a], start[b]) for start in scene.starts]
+    frame = view.show_orbits(scene.declaration, pictures, starts, scene.selected)
+    ground = inputs.looked_into[0].ground
+    view.show_backdrop(results.backdrop(ground, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
+    _let_lie(view.figure, HEIGHT["portrait"])
+    return view.figure, *_measured((*inputs.looked_into, *inputs.beside), results)
+
+
+def _conserved(scene: Scene, results: Results) -> Drawn:
+    inputs = run_inputs(scene)
+    view = ConservedView()
+    view.show(results.error_curves(inputs))
+    _let_lie(view.figure, HEIGHT["plot"])
+    return view.figure, *_measured(inputs, results)
+
+
+def _measured(inputs: Sequence[RunInputs], results: Results) -> tuple[Numbers, Table]:
+    """Return the runs in figures, and as they were recorded; several from one integrator are told apart by number."""
+    names = [one.scheme.method for one in inputs]
+    titles = [f"{name}.{names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names)]
+    runs = {title: results.run(one) for title, one in zip(titles, inputs, strict=True)}
+    return run_numbers({one: results.summary(one) for one in inputs}), runs_table(runs)
+
+
+def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable[[Scene, Results], Drawn]:
+    def draw(scene: Scene, results: Results) -> Drawn:
+        study = results.study(study_inputs(scene))
+        view, curves, order = OrderView(error), rows(study), core.METHODS[study.method].order
+        assert order is not None  # noqa: S101  (a study needs one)
+        view.show(study.taus, curves, study.floor, order)
+        slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in curves)
+        describe(view.figure, f"{error[0].upper()}{error[1:]} of {study.method} against the step size: {slopes}.")
+        _let_lie(view.figure, HEIGHT["plot"])
+        return view.figure, slope_numbers(study, curves), order_table(study)
+
+    return draw
+
+
+_DRAW: Mapping[str, Callable[[Scene, Results], Drawn]] = {
+    "conserved": _conserved,
+    "order": _order("state error", state_rows),
+    "time": _order("crossing time error", time_rows),
+}
+
+
+def _let_lie(plot: figure, height: int) -> None:
+    """Make of a figure of the page one of fixed height that is not to be edited.
+
+    What a hand does to a star on the page would ask the server for another trajectory.
+    """
+    plot.update(height=height, styles={})
+    plot.update(js_property_callbacks={}, js_event_callbacks={}, subscribed_events=set())
+
+
+def _ignore(*_: Any) -> None:
+    """Nobody has a hand on a figure of the report."""

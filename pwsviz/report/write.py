@@ -1,0 +1,170 @@
+"""Compute the figures one after another, tell the terminal, and write the files."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TextIO
+
+from pwsviz.bench.machine import machine_lines
+from pwsviz.presets import PRESETS, Preset
+from pwsviz.report.benchmarks import bench_tables, run_bench
+from pwsviz.report.page import Figure, page_html
+from pwsviz.report.panels import draw_panel
+from pwsviz.results import Results
+from pwsviz.takeaway import Table, csv_bytes
+
+__all__ = ["FIGURES", "PAGE", "Unwritable", "figures_of_paper", "write_report"]
+
+PAGE = "report.html"
+
+FIGURES = {
+    "fig:vftypes": "Four kinds of vector field at the surface",
+    "fig:portraits": "Trajectories of the two systems",
+    "fig:harmonic_timeError": "Oscillator: error of the crossing time",
+    "fig:harmonic_transition": "Oscillator: order across the surface",
+    "fig:CQ_harmonic": "Oscillator: error of the energy",
+    "fig:elliptic_time": "Elliptic curve: error of the crossing time",
+    "fig:elliptic_transition": "Elliptic curve: order across the surface",
+    "fig:CQ_elliptic": "Elliptic curve: error of the conserved quantity",
+}
+"""The figures of the paper, by label, in its order."""
+
+
+class Unwritable(Exception):  # noqa: N818  (told to a person; the class is named for what is the matter)
+    """A file cannot be written; the text says which, and why."""
+
+
+def figures_of_paper() -> dict[str, tuple[Preset, ...]]:
+    """Return the presets that make up each figure of the paper, by its label, in the paper's order."""
+    return {label: tuple(one for one in PRESETS.values() if one.figure == label) for label in FIGURES}
+
+
+def write_report(
+    folder: Path,
+    say: TextIO,
+    files: list[Path],
+    only: Sequence[str] = (),
+    bench: bool = True,
+    quick: bool = False,
+) -> None:
+    """Write the page, and a CSV for each panel and each table of the benchmark.
+
+    What has been computed is written also where the rest is given up, by Ctrl+C or because it failed; the page then
+    says so.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to; made where it does not exist. Files of the same name are replaced.
+    say : text file
+        Told about each figure, in one line.
+    files : list of Path
+        The files written are added to it, one after another.
+    only : sequence of str
+        Labels of the figures wanted; all of them by default.
+    bench, quick : bool
+        Whether to run the benchmark too, and whether with figures too small to state.
+
+    Raises
+    ------
+    Unwritable
+        Where the folder, or a file, cannot be written.
+    ValueError
+        On an unknown label.
+    """
+    wanted = _checked_labels(only)
+    work = _Report(_checked_folder(folder), say, files)
+    steps: dict[str, Callable[[], None]] = {
+        f"{label}  {FIGURES[label]}": lambda label=label, presets=presets: work.add_figure(label, presets)  # type: ignore[misc]
+        for label, presets in wanted.items()
+    }
+    if bench:
+        steps["Benchmark"] = lambda: work.add_bench(quick)
+    done: list[str] = []
+    try:
+        for number, (name, step) in enumerate(steps.items(), start=1):
+            print(f"[{number}/{len(steps)}] {name} … ", end="", file=say, flush=True)
+            started = time.perf_counter()
+            step()
+            print(f"{time.perf_counter() - started:.1f} s", file=say, flush=True)
+            done.append(name)
+    finally:
+        lacking = [name.split("  ")[0] for name in steps if name not in done]
+        if done:
+            work.write_page(f"Given up before the end; missing: {', '.join(lacking)}." if lacking else "")
+
+
+def _checked_folder(folder: Path) -> Path:
+    """Make the folder, and try whether a file can be written there: now, not after minutes of work."""
+    probe = folder / ".pwsviz-report"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as why:
+        raise Unwritable(f"cannot write to {folder}: {why.strerror or why}. Choose another folder by --out.") from None
+    return folder
+
+
+def _checked_labels(only: Sequence[str]) -> Mapping[str, tuple[Preset, ...]]:
+    figures = figures_of_paper()
+    for label in only:
+        if label not in figures:
+            raise ValueError(f"{label!r} is no figure of the paper; there are {', '.join(figures)}")
+    return {label: presets for label, presets in figures.items() if not only or label in only}
+
+
+class _Report:
+    """What there is by now, and the files of it."""
+
+    def __init__(self, folder: Path, say: TextIO, files: list[Path]) -> None:
+        self._folder, self._say, self._files = folder, say, files
+        self._results = Results()
+        self._figures: list[Figure] = []
+        self._bench, self._bench_files = "", list[str]()
+
+    def add_figure(self, label: str, presets: Sequence[Preset]) -> None:
+        """Compute a figure of the paper, and write its data."""
+        started = time.perf_counter()
+        panels = tuple(draw_panel(preset, self._results) for preset in presets)
+        seconds = time.perf_counter() - started
+        files = tuple(self._write_table(panel.preset.key, panel.table, f"?{panel.link}") for panel in panels)
+        self._figures.append(Figure(label, panels, files, seconds))
+
+    def add_bench(self, quick: bool) -> None:
+        """Run the benchmark, and write what it printed and its tables."""
+        print("some minutes" if not quick else "a minute", end="", file=self._say, flush=True)
+        self._bench = run_bench(quick, lambda title: print(f"; {title}", end="", file=self._say, flush=True))
+        print(": ", end="", file=self._say)
+        self._write("bench.txt", self._bench.encode())
+        self._bench_files = [self._write_table(f"bench-{k}", table) for k, table in bench_tables(self._bench).items()]
+
+    def write_page(self, missing: str) -> None:
+        """Write the page about all of it."""
+        page = page_html(self._figures, FIGURES, _about(), self._bench, self._bench_files, missing)
+        self._write(PAGE, page.encode())
+
+    def _write_table(self, name: str, table: Table, about: str = "") -> str:
+        file = f"{name}.csv"
+        self._write(file, csv_bytes(table, about))
+        return file
+
+    def _write(self, name: str, content: bytes) -> None:
+        path = self._folder / name
+        try:
+            path.write_bytes(content)
+        except OSError as why:
+            raise Unwritable(f"cannot write {path}: {why.strerror or why}") from None
+        self._files.append(path)
+
+
+def _about() -> list[str]:
+    try:
+        release = version("pwsviz")
+    except PackageNotFoundError:  # it runs from its source
+        release = "from source"
+    return [f"pwsviz {release}, {datetime.now(UTC):%Y-%m-%d}; Bokeh {version('bokeh')}", *machine_lines()]

@@ -1,0 +1,131 @@
+"""python -m pwsviz serve: the page on a port, by way of `panel serve` with settings that suit it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import runpy
+import socket
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+__all__ = ["PANEL_SETTINGS", "Unavailable", "panel_arguments", "require_port", "serve"]
+
+LOCAL = ("localhost", "127.0.0.1", "::1")
+
+PANEL_SETTINGS = (
+    # A session without a browser computes nothing, but holds memory. Panel keeps it for 15 s, and looks every 17 s.
+    "--check-unused-sessions", "5000",
+    "--unused-session-lifetime", "15000",  # long enough for a connection that breaks to come back
+    # A page may be long on its way through a slow net; by default its token is good for five minutes.
+    "--session-token-expiration", "3600",
+    "--keep-alive", "25000",  # proxies drop what is silent for 30 or 60 s
+)  # fmt: skip
+"""Options of `panel serve`. No --num-threads: the page computes off the event loop by itself."""
+
+
+class Unavailable(Exception):  # noqa: N818  (told to a person; the class is named for what is the matter)
+    """The port cannot be listened on; the text says why, and what to do."""
+
+
+def serve(
+    port: int, address: str, show: bool = True, num_procs: int = 1, origins: Sequence[str] = (), more: Sequence[str] = ()
+) -> None:
+    """Serve the page until interrupted.
+
+    Parameters
+    ----------
+    port, address
+        Where to listen; port 0 is any that is free.
+    show : bool
+        Whether to open a browser.
+    num_procs : int
+        Processes to serve visitors; 0 is one for each processor. Each has its own cache of results.
+    origins : sequence of str
+        Further names, as HOST or HOST:PORT, by which visitors reach the page.
+    more : sequence of str
+        Further options of `panel serve`.
+
+    Raises
+    ------
+    Unavailable
+        Where the port cannot be listened on.
+    """
+    require_port(port, address)
+    if address not in LOCAL and not origins:
+        print(
+            f"Visitors who open the page by another name than localhost:{port} will be refused: "
+            f"allow theirs by --allow-websocket-origin NAME:{port}.",
+            file=sys.stderr,
+        )
+    sys.argv = ["panel", *panel_arguments(port, address, show, num_procs, origins, more)]
+    runpy.run_module("panel", run_name="__main__", alter_sys=True)  # in this process, so that signals reach it
+
+
+def panel_arguments(
+    port: int, address: str, show: bool, num_procs: int, origins: Sequence[str], more: Sequence[str] = ()
+) -> list[str]:
+    """Return what to tell `panel`."""
+    here = Path(__file__).parent
+    count = num_procs or os.cpu_count() or 1  # counted here: told to count, Panel would preload before it forks
+    return [
+        "serve", str(here.parent / "app.py"), "--port", str(port), "--address", address,
+        "--num-procs", str(count), "--setup", str(here / "preload.py"),
+        *PANEL_SETTINGS,
+        *(word for origin in (*_usual_origins(port, origins), *origins) for word in ("--allow-websocket-origin", origin)),
+        *(["--show"] if show else []),
+        *more,
+    ]  # fmt: skip
+
+
+def _usual_origins(port: int, origins: Sequence[str]) -> list[str]:
+    """Return the name that is allowed as long as none is given, so that it stays so."""
+    return [f"localhost:{port}"] if origins else []
+
+
+def require_port(port: int, address: str) -> None:
+    """Try whether a port can be listened on.
+
+    Raises
+    ------
+    Unavailable
+        Where it is taken, not permitted, or the address is not this machine's.
+    """
+    reason = _refusal(port, address)
+    if reason is None:
+        return
+    if reason == errno.EADDRINUSE:
+        other = next((p for p in range(port + 1, min(port + 100, 2**16)) if _refusal(p, address) is None), 0)
+        raise Unavailable(
+            f"Port {port} of {address} is taken, perhaps by an explorer that is running already: look at "
+            f"http://{address}:{port}, or take another port, as in --port {other}."
+        )
+    if reason == errno.EACCES:
+        raise Unavailable(f"Port {port} is not permitted to you: take one from 1024 on, as in --port 5006.")
+    raise Unavailable(
+        f"{address} is no address of this machine: take localhost, or 0.0.0.0 to be reached from others, by --address."
+    )
+
+
+def _refusal(port: int, address: str) -> int | None:
+    """Return why the port cannot be listened on, as an error number; None where it can."""
+    try:
+        found = socket.getaddrinfo(address, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except socket.gaierror:
+        return errno.EADDRNOTAVAIL
+    refusals = [_bind(family, where) for family, _, _, _, where in found]
+    if all(refusals):  # one family may be there without the other
+        return refusals[0]
+    return errno.EADDRINUSE if errno.EADDRINUSE in refusals else None
+
+
+def _bind(family: int, where: tuple[object, ...]) -> int | None:
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        if os.name == "posix":  # as the server does: a port that was just left is free
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(where)
+        except OSError as why:
+            return why.errno
+    return None

@@ -1,0 +1,1 @@
+"""The views beside the portrait, one file each: which inputs, which computation, which figure."""

@@ -1,0 +1,60 @@
+"""The tab of the conserved quantity."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import core
+from pwsviz.frames import Landmarks
+from pwsviz.inputs import ErrorInputs, run_inputs
+from pwsviz.projection import conserved_note
+from pwsviz.results import ErrorCurve, Report
+from pwsviz.tabs.base import Tab
+from pwsviz.takeaway import Table, run_table
+from pwsviz.text import as_text
+from pwsviz.views.conserved import ConservedView, conserved_text
+from pwsviz.worker import Cancel
+
+
+class ErrorPicture(NamedTuple):
+    """All that the plot shows."""
+
+    system: core.PiecewiseSystem
+    curves: list[ErrorCurve]
+    marks: Landmarks
+
+
+class ConservedTab(Tab):
+    """How far each integrator has let ψ drift."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.view = ConservedView()  # made at once: the portrait's player and crossings are linked to it
+
+    def inputs(self) -> ErrorInputs:
+        """One run for each integrator."""
+        return ErrorInputs(run_inputs(self.scene), self.scene.axes)
+
+    def compute(self, inputs: ErrorInputs, cancel: Cancel, report: Report) -> ErrorPicture:
+        """Reduce the errors of the runs to what a screen can show."""
+        curves = self.results.error_curves(inputs.runs, cancel)
+        marks = self.results.landmarks(inputs.runs[0], inputs.axes, cancel)
+        return ErrorPicture(inputs.runs[0].ground.declaration, curves, marks)
+
+    def build(self) -> list[Any]:
+        """One figure."""
+        return [self.plot(self.view.figure)]
+
+    def draw(self, outcome: ErrorPicture) -> str:
+        """Draw the change of ψ, where there is a ψ; and say what there is to know about it."""
+        system = outcome.system
+        there = bool(system.psi_minus or system.psi_plus)
+        self.plots[0].visible = there
+        if there:
+            self.view.show(outcome.curves, outcome.marks)
+        said = as_text(conserved_text(outcome.curves)) if there else ""
+        return said + as_text(conserved_note(system), "about")
+
+    def table(self) -> Table | None:
+        """Return the first integrator's run at its own steps."""
+        return run_table(self.results.run(self.inputs().runs[0])) if self.outcome is not None else None

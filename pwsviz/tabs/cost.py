@@ -1,0 +1,62 @@
+"""The tab of run time against error."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+import core
+from pwsviz.choices import choice
+from pwsviz.inputs import CostInputs
+from pwsviz.results import Report
+from pwsviz.scene import COST_ACROSS, COST_UP, PEERS
+from pwsviz.tabs.base import LongTab
+from pwsviz.takeaway import Table
+from pwsviz.text import as_text
+from pwsviz.views.cost import CostView, cost_rows, cost_text
+from pwsviz.worker import Cancel
+
+
+class CostTab(LongTab):
+    """What an error costs, by integrator."""
+
+    settings = ("cost_across", "cost_up")
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.view: CostView | None = None
+
+    def inputs(self) -> CostInputs:
+        """All integrators, and the peers."""
+        return CostInputs.of(self.scene)
+
+    def compute(self, inputs: CostInputs, cancel: Cancel, report: Report) -> core.WorkPrecision:
+        """Measure."""
+        return self.results.cost(inputs, cancel, report)
+
+    def build(self) -> list[Any]:
+        """Choices of the axes and of the peers, and the plot."""
+        self.view = CostView()
+        across = choice(self.scene, "cost_across", lambda: {words: key for key, words in COST_ACROSS.items()})
+        up = choice(self.scene, "cost_up", lambda: {words: key for key, words in COST_UP.items()})
+        peers = pmui.CheckBoxGroup(
+            label="Peers", options={words: key for key, words in PEERS.items()}, value=self.scene.peers, inline=True,
+            size="small", margin=(6, 0),
+        )  # fmt: skip
+        peers.param.watch(lambda event: self.scene.accept("peers", list(event.new)), "value")
+        self.scene.param.watch(lambda event: peers.param.update(value=event.new), "peers")
+        controls = pn.FlexBox(across, up, peers, margin=0, sizing_mode="stretch_width")
+        return [controls, self.progress, self.plot(self.view.figure)]
+
+    def draw(self, outcome: core.WorkPrecision) -> str:
+        """Draw the curves and say which is fastest."""
+        assert self.view is not None  # noqa: S101  (drawn after it was built)
+        across, up = self.scene.cost_across, self.scene.cost_up
+        self.view.show(outcome, across, up)
+        return as_text(cost_text(outcome, across, up))
+
+    def table(self) -> Table | None:
+        """Return a row for each integrator and setting."""
+        return cost_rows(self.outcome) if self.outcome is not None else None

@@ -1,0 +1,66 @@
+"""The tabs of the order: of states, and of crossing times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import core
+from pwsviz.choices import choice
+from pwsviz.inputs import StudyInputs, study_inputs
+from pwsviz.results import Report
+from pwsviz.tabs.base import LongTab
+from pwsviz.takeaway import Table, order_table
+from pwsviz.text import study_text
+from pwsviz.views.order import OrderView, Row, state_rows, time_rows
+from pwsviz.worker import Cancel
+
+
+class OrderTab(LongTab):
+    """An error against the step size, with fitted slopes.
+
+    Parameters
+    ----------
+    error : str
+        Which error is plotted, in words.
+    rows : callable
+        Picks the curves of this plot from a study.
+    """
+
+    def __init__(self, *given: Any, error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> None:
+        super().__init__(*given)
+        self.error, self._rows = error, rows
+        self.view: OrderView | None = None
+
+    def inputs(self) -> StudyInputs:
+        """One integrator."""
+        return study_inputs(self.scene)
+
+    def compute(self, inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
+        """Measure the order."""
+        return self.results.study(inputs, cancel, report)
+
+    def build(self) -> list[Any]:
+        """Choice of the integrator, and the plot."""
+        self.view = OrderView(self.error)
+        methods = choice(
+            self.scene, "study_method", lambda: {name: name for name in self.scene.steady}, ("system", "methods")
+        )
+        return [methods, self.progress, self.plot(self.view.figure)]
+
+    def draw(self, outcome: core.OrderStudy) -> str:
+        """Draw a study and say its slopes."""
+        assert self.view is not None  # noqa: S101  (drawn after it was built)
+        rows, order = self._rows(outcome), core.METHODS[outcome.method].order
+        assert order is not None  # noqa: S101  (a study needs one)
+        self.view.show(outcome.taus, rows, float(outcome.floor), order)
+        return study_text(outcome, rows)
+
+    def table(self) -> Table | None:
+        """Return both errors over the step sizes."""
+        return order_table(self.outcome) if self.outcome is not None else None
+
+
+state_order_tab = partial(OrderTab, error="state error", rows=state_rows)
+time_order_tab = partial(OrderTab, error="crossing time error", rows=time_rows)

@@ -1,0 +1,59 @@
+"""The tab of the mathematics: equations, the scheme derived from them, and the theory's constants for this run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pwsviz.choices import choice
+from pwsviz.inputs import RunInputs, run_inputs
+from pwsviz.panes import markup_pane
+from pwsviz.results import Report
+from pwsviz.tabs.base import Tab
+from pwsviz.takeaway import Table
+from pwsviz.views.scheme import scheme_markup
+from pwsviz.worker import Cancel
+
+
+class SchemeTab(Tab):
+    """One integrator's scheme for the system."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.mathematics = markup_pane()
+
+    def inputs(self) -> RunInputs:
+        """The run of the integrator that is looked into."""
+        return next(one for one in run_inputs(self.scene) if one.scheme.method == self.scene.looked_into)
+
+    def compute(self, inputs: RunInputs, cancel: Cancel, report: Report) -> str:
+        """Derive and typeset."""
+        system = inputs.ground.build()
+        run = self.results.run(inputs, cancel)
+        return scheme_markup(system, inputs.scheme.method, self.results.diagnosis(inputs, cancel), run)
+
+    def build(self) -> list[Any]:
+        """Choice of the integrator, and the page of mathematics."""
+        methods = choice(
+            self.scene, "study_method", lambda: {name: name for name in self.scene.used}, ("system", "methods")
+        )
+        return [methods, self.mathematics]
+
+    def draw(self, outcome: str) -> str:
+        """Show it."""
+        self.mathematics.object = outcome
+        return ""
+
+    def await_system(self, words: str) -> None:
+        """Leave the page empty: it is another system's."""
+        super().await_system(words)
+        self.mathematics.object = ""
+
+    def table(self) -> Table | None:
+        """There is nothing to plot."""
+        return None
+
+    def present(self, inputs: Any, outcome: Any) -> None:
+        """Show the page, or why there is none: then another scheme's would mislead."""
+        if isinstance(outcome, Exception):
+            self.mathematics.object = ""
+        super().present(inputs, outcome)

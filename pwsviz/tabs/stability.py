@@ -1,0 +1,79 @@
+"""The tab of what goes well and what does not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+
+import core
+from pwsviz.choices import choice
+from pwsviz.inputs import StabilityInputs
+from pwsviz.results import Report
+from pwsviz.scene import STABILITY_PARTS, STABILITY_SHOWN
+from pwsviz.tabs.base import LongTab
+from pwsviz.takeaway import Table
+from pwsviz.text import as_text
+from pwsviz.views.stability import StabilityView, stability_table, stability_text
+from pwsviz.worker import Cancel
+
+
+class StabilityTab(LongTab):
+    """Outcomes over step sizes and starts, long runs, and starts that all but touch the surface."""
+
+    settings = ("stability_shown", "study_method")
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.view: StabilityView | None = None
+
+    def inputs(self) -> StabilityInputs:
+        """All integrators, one part of the study."""
+        return StabilityInputs.of(self.scene)
+
+    def compute(self, inputs: StabilityInputs, cancel: Cancel, report: Report) -> core.StabilityStudy:
+        """Measure."""
+        return self.results.stability(inputs, cancel, report)
+
+    def build(self) -> list[Any]:
+        """Choices, and the plot of the part."""
+        scene = self.scene
+        self.view = StabilityView()
+        self._part = choice(scene, "stability_part", lambda: {words: key for key, words in STABILITY_PARTS.items()})
+        self._method = choice(scene, "study_method", lambda: {n: n for n in scene.used}, ("system", "methods"))
+        self._shown = choice(scene, "stability_shown", lambda: {words: key for key, words in STABILITY_SHOWN.items()})
+        self._coordinate = choice(
+            scene,
+            "stability_coordinate",
+            lambda: {v: k for k, v in enumerate(scene.declaration.variables)},
+            ("system",),
+        )
+        self._place = pn.Column(margin=0, sizing_mode="stretch_width")
+        controls = pn.FlexBox(
+            self._part, self._coordinate, self._shown, self._method, margin=0, sizing_mode="stretch_width"
+        )
+        self._offer()
+        return [controls, self.progress, self._place]
+
+    def _offer(self) -> None:
+        """Have the controls that matter for this part, and its figure."""
+        part = self.scene.stability_part
+        self._shown.visible = self._method.visible = part == "map"
+        self._coordinate.visible = part != "drift"
+        assert self.view is not None  # noqa: S101  (made before)
+        figure = self.view.figure(part)
+        pane = next((pane for pane in self.plots if pane.object is figure), None) or self.plot(figure)
+        if self._place.objects != [pane]:
+            self._place.objects = [pane]
+
+    def draw(self, outcome: core.StabilityStudy) -> str:
+        """Draw the part that was asked for and say what it shows."""
+        assert self.view is not None  # noqa: S101  (drawn after it was built)
+        self._offer()
+        scene = self.scene
+        self.view.show(outcome, scene.stability_part, scene.looked_into, scene.stability_shown)
+        return as_text(stability_text(outcome, scene.stability_part, scene.looked_into))
+
+    def table(self) -> Table | None:
+        """Return the columns of the part shown."""
+        return stability_table(self.outcome, self.scene.stability_part) if self.outcome is not None else None

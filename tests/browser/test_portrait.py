@@ -1,0 +1,244 @@
+"""What a person does to the portrait with mouse, finger and keys, and what follows in the browser alone."""
+
+import re
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+# Each returns plain numbers of a figure: places on the screen, and what its sources hold.
+FIGURE = """label => {
+    const view = [...Bokeh.index.query(view => view.el?.getAttribute?.("aria-label")?.startsWith(label))][0]
+    if (view == null) { return null }
+    const {left, top} = view.canvas_view.events_el.getBoundingClientRect(), {x_scale, y_scale, bbox} = view.frame
+    const rows = view.model.renderers.map(renderer => renderer.data_source.data)
+    const on_screen = (xs, ys) => Array.from(xs, (x, k) => [left + x_scale.compute(x), top + y_scale.compute(ys[k])])
+    const {x_range, y_range} = view.frame, words = view.el.getAttribute("aria-label")
+    return {view, rows, on_screen, range: [x_range.start, x_range.end, y_range.start, y_range.end],
+            frame: [left + bbox.left, top + bbox.top, bbox.width, bbox.height], words}
+}"""
+PORTRAIT = f"""() => {{
+    const figure = ({FIGURE})("Phase portrait")
+    const stars = figure?.rows.find(row => "heard" in row)
+    if (stars == null || stars.x.length == 0 || figure.view.canvas_view.events_el.dataset.gestures == null) {{
+        return null
+    }}
+    const marks = figure.rows.find(row => "number" in row && "time" in row)
+    const rings = figure.rows.filter(row => Object.keys(row).join() == "x,y").map(row => Array.from(row.x))
+    const moving = figure.rows.find(row => "marker" in row && !("kind" in row))
+    return {{stars: figure.on_screen(stars.x, stars.y), at: Array.from(stars.x, (x, k) => [x, stars.y[k]]),
+             chosen: Array.from(stars.chosen).indexOf(true), marks: figure.on_screen(marks.x, marks.y),
+             times: Array.from(marks.time), ringed: rings.filter(row => row.length == 1).length,
+             moving: Array.from(moving.x), range: figure.range, frame: figure.frame, words: figure.words}}
+}}"""
+CONSERVED = f"""() => {{
+    const figure = ({FIGURE})("Absolute change")
+    const ticks = figure?.rows.find(row => "foot" in row)
+    if (ticks == null || ticks.t.length == 0) {{ return null }}
+    const pointed = figure.rows.find(row => Object.keys(row).join() == "t")
+    const now = figure.view.model.center.find(part => part.type == "Span" && part.dimension == "height")
+    return {{ticks: figure.on_screen(ticks.t, ticks.foot), times: Array.from(ticks.t),
+             pointed: Array.from(pointed.t), now: now.visible ? now.location : null}}
+}}"""
+
+
+def await_that(page, what, true=bool):
+    """Wait until a look at a figure satisfies a condition, and return it."""
+    for _ in range(200):
+        seen = page.evaluate(what)
+        if seen is not None and true(seen):
+            return seen
+        page.wait_for_timeout(50)
+    raise AssertionError(f"it never came true; last seen: {seen}")
+
+
+@pytest.fixture
+def page(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    await_still(page)
+    return page
+
+
+def await_still(page):
+    """Wait until the first picture is laid out and fitted: until nothing moves for a while."""
+    before = None
+    for _ in range(50):
+        seen = page.evaluate(PORTRAIT)
+        if seen == before:
+            return
+        before = seen
+        page.wait_for_timeout(400)
+
+
+def inside(portrait, across, up):
+    left, top, width, height = portrait["frame"]
+    return left + across * width, top + (1 - up) * height
+
+
+def drag(page, start, by, steps=10):
+    page.mouse.move(*start)
+    page.mouse.down()
+    for k in range(1, steps + 1):
+        page.mouse.move(start[0] + by[0] * k / steps, start[1] + by[1] * k / steps)
+        page.wait_for_timeout(20)
+
+
+def place_second(page):
+    page.mouse.click(*inside(page.evaluate(PORTRAIT), 0.3, 0.7))
+    return await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 2)
+
+
+def sent(page):
+    """Collect what the browser tells the server from the next load on."""
+    messages = []
+    page.on("websocket", lambda socket: socket.on("framesent", lambda message: messages.append(message)))
+    return messages
+
+
+def test_a_click_on_empty_ground_places_one_more_and_looks_into_it(page):
+    seen = place_second(page)
+    assert seen["chosen"] == 1
+    assert "2 trajectories; number 2" in seen["words"]
+
+
+def test_a_click_on_a_star_selects_it_and_places_nothing(page):
+    seen = place_second(page)
+    page.mouse.click(*seen["stars"][0])
+    seen = await_that(page, PORTRAIT, lambda seen: seen["chosen"] == 0)
+    assert len(seen["stars"]) == 2
+
+
+@pytest.mark.parametrize("key", ["Delete", "Backspace"])
+def test_a_key_removes_the_selected_one(page, key):
+    seen = place_second(page)
+    page.keyboard.press(key)
+    left = await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 1)
+    assert left["at"] == seen["at"][:1]
+
+
+def test_a_key_pressed_while_typing_removes_nothing(page):
+    place_second(page)
+    entry = page.get_by_label("Step size τ")
+    entry.focus()
+    entry.press("End")
+    entry.press("Backspace")
+    page.wait_for_timeout(500)
+    assert len(page.evaluate(PORTRAIT)["stars"]) == 2
+
+
+def test_a_star_follows_the_pointer_the_view_stays_and_the_trajectory_follows(page):
+    before = page.evaluate(PORTRAIT)
+    drag(page, before["stars"][0], (60, -40))
+    moved = await_that(page, PORTRAIT, lambda seen: seen["words"] != before["words"])  # recomputed on the way
+    assert moved["range"] == before["range"]
+    assert moved["stars"][0] == pytest.approx([before["stars"][0][0] + 60, before["stars"][0][1] - 40], abs=1)
+    page.mouse.up()
+    x, y = (f"{value:.3g}" for value in moved["at"][0])
+    await_that(page, PORTRAIT, lambda seen: f"starts at ({x}" in seen["words"] and y in seen["words"])
+
+
+def test_dragging_elsewhere_pans(page):
+    before = page.evaluate(PORTRAIT)
+    drag(page, inside(before, 0.9, 0.9), (-50, 30))
+    page.mouse.up()
+    after = await_that(page, PORTRAIT, lambda seen: seen["range"] != before["range"])
+    assert after["at"] == before["at"]
+
+
+def test_a_finger_drags_a_star_and_a_double_tap_removes_it(page):
+    before = place_second(page)
+    touch = page.context.new_cdp_session(page)
+
+    def finger(kind, *place):
+        points = [{"x": place[0], "y": place[1]}] if place else []
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    x, y = before["stars"][0][0] + 12, before["stars"][0][1] - 12  # fingers are thick
+    finger("touchStart", x, y)
+    for k in range(1, 9):
+        finger("touchMove", x + 5 * k, y - 4 * k)
+        page.wait_for_timeout(20)
+    finger("touchEnd")
+    after = await_that(page, PORTRAIT, lambda seen: seen["chosen"] == 0)
+    assert after["stars"][0] == pytest.approx([before["stars"][0][0] + 40, before["stars"][0][1] - 32], abs=2)
+    for _ in range(2):
+        finger("touchStart", *after["stars"][0])
+        finger("touchEnd")
+    left = await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 1)
+    assert left["at"] == after["at"][1:]
+
+
+def test_a_crossing_pointed_at_in_the_portrait_is_marked_beside_it(page):
+    seen = page.evaluate(PORTRAIT)
+    page.mouse.move(*inside(seen, 0.9, 0.9))
+    page.mouse.move(*seen["marks"][0], steps=3)
+    await_that(page, CONSERVED, lambda other: other["pointed"] == seen["times"][:1])
+    page.mouse.move(2, 2)
+    await_that(page, CONSERVED, lambda other: other["pointed"] == [])
+
+
+def test_a_crossing_pointed_at_beside_the_portrait_is_marked_in_it(page):
+    other = await_that(page, CONSERVED)
+    page.get_by_role("img", name=re.compile("conserved quantity")).scroll_into_view_if_needed()
+    other = page.evaluate(CONSERVED)
+    x, y = other["ticks"][1]
+    page.mouse.move(x, y - 60)
+    page.mouse.move(x, y, steps=3)
+    await_that(page, PORTRAIT, lambda seen: seen["ringed"] == 1)
+    page.mouse.move(2, 2)
+    await_that(page, PORTRAIT, lambda seen: seen["ringed"] == 0)
+
+
+def test_the_player_moves_a_marker_for_each_integrator_and_tells_the_server_nothing(visit):
+    page = visit()
+    messages = sent(page)
+    page.reload()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    assert page.evaluate(PORTRAIT)["moving"] == []
+    page.get_by_role("button", name="Play in time").click()
+    await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
+    page.wait_for_timeout(500)
+    count = len(messages)
+    page.get_by_role("button", name="Play", exact=True).click()
+    first = await_that(page, CONSERVED, lambda other: (other["now"] or 0) > 0)["now"]
+    await_that(page, CONSERVED, lambda other: other["now"] > first)
+    page.get_by_role("button", name="Pause", exact=True).click()
+    assert len(messages) == count
+    page.get_by_role("button", name="Close the player").click()
+    await_that(page, CONSERVED, lambda other: other["now"] is None)
+    assert page.evaluate(PORTRAIT)["moving"] == []
+
+
+def test_keys_step_through_the_run_and_its_crossings(page):
+    page.get_by_role("button", name="Play in time").click()
+    await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
+    times = page.evaluate(CONSERVED)["times"]
+    slider = page.get_by_role("slider", name="Time")
+    slider.focus()
+    for key, time in (("ArrowRight", 0.01), ("Shift+ArrowRight", times[0]), ("Shift+ArrowRight", times[1]),
+                      ("Shift+ArrowLeft", times[0])):  # fmt: skip
+        slider.press(key)
+        await_that(page, CONSERVED, lambda other, time=time: other["now"] == pytest.approx(time))
+    assert "1 crossing" in slider.get_attribute("aria-valuetext")
+    slider.press(" ")
+    await_that(page, CONSERVED, lambda other: other["now"] > times[0] + 0.05)
+    slider.press(" ")
+    page.get_by_role("button", name="Play", exact=True).wait_for()
+
+
+def test_those_who_want_no_motion_get_single_pictures(visit):
+    page = visit()
+    page.emulate_media(reduced_motion="reduce")
+    page.reload()
+    await_that(page, PORTRAIT)
+    page.get_by_role("button", name="Play in time").click()
+    await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
+    page.get_by_role("button", name="Play", exact=True).click()
+    seen = set()
+    for _ in range(26):
+        seen.add(page.evaluate(CONSERVED)["now"])
+        page.wait_for_timeout(50)
+    assert 2 <= len(seen) <= 5

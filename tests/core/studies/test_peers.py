@@ -1,0 +1,127 @@
+"""SciPy and heyoka on declared systems: against closed forms."""
+
+import math
+import sys
+
+import numpy as np
+import pytest
+
+import core
+from core.studies.peers import PEERS, Arcs, Numbers, Stopped, peer_arcs
+
+HARMONIC, BALL = core.CATALOGUE["harmonic_oscillator"], core.CATALOGUE["bouncing_ball"]
+
+
+@pytest.fixture(params=list(PEERS))
+def peer(request):
+    if request.param == "heyoka":
+        pytest.importorskip("heyoka", reason="heyoka is an optional peer, and is not installed")
+    return PEERS[request.param]
+
+
+def solve(peer, system, end, x0=None, t0=0.0, tolerance=1e-12, most=1000, check=lambda: None):
+    start, numbers = np.array(system.x0 if x0 is None else x0, dtype=float), Numbers(system)
+    return peer_arcs(numbers, peer.prepare(numbers, tolerance, 1.0), t0, end, start, most, check)
+
+
+def test_each_side_turns_at_its_own_rate(peer):
+    # x'' = -w**2 x with w**2 = 1 above y = 0 and 3 below: a turn takes pi + pi/sqrt(3), and leads back to the start.
+    turn = math.pi * (1 + 1 / math.sqrt(3))
+    arcs = solve(peer, HARMONIC, 5 * turn, (1.0, 1.0))
+    assert arcs.side == [1, -1] * 5 + [1]
+    assert arcs.left[-1][0] == 5 * turn
+    assert arcs.left[-1][1] == pytest.approx([1.0, 1.0], abs=1e-9)
+    # From (1, 1) at angle pi/4, clockwise: y = 0 after pi/4, then after pi/sqrt(3), pi, ...
+    first = math.pi / 4
+    expected = [first, first + math.pi / math.sqrt(3), first + turn]
+    assert [t for t, _ in arcs.left[:3]] == pytest.approx(expected, abs=1e-9)
+    assert arcs.conserved_error(HARMONIC) < 1e-9
+
+
+def test_parameters_are_those_of_the_system(peer):
+    slow = HARMONIC.with_parameters(omega2_minus=1.0)
+    assert solve(peer, slow, 2 * math.pi, (1.0, 1.0)).left[-1][1] == pytest.approx([1.0, 1.0], abs=1e-9)
+
+
+def test_a_ball_bounces_at_the_times_of_the_geometric_series(peer):
+    gravity, restitution = BALL.values["gravity"], BALL.values["restitution"]
+    fall = math.sqrt(2 / gravity)  # from height 1
+    impacts = fall * (1 + 2 * np.cumsum([0.0, *(restitution**k for k in range(1, 6))]))
+    arcs = solve(peer, BALL, (impacts[4] + impacts[5]) / 2)
+    assert [t for t, _ in arcs.left[:-1]] == pytest.approx(impacts[:5], abs=1e-9)
+    assert set(arcs.side) == {1}
+    speed = math.sqrt(2 * gravity)
+    assert arcs.entered[1][1] == pytest.approx([0.0, restitution * speed], abs=1e-9)
+
+
+def test_a_surface_that_moves_is_met_where_it_is(peer):
+    # x = t meets x = 1 + t/2 at t = 2, and goes on at a rate of 3/4.
+    moving = core.PiecewiseSystem("chase", ("x",), ("1",), ("3/4",), "x - 1 - t/2", x0=(0.0,))
+    arcs = solve(peer, moving, 4.0)
+    assert arcs.side == [-1, 1]
+    assert arcs.left[0][0] == pytest.approx(2.0, abs=1e-12)
+    assert arcs.left[1][1] == pytest.approx([3.5], abs=1e-12)
+
+
+def test_a_sliding_motion_is_given_up_and_not_followed(peer):
+    facing = core.PiecewiseSystem("facing", ("x",), ("1",), ("-1",), "x - 1", x0=(0.0,))
+    with pytest.raises(Stopped, match="more than 50 crossings, up to t = 1"):
+        solve(peer, facing, 4.0, most=50)
+
+
+def test_functions_and_constants_of_expressions_are_known(peer):
+    f = ("y", "-sin(x)*pi/3 + 0*exp(-x**2)*sqrt(2 + x)/e")
+    system = core.PiecewiseSystem("pendulum", ("x", "y"), f, f, "x", x0=(0.5, 0.0))
+    arcs = solve(peer, system, 10.0)
+    # energy y**2/2 - (pi/3) cos x, which it is not told
+    energy = [x[1] ** 2 / 2 - math.pi / 3 * math.cos(x[0]) for _, x in (arcs.entered[0], arcs.left[-1])]
+    assert energy[1] == pytest.approx(energy[0], abs=1e-9)
+    assert arcs.crossings == 3  # a quarter period is about 1.56
+
+
+def test_a_start_on_the_surface_goes_where_the_fields_lead(peer):
+    arcs = solve(peer, HARMONIC, 1.0, (-1.0, 0.0))  # y' = -w**2 x > 0
+    assert arcs.side == [1]
+    assert arcs.left[-1][1] == pytest.approx([-math.cos(1.0), math.sin(1.0)], abs=1e-10)
+
+
+def test_more_crossings_than_there_should_be_are_given_up(peer):
+    with pytest.raises(Stopped, match="more than 3 crossings"):
+        solve(peer, HARMONIC, 100.0, most=3)
+
+
+def test_a_run_is_given_up_when_it_is_told_to(peer):
+    def check():
+        raise Stopped("enough")
+
+    f = ("y", "-x")
+    apart = core.PiecewiseSystem("far", ("x", "y"), f, f, "x - 100", x0=(1.0, 0.0))
+    with pytest.raises(Stopped, match="enough"):
+        solve(peer, apart, 1e6, check=check)
+
+
+def test_a_pole_ends_a_run_with_a_reason(peer):
+    f = ("x**2",)  # 1/(1 - t)
+    with pytest.raises(Stopped, match=r"stops at t = (1|0\.99)"):
+        solve(peer, core.PiecewiseSystem("pole", ("x",), f, f, "x", x0=(1.0,)), 2.0)
+
+
+def test_trial_steps_out_of_the_domain_are_taken_back():
+    f = ("-1/(2*sqrt(x))",)  # x**(3/2) falls by 3/4 a unit of time: 0 at 4/3
+    system = core.PiecewiseSystem("leak", ("x",), f, f, "x - 2", x0=(1.0,))
+    arcs = solve(PEERS["scipy"], system, 1.3)
+    assert arcs.left[-1][1] == pytest.approx([(1 - 0.75 * 1.3) ** (2 / 3)], rel=1e-9)
+
+
+def test_without_heyoka_the_reason_is_said(monkeypatch):
+    monkeypatch.setitem(sys.modules, "heyoka", None)
+    with pytest.raises(Stopped, match="heyoka is not installed"):
+        PEERS["heyoka"].prepare(Numbers(HARMONIC), 1e-9, 1.0)
+
+
+def test_the_conserved_error_is_the_worst_of_all_visits_and_forgets_jumps_between_them():
+    at = [(0.0, np.array(x)) for x in ([0.0, 1.0], [0.0, 2.0], [0.0, 3.0], [0.0, 2.0])]
+    # psi = (w**2 x**2 + y**2)/2: 0.5 -> 0.5, then 2 -> 4.5
+    arcs = Arcs([1, -1], [at[0], at[1]], [at[0], at[2]])
+    assert arcs.conserved_error(HARMONIC) == 2.5
+    assert math.isnan(arcs.conserved_error(core.CATALOGUE["gene_switch"]))

@@ -1,0 +1,299 @@
+"""The stability study: limits that theory knows, outcomes, drift and tangencies with closed forms."""
+
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import fields, is_dataclass
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+import core
+from core.studies.stability import NO_START, NOT_YET, PARTS, WENT_ON, WRONG_CROSSINGS, outcome_words, stability_study
+
+ELLIPTIC = core.CATALOGUE["elliptic_curve"]
+HARMONIC = core.CATALOGUE["harmonic_oscillator"]
+
+
+def oscillator(surface: str, x0=(1.0, 0.0)) -> core.PiecewiseSystem:
+    """x'' = −x on both sides of a surface."""
+    field, energy = ("y", "-x"), ("(x**2 + y**2)/2",)
+    return core.PiecewiseSystem("Oscillator", ("x", "y"), field, field, surface, energy, energy, x0=x0)
+
+
+FAR = oscillator("x - 10")  # a wall that the motion reaches only if its amplitude grows tenfold
+SMALL = {"taus": (0.05, 0.5, 1.0), "values": (-1.0, -0.5), "steps": 2000, "tau": 0.05}
+
+
+# The largest step size -----------------------------------------------------------------------------------------------
+
+
+def test_rk4_is_stable_on_the_oscillator_up_to_two_root_two():
+    # |R(iy)|² = 1 − y⁶/72 + y⁸/576 ≤ 1 for y ≤ 2√2 (Hairer, Wanner II, IV.2)
+    study = stability_study(FAR, (0, 2000), methods=("rk4",), taus=(1.0, 2.0, 3.0), parts="largest_tau").largest_tau
+    assert study.tau[0] == pytest.approx(2 * np.sqrt(2), rel=0.011)
+    assert study.tau[0] < study.beyond[0] <= 1.01 * study.tau[0]
+    assert study.reason[0]
+
+
+def test_the_explicit_midpoint_rule_blows_up_at_the_step_size_that_its_growth_says():
+    # |R(iy)|² = 1 + y⁴/4: from 1 to 10 in time T at y with T ln(1 + y⁴/4)/(2y) = ln 10, y = 0.18 for T = 3000.
+    span, ladder = 3000.0, np.linspace(0.1, 0.2, 100_001)
+    growth = span * np.log1p(ladder**4 / 4) / (2 * ladder)
+    limit = ladder[np.searchsorted(growth, np.log(10))]
+    study = stability_study(FAR, (0, span), methods=("rk2",), taus=(0.1, 0.3), parts="largest_tau").largest_tau
+    assert study.tau[0] == pytest.approx(limit, rel=0.015)
+    assert "instead of 0" in study.reason[0]  # it reaches the wall
+
+
+def test_the_implicit_midpoint_rule_is_stable_at_any_step_size():
+    study = stability_study(FAR, (0, 2000), methods=("dmm2",), taus=(1.0, 10.0, 100.0), parts="largest_tau").largest_tau
+    assert study.tau[0] == 100.0
+    assert np.isnan(study.beyond[0])
+    assert study.reason == ("",)
+
+
+def test_the_limit_separates_step_sizes_that_work_from_one_that_does_not():
+    study = stability_study(ELLIPTIC, methods=("dmm2", "rk4"), parts=("largest_tau",)).largest_tau
+    exact = core.reference_solution(ELLIPTIC)
+    times = np.array([exact.crossing(k)[0] for k in range(1, 25)])
+    assert np.count_nonzero(times <= study.horizon) == study.expected_crossings
+    for method, tau, beyond in zip(("dmm2", "rk4"), study.tau, study.beyond, strict=True):
+        counts = [
+            core.integrate(ELLIPTIC, (0, study.horizon), tau=t, method=method).crossing_count for t in (tau, beyond)
+        ]
+        assert counts[0] == study.expected_crossings != counts[1]
+
+
+def test_a_solution_that_stops_is_expected_to_stop():
+    friction = core.CATALOGUE["coulomb_friction"]
+    study = stability_study(friction, methods=("dmm2",), taus=(0.01, 0.1), parts="largest_tau").largest_tau
+    assert study.expected is core.Status.SLIDING
+    assert study.expected_crossings == 3  # turning points at 3, −2.2, 1.4, −0.6; it sticks at −0.2
+    assert study.tau[0] == 0.1
+
+
+# The map -------------------------------------------------------------------------------------------------------------
+
+
+def test_expected_crossings_are_those_of_the_exact_solution():
+    values = np.linspace(-1.4, 0.0, 5)
+    found = stability_study(ELLIPTIC, (0, 15), methods=("dmm2",), taus=(0.1, 0.2), values=values, parts="map").map
+    for value, count in zip(values, found.expected_crossings, strict=True):
+        exact = core.reference_solution(ELLIPTIC, (value, -1.0))
+        exact.state(15.0)
+        times = np.array([exact.crossing(k)[0] for k in range(1, count + 2)])
+        assert np.count_nonzero(times <= 15.0) == count
+    assert (found.expected == core.Status.COMPLETED).all()
+
+
+def test_dmm_keeps_psi_wherever_its_solve_converges():
+    found = stability_study(ELLIPTIC, methods=("dmm2",), taus=np.geomspace(0.01, 2, 8), parts="map").map
+    converged = found.outcome[0] == core.Status.COMPLETED
+    assert 50 < np.count_nonzero(converged) < converged.size  # at large τ it does not
+    assert found.error[0][converged].max() < 1e-13
+
+
+def test_the_map_tells_wrong_numbers_of_crossings_and_blow_up_apart():
+    found = stability_study(ELLIPTIC, methods=("rk2",), taus=(0.01, 0.11, 2.0), values=(-1.0, -0.9), parts="map").map
+    assert found.works[0, 0].all()
+    assert (found.outcome[0, 1] == WRONG_CROSSINGS).all()
+    assert (found.outcome[0, 2] == core.Status.ESCAPED).all()
+    assert np.isnan(found.error[0, 2]).all()
+    for row in (0, 1):
+        run = core.integrate(ELLIPTIC, (0, 20), (found.values[0], -1.0), found.taus[row], "rk2")
+        assert abs(run.crossing_count - found.crossings[0, row, 0]) <= 1  # judged a little before or after t = 20
+    assert found.error[0, 1, 0] > 1e-3 > found.error[0, 0, 0]
+
+
+def test_where_nothing_is_defined_the_map_says_so():
+    pole = core.PiecewiseSystem("Pole", ("x", "y"), ("1", "1/x"), ("1", "1/x"), "y - 5", x0=(1.0, 0.0))
+    found = stability_study(pole, (0, 1), methods=("rk4",), taus=(0.1, 0.2), values=(0.0, 1.0), parts="map").map
+    assert found.expected[0] == NO_START
+    assert (found.outcome[0, :, 0] == NO_START).all()
+    assert found.works.tolist() == [[[False, True], [False, True]]]
+
+
+def test_a_run_that_goes_on_where_the_solution_stops_is_told():
+    friction = core.CATALOGUE["coulomb_friction"]
+    found = stability_study(friction, methods=("rk2",), taus=(0.01, 2.0), values=(2.9, 3.0), parts="map").map
+    assert (found.outcome[0, 0] == core.Status.SLIDING).all()
+    assert (found.outcome[0, 1] != core.Status.SLIDING).all()
+    assert WENT_ON in found.outcome[0, 1] or WRONG_CROSSINGS in found.outcome[0, 1]
+
+
+def test_every_outcome_has_words():
+    codes = [*map(int, core.Status), NOT_YET, WRONG_CROSSINGS, WENT_ON, NO_START]
+    words = [outcome_words(code) for code in codes if code != core.Status.RUNNING]
+    assert all(words)
+
+
+# Drift ---------------------------------------------------------------------------------------------------------------
+
+
+def test_the_energy_of_the_explicit_midpoint_rule_grows_as_its_amplification_says():
+    # E_n = E_0 (1 + τ⁴/4)^n, through the pieces that the run is cut into
+    tau = 0.02
+    drift = stability_study(FAR, methods=("rk2", "dmm2"), tau=tau, steps=250_000, parts="drift").drift
+    ended = np.floor(drift.t / tau + 1e-6)  # a step that ends where a part of the time does may count to either
+    least, most = (0.5 * np.expm1((ended - k) * np.log1p(tau**4 / 4)) for k in (1, 0))
+    assert (drift.error[0] > (1 - 1e-6) * least).all()
+    assert (drift.error[0] < (1 + 1e-6) * most).all()
+    assert drift.error[0, -1] == pytest.approx(most[-1], rel=1e-6)
+    assert drift.error[1].max() < 1e-14
+    assert drift.t[-1] == pytest.approx(tau * 250_000)
+    assert drift.status == (core.Status.COMPLETED,) * 2
+
+
+def test_drift_adds_up_over_crossings():
+    # With one ψ for both sides the change of all visits is the change of ψ.
+    system, tau, steps = oscillator("y"), 0.05, 30_000
+    drift = stability_study(system, methods=("rk4",), tau=tau, steps=steps, parts="drift").drift
+    x, y = core.integrate(system, (0, tau * steps), tau=tau, method="rk4").x[-1]
+    assert drift.error[0, -1] == pytest.approx(abs((x**2 + y**2) / 2 - 0.5), rel=2e-3)
+    assert drift.crossings == (round(tau * steps / np.pi),)
+
+
+def test_a_run_that_stops_leaves_the_rest_of_its_drift_empty():
+    drift = stability_study(
+        core.CATALOGUE["coulomb_friction"], methods=("dmm2",), tau=0.01, steps=100_000, parts="drift"
+    ).drift
+    assert drift.status == (core.Status.SLIDING,)
+    assert "12.56" in drift.message[0]  # 4π
+    assert np.isfinite(drift.error[0, drift.t < 12.5]).all()
+    assert np.isnan(drift.error[0, drift.t > 100]).all()
+
+
+def test_drift_of_a_method_that_chooses_its_steps_reaches_the_same_time():
+    drift = stability_study(ELLIPTIC, methods=("taylor",), tau=0.1, steps=20_000, parts="drift").drift
+    assert drift.status == (core.Status.COMPLETED,)
+    assert np.nanmax(drift.error) < 1e-13
+
+
+# Beside a tangency ---------------------------------------------------------------------------------------------------
+
+
+def test_the_oscillator_touches_a_wall_at_its_amplitude():
+    wall = oscillator("x - 1", x0=(-0.7, 0.0))
+    found = stability_study(wall, (0, 6), methods=("dmm2", "rk2", "rk4"), values=np.linspace(-1.53, -0.51, 8),
+                            tau=0.01, parts="grazing").grazing  # fmt: skip
+    assert found.value == pytest.approx(-1.0, abs=4e-16)
+    assert found.time == pytest.approx(np.pi, abs=1e-6)
+    assert found.state == pytest.approx([1.0, 0.0], abs=1e-6)
+    assert (found.expected[0] == 2).all()  # from farther left
+    assert (found.expected[1] == 0).all()
+    assert (found.missed[0, :, :13] == 0).all()  # dmm2 keeps the amplitude
+    assert found.error[0].max() < 1e-14
+    assert found.missed[1, 1, -1] == -2  # rk2 grows: it crosses where the solution does not
+    assert found.missed[2, 0, -1] == 2  # rk4 shrinks
+
+
+def test_the_pendulum_touches_the_line_at_the_angle_it_started_from():
+    found = stability_study(core.CATALOGUE["pendulum"], methods=("dmm2",), parts="grazing").grazing
+    assert found.value == pytest.approx(-0.5, abs=1e-15)
+    assert found.state == pytest.approx([0.5, 0.0], abs=1e-6)
+    assert (found.missed == 0).all()
+
+
+def test_without_a_tangency_there_is_none():
+    found = stability_study(HARMONIC, parts="grazing").grazing
+    assert found.searched
+    assert not found.found
+    assert found.delta.size == 0
+
+
+# Running it ----------------------------------------------------------------------------------------------------------
+
+
+def same(a, b) -> bool:
+    """Whether two results are the same in every bit; processor times apart."""
+    if is_dataclass(a):
+        return all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a) if f.name != "seconds")
+    return np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b or (a != a and b != b)
+
+
+@pytest.mark.parametrize("executor", [lambda: ThreadPoolExecutor(3),
+                                      lambda: ProcessPoolExecutor(1, get_context("spawn"))],
+                         ids=["threads", "processes"])  # fmt: skip
+def test_any_executor_gives_the_same_study(executor):
+    here = stability_study(ELLIPTIC, **SMALL)
+    with executor() as pool:
+        there = stability_study(ELLIPTIC, **SMALL, executor=pool)
+    assert here.complete
+    assert same(here, there)
+
+
+def test_partial_results_come_one_by_one_and_stay_as_they_were():
+    seen = []
+    study = stability_study(
+        ELLIPTIC, **SMALL, progress=lambda done, total, partial: seen.append((done, total, partial))
+    )
+    totals = {total for _, total, _ in seen}
+    assert totals == {2 + 2 * 2 + 2 * 3 + 29}
+    assert [done for done, _, _ in seen] == sorted({done for done, _, _ in seen})
+    empty = [np.count_nonzero(partial.map.outcome == NOT_YET) for _, _, partial in seen if partial.map is not None]
+    assert empty[:4] == [9, 6, 3, 0]
+    assert seen[0][2].map is None
+    assert not seen[0][2].complete
+    assert study.complete
+
+
+def test_only_the_parts_asked_for_are_computed():
+    study = stability_study(ELLIPTIC, **SMALL, parts=("drift",))
+    assert study.drift is not None
+    assert study.largest_tau is study.map is study.grazing is None
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_cancelling_returns_what_is_there(part):
+    done = []
+    study = stability_study(
+        core.CATALOGUE["pendulum"], parts=(part,), progress=lambda *given: done.append(given), cancel=lambda: bool(done)
+    )
+    assert not study.complete
+    assert len(done) == 1 or part == "grazing"
+    assert getattr(study, part) is done[-1][2].__getattribute__(part)
+
+
+def test_cancelling_before_the_start_computes_nothing():
+    study = stability_study(ELLIPTIC, cancel=lambda: True)
+    assert [getattr(study, part) for part in PARTS] == [None] * 4
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"t_span": (1.0, 0.0)}, r"\(1.0, 0.0\).*later one second"),
+        ({"t_span": 3.0}, r"3.0: a start and an end"),
+        ({"t_span": (0.0, np.inf)}, "inf.*finite"),
+        ({"methods": ()}, r"methods = \(\)"),
+        ({"methods": ("dmm2", "dmm2")}, "different"),
+        ({"methods": ("euler",)}, "'euler'; known are"),
+        ({"taus": (0.1,)}, "taus.*2 to 400"),
+        ({"taus": (0.1, -0.2)}, "-0.2.*positive"),
+        ({"taus": (0.1, np.nan)}, "nan.*finite"),
+        ({"taus": 0.1}, "taus = 0.1: numbers"),
+        ({"values": (1.0, 1.0)}, "values.*different"),
+        ({"coordinate": "z"}, "'z': one of x, y"),
+        ({"coordinate": 2}, "2: one of x, y"),
+        ({"parts": ("maps",)}, "'maps'.*largest_tau, map, drift, grazing"),
+        ({"parts": ()}, "choose from"),
+        ({"tau": -1.0}, "-1.0.*positive"),
+        ({"steps": 0}, "steps = 0"),
+        ({"x0": (1.0,)}, "2 are needed"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_refused_with_what_would_do(change, told):
+    with pytest.raises(ValueError, match=told):
+        stability_study(ELLIPTIC, **change)
+
+
+def test_a_conservative_method_needs_something_to_conserve():
+    with pytest.raises(ValueError, match="has none: use one of"):
+        stability_study(core.CATALOGUE["gene_switch"], methods=("dmm2",))
+
+
+def test_a_coordinate_may_be_named_and_ranges_cover_the_orbit():
+    study = stability_study(HARMONIC, methods=("rk4",), taus=(0.1, 0.2), coordinate="y", parts="map")
+    assert (study.coordinate, study.coordinate_name) == (1, "y")
+    orbit = core.integrate(HARMONIC, (0, 20)).x[:, 1]
+    assert study.map.values[0] < orbit.min() < orbit.max() < study.map.values[-1]

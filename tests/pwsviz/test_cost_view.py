@@ -1,0 +1,184 @@
+"""The work-precision diagram draws what the study holds, and says it in words."""
+
+import math
+
+import numpy as np
+import pytest
+
+import core
+from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
+from pwsviz.style import LINES, line_of
+from pwsviz.views.cost import PEER_LINES, CostView, cost_rows, cost_text
+
+FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
+
+
+def curve(name, seconds, state, **changes):
+    m = len(seconds)
+    given = {
+        "name": name,
+        "title": {"scipy": "SciPy DOP853"}.get(name, name),
+        "peer": name in PEER_LINES,
+        "setting_name": "tolerance" if name in (*PEER_LINES, "taylor") else "tau",
+        "setting": np.geomspace(0.1, 0.01, m),
+        "seconds": np.array(seconds),
+        "evaluations": 1e6 * np.array(seconds),
+        "state_error": np.array(state),
+        "time_error": 2 * np.array(state),
+        "invariant_error": np.full(m, 1e-16),
+        "crossings": np.full(m, 8.0),
+        "status": (DONE,) * m,
+        "compile_seconds": 0.25,
+    }
+    return CostCurve(**{**given, **changes})
+
+
+def study(*curves, crossings=8):
+    return WorkPrecision((0.0, 20.0), curves, crossings, "exact (linear flow)", FLOOR)
+
+
+DMM2 = curve("dmm2", [1e-4, 1e-3, 1e-2], [1e-2, 1e-4, 1e-7])
+SCIPY = curve("scipy", [1e-2, 2e-2, 3e-2], [1e-4, 1e-8, 1e-10])
+BOTH = study(DMM2, SCIPY)
+
+
+@pytest.mark.parametrize("across", ["seconds", "evaluations"])
+@pytest.mark.parametrize("up", ["state", "time", "invariant"])
+def test_every_curve_stands_where_the_study_has_it(across, up):
+    view = CostView()
+    view.show(BOTH, across, up)
+    for k, one in enumerate(BOTH.curves):
+        assert np.array_equal(view.curves.data["xs"][k], getattr(one, across))
+        assert np.array_equal(view.curves.data["ys"][k], getattr(one, f"{up}_error"))
+    assert view.points.data["x"] == [*getattr(DMM2, across), *getattr(SCIPY, across)]
+    assert view.floor.ticker.ticks == [FLOOR[up]]
+
+
+def test_the_axes_are_named_by_what_stands_on_them_and_nothing_is_built_anew():
+    view = CostView()
+    models = set(view.figure.references())
+    labels = set()
+    for across, up in (("seconds", "state"), ("evaluations", "time"), ("seconds", "invariant")):
+        view.show(BOTH, across, up)
+        labels.add((view.figure.xaxis[0].axis_label, view.figure.yaxis[0].axis_label))
+    assert labels == {
+        ("run time (s)", "error of the state at the end"),
+        ("evaluations of the field", "error of the time of the last crossing"),
+        ("run time (s)", "greatest |Δψ| between crossings"),
+    }
+    assert set(view.figure.references()) == models
+
+
+def test_integrators_look_as_everywhere_and_peers_like_none_of_them():
+    view = CostView()
+    view.show(BOTH, "seconds", "state")
+    assert view.curves.data["colour"][0] == line_of("dmm2").colour
+    assert view.curves.data["dash"] == [list(line_of("dmm2").dash), list(PEER_LINES["scipy"].dash)]
+    looks = [*LINES, *PEER_LINES.values()]
+    assert len({line.dash for line in looks}) == len({line.marker for line in looks}) == len(looks)
+    assert len({line.colour for line in looks}) == len(looks)
+
+
+def test_what_is_missing_is_a_gap_and_has_no_point():
+    gap = curve("rk4", [1e-4, math.nan, 1e-2], [1e-2, math.nan, 1e-7])
+    view = CostView()
+    view.show(study(gap), "seconds", "state")
+    assert np.isnan(view.curves.data["ys"][0]).tolist() == np.isnan(view.curves.data["xs"][0]).tolist()
+    assert np.isnan(view.curves.data["ys"][0]).tolist() == [False, True, False]
+    assert view.points.data["y"] == [1e-2, 1e-7]
+
+
+def test_a_curve_without_a_point_is_not_in_the_legend():
+    silent = curve("heyoka", [1e-3], [1e-3], evaluations=np.array([math.nan]))
+    view = CostView()
+    view.show(study(DMM2, silent), "evaluations", "state")
+    assert view.curves.data["label"] == ["dmm2"]
+    view.show(study(DMM2, silent), "seconds", "state")
+    assert view.curves.data["label"] == ["dmm2", "heyoka"]
+
+
+def test_an_error_of_zero_is_drawn_below_all_others_and_told_as_it_is():
+    view = CostView()
+    view.show(study(curve("rk4", [1e-4, 1e-3], [1e-20, 0.0])), "seconds", "state")
+    assert view.points.data["y"][1] < 1e-20
+    assert view.points.data["error"] == ["1.0e-20", "0.0e+00"]
+
+
+def test_the_setting_is_told_on_a_point():
+    view = CostView()
+    view.show(BOTH, "seconds", "state")
+    assert view.points.data["setting"][0] == "τ = 0.1"
+    assert view.points.data["setting"][-1] == "tolerance = 0.01"
+    assert view.points.data["cost"][0] == "0.1 ms"
+    view.show(BOTH, "evaluations", "state")
+    assert view.points.data["cost"][0] == "100 evaluations"
+
+
+def test_a_study_with_nothing_in_it_yet_can_be_drawn():
+    nothing = curve("dmm2", [math.nan], [math.nan], status=(WAITING,), compile_seconds=math.nan)
+    view = CostView()
+    view.show(study(nothing), "seconds", "state")
+    assert view.points.data["x"] == []
+    assert "no run has reached the end" in cost_text(study(nothing), "seconds", "state")
+
+
+def test_rows_hold_everything_once():
+    rows = cost_rows(BOTH)
+    assert {len(column) for column in rows.values()} == {6}
+    assert list(rows["integrator"]) == ["dmm2"] * 3 + ["SciPy DOP853"] * 3
+    assert list(rows["setting_name"]) == ["tau"] * 3 + ["tolerance"] * 3
+    assert list(rows["state_error"]) == [1e-2, 1e-4, 1e-7, 1e-4, 1e-8, 1e-10]
+    assert set(rows["compile_seconds"]) == {0.25}
+    assert set(rows["outcome"]) == {DONE}
+
+
+def test_words_say_which_is_the_fastest_to_an_error():
+    words = cost_text(BOTH, "seconds", "state")
+    assert (
+        "Fastest to an error of 1e-03: dmm2 (τ = 0.0316), 1 ms; the best of others, SciPy DOP853, takes 10 times"
+        in words
+    )
+    assert "Fastest to an error of 1e-06: dmm2 (τ = 0.01), 10 ms" in words
+    assert "Fastest to an error of 1e-09: SciPy DOP853 (tolerance = 0.01), 30 ms." in words
+    assert "To compile or to load from disk, in no other time: dmm2 250 ms and SciPy DOP853 250 ms." in words
+    assert "exact (linear flow)" in words
+
+
+def test_words_count_evaluations_where_these_are_shown():
+    silent = curve("heyoka", [1e-9], [1e-12], evaluations=np.array([math.nan]))
+    words = cost_text(study(DMM2, silent), "evaluations", "state")
+    assert "Fewest evaluations to an error of 1e-03: dmm2 (τ = 0.0316), 1,000 evaluations." in words
+    assert "None gets to an error of 1e-09." in words
+    assert "heyoka does not count its evaluations." in words
+
+
+def test_words_say_what_is_missing_and_why():
+    late = curve(
+        "rk4", [1e-3] + [math.nan] * 2, [1e-3] + [math.nan] * 2, status=(DONE, "takes too long", "takes too long")
+    )
+    gone = curve("heyoka", [math.nan], [math.nan], status=("heyoka is not installed",))
+    off = curve("rk2", [1e-3], [1.0], status=("7 crossings, where the solution has 8",))
+    rest = curve("dmm4", [math.nan] * 2, [math.nan] * 2, status=(WAITING, CANCELLED))
+    words = cost_text(study(late, gone, off, rest), "seconds", "state")
+    assert "rk4, τ = 0.0316 and 1 other setting: takes too long." in words
+    assert "heyoka: heyoka is not installed." in words
+    assert "rk2: not the 8 crossings that the solution has." in words
+    assert "1 setting not measured yet." in words
+    assert "1 setting cancelled." in words
+
+
+def test_words_say_why_there_is_no_error_of_psi_or_of_a_crossing():
+    bare = curve("rk4", [1e-3], [1e-3], invariant_error=np.array([math.nan]), time_error=np.array([math.nan]))
+    assert "no conserved quantity is known" in cost_text(study(bare), "seconds", "invariant")
+    assert "there is no crossing" in cost_text(study(bare, crossings=0), "seconds", "time")
+
+
+def test_a_real_study_is_drawn_and_told():
+    real = core.work_precision(
+        core.CATALOGUE["harmonic_oscillator"], (0.0, 10.0), methods=("taylor",), settings={"taylor": (1e-6, 1e-12)},
+        repeats=1,
+    )  # fmt: skip
+    view = CostView()
+    view.show(real, "seconds", "state")
+    assert view.curves.data["label"] == ["taylor", "SciPy DOP853"]
+    assert "Fastest to an error of 1e-09: taylor" in cost_text(real, "seconds", "state")

@@ -1,0 +1,252 @@
+"""Texts of a person's own system: what is read, what is complained of, and that no text hangs or breaks anything."""
+
+import time
+from dataclasses import fields, replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import core
+from pwsviz.draft import FIELDS, MAX_CHARACTERS, Draft, check, examples, split
+
+OSCILLATOR = Draft(
+    name="Mine",
+    variables="x, y",
+    f_minus="y\n-k*x",
+    f_plus="y\n-x",
+    g="y",
+    parameters="k = 3 in [0.1, 10]",
+    x0="1, 1",
+)
+#: What our markup is made of; "all" is the test's own.
+TAGS = {
+    *("all", "math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "mfrac", "msup", "msub", "msubsup", "msqrt"),
+    *("mroot", "mover", "mtable", "mtr", "mtd"),
+}
+#: Of processor time; on an idle machine no text below takes 0.9 s.
+SECONDS = 5.0
+
+
+@pytest.mark.parametrize(
+    ("text", "items"),
+    [
+        ("", []),
+        ("x", ["x"]),
+        ("x, y; z\nw", ["x", "y", "z", "w"]),
+        ("y,\n-x,\n", ["y", "-x"]),
+        ("f(x, y), [0.1, 10]; (a; b)", ["f(x, y)", "[0.1, 10]", "(a; b)"]),
+        ("(x +\ny), z", ["(x + y)", "z"]),
+        ("x)), y", ["x))", "y"]),
+        ("x\r\ny\rz", ["x", "y", "z"]),
+    ],
+)
+def test_lists_are_split_where_no_brackets_are_open(text, items):
+    assert split(text) == items
+
+
+def test_fields_are_those_of_a_draft():
+    assert set(FIELDS) == {field.name for field in fields(Draft)}
+
+
+@pytest.mark.parametrize("title", examples)
+def test_every_example_makes_a_system_that_runs_across_its_surface(title):
+    checked = check(examples[title])
+    assert checked.complaints == {}
+    known = bool(checked.system.psi_minus)
+    run = core.integrate(checked.system, (0.0, 20.0), tau=0.01, method="dmm2" if known else "rk2")
+    assert run.status is core.Status.COMPLETED
+    assert len(run.crossings) >= 2
+    if known:  # round-off of ψ, some units of it in size
+        assert np.nanmax(np.abs(run.conserved_error())) < 1e-12
+    else:
+        assert all("will not be offered" in side[0].words for side in checked.conserved.values())
+
+
+@pytest.mark.parametrize("key", core.CATALOGUE)
+def test_a_built_in_system_written_out_and_read_again_is_the_same(key):
+    system = core.CATALOGUE[key]
+    again = check(Draft.of(system)).system
+    for name in ("name", "variables", "f_minus", "f_plus", "g", "psi_minus", "psi_plus", "x0", "jump", "values"):
+        assert getattr(again, name) == getattr(system, name)
+    assert [p.bounds for p in again.parameters] == [p.bounds for p in system.parameters]
+
+
+def test_a_system_is_written_out_at_its_current_values():
+    system = core.CATALOGUE["elliptic_curve"].with_parameters(a_plus=-2.5)
+    assert "a_plus = -2.5 in [-8, 4]" in Draft.of(system).parameters
+
+
+def test_numbers_may_be_written_as_constants():
+    system = check(replace(OSCILLATOR, parameters="k = 1/3; w = sqrt(2) in [0, pi]", x0="-1, 2/4")).system
+    assert dict(system.values) == {"k": 1 / 3, "w": 2**0.5}
+    assert system.parameters[1].bounds == (0.0, np.pi)
+    assert system.x0 == (-1.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("field", "text", "says"),
+    [
+        ("name", " ", "Give your system a name"),
+        ("name", "a\u202eb", "cannot be seen"),
+        ("name", "n" * 61, "61 characters"),
+        ("variables", "", "Name the variables"),
+        ("variables", "x, 2y", "'2y' is not usable"),
+        ("variables", "x, x", "'x' stands for two things"),
+        ("variables", ", ".join(f"x{k}" for k in range(9)), "8 at most"),
+        ("parameters", "k", "'k' is no parameter: write k = 3"),
+        ("parameters", "k = 3 in 0.1..10", "write k = 3, or k = 3 in [0.1, 10]"),
+        ("parameters", "k = 3 in [1]", "write k = 3, or k = 3 in [0.1, 10]"),
+        ("parameters", "k = 30 in [0.1, 10]", "outside 0.1 … 10"),
+        ("parameters", "k = 3 in [10, 0.1]", "the first must be the smaller"),
+        ("parameters", "k = t", "is no number"),
+        ("parameters", "k = 3; k = 4", "'k' stands for two things"),
+        ("parameters", "k = 3; x = 4", "'x' stands for two things"),
+        ("parameters", "k = 3; sin = 1", "reserved"),
+        ("f_minus", "y", "1 expression here, 2 are needed: one for each of x, y"),
+        ("f_minus", "y, -x, 0", "3 expressions here"),
+        ("f_minus", "y, 2x", "y′ = '2x': this is no expression; write products with *"),
+        ("f_plus", "y, -q*x", "unknown name 'q'"),
+        ("f_plus", "", "no expressions here"),
+        ("f_plus", "x^2, y", "powers are written **"),
+        ("g", "", "Type one expression"),
+        ("g", "x, y", "Type one expression"),
+        ("g", "k - 3", "'k - 3' names no variable"),
+        ("psi_minus", "x**2", "d/dt ψ₋ = 2*x*y is left over"),
+        ("psi_plus", "x**2 + y**2, x", "There are 2 here; with 2 variables, 1 at most"),
+        ("psi_plus", "7", "linearly dependent, or zero"),
+        ("x0", "1", "1 number here, 2 are needed"),
+        ("x0", "1, one", "unknown name 'one'"),
+        ("x0", "1, 2e6", "too far away"),
+        ("jump", "x", "1 expression here"),
+        ("jump", "x, -r*y", "y after the jump = '-r*y': unknown name 'r'"),
+        ("g", "x" * (MAX_CHARACTERS + 1), "1,001 characters long: 1,000 at most"),
+    ],
+)
+def test_a_mistake_is_told_beside_its_field_with_what_would_do(field, text, says):
+    checked = check(replace(OSCILLATOR, **{field: text}))
+    assert says in checked.complaints[field]
+    assert checked.system is None
+
+
+def test_all_fields_are_checked_not_only_the_first_that_is_wrong():
+    wrong = Draft(name="", variables="x", f_minus="2x", f_plus="x, 1", g="3", parameters="k", x0="", jump="y")
+    assert set(check(wrong).complaints) == {"name", "f_minus", "f_plus", "g", "parameters", "x0", "jump"}
+
+
+def test_a_start_where_the_field_has_no_value_is_told_beside_it():
+    complaints = check(replace(OSCILLATOR, f_minus="y\n-k/x", f_plus="y\n-k/x", x0="0, 1")).complaints
+    assert set(complaints) == {"x0"}
+    assert "no finite value" in complaints["x0"]
+
+
+def test_mathematics_appears_of_what_can_be_read_while_other_fields_are_wrong():
+    checked = check(replace(OSCILLATOR, g="", f_minus="y, 2x", psi_plus="x**2 + y**2"))
+    assert {"g", "f_minus"} <= set(checked.complaints)
+    assert checked.maths["f_minus"].count("<math") == 1
+    assert checked.maths["f_plus"].count("<math") == 2
+    assert "<msup><mi>x</mi><mn>2</mn></msup>" in checked.maths["psi_plus"]
+    assert "<mi>k</mi>" in checked.maths["parameters"]
+    assert [finding.conserved for finding in checked.conserved[1]] == [True]
+
+
+def test_what_is_left_over_of_a_quantity_is_its_time_derivative():
+    checked = check(replace(OSCILLATOR, psi_minus="x**2 + y**2", psi_plus="x**2 + y**2"))
+    left = checked.conserved[-1][0]
+    assert not left.conserved
+    x, y, k = sympy.symbols("x y k")
+    said = left.words.split("= ")[1].removesuffix(" is left over.")
+    assert sympy.expand(sympy.sympify(said) - (2 * x * y + 2 * y * (-k * x))) == 0
+    assert "<mfrac>" in left.maths
+    assert checked.conserved[1][0].words == "ψ₊ is conserved: its time derivative along f₊ is 0."
+
+
+def test_a_quantity_that_names_time_is_differentiated_by_it_too():
+    damped = Draft("Damped", "x", "-k*x", "-k*x", "x - 1", parameters="k = 1", x0="2")
+    assert "at most" in check(replace(damped, psi_minus="x*exp(k*t)")).complaints["psi_minus"]
+    plane = replace(damped, variables="x, y", f_minus="-k*x, 0", f_plus="-k*x, 1", x0="2, 0", psi_minus="x*exp(k*t)")
+    assert check(plane).conserved[-1][0].conserved
+
+
+def test_what_is_found_without_being_given_is_said():
+    checked = check(OSCILLATOR)
+    assert checked.conserved[-1][0].words.startswith("Found for you")
+    assert "<mfrac>" in checked.conserved[-1][0].maths
+    assert checked.system.psi_plus == ("x**2/2 + y**2/2",)
+
+
+HOSTILE = {
+    "deep nesting": "(" * 400 + "x" + ")" * 400,
+    "deep calls": "sin(" * 38 + "x" + ")" * 38,
+    "tower of numbers": "9**9**9",
+    "huge power": "x**1000000",
+    "tower of powers": "x**" * 18 + "x",
+    "tower of exp": "exp(" * 38 + "x" + ")" * 38,
+    "exp of exp": "exp(exp(exp(exp(x*1e50))))",
+    "large argument": "sin(1e300*x)*x**64",
+    "expands without end": "(x + y + k + t)**64",
+    "expands, nested": "((x + y)**9*(x - k)**9 + 1)**9",
+    "long sum": "+".join(f"x*y**{k}" for k in range(2, 60)),
+    "many factors": "*".join(f"(x**{k}+t)**(y*{k}+k)" for k in range(2, 35)),
+    "long Horner form": "(" * 38 + "x" + "*(x+y)+k)" * 38,
+    "many functions": "*".join(f"sin(k*x*y+{k})*log(k*x+{k})*exp(y*x+{k})" for k in range(2, 15)),
+    "long to integrate": "sin(k*y)**3*cos(k*y)**3",
+    "longer to integrate": "sin(y)**20*cos(y)**20",
+    "integral too long": "y**60*exp(y)",
+    "constants": "tanh(" * 30 + "1" + ")" * 30,
+    "attribute": "x.__class__.__bases__",
+    "dunder": "__class__",
+    "lambda": "lambda: 1",
+    "import": "__import__('os').system('id')",
+    "format": "{0.__class__}%s%n",
+    "markup": "<script>alert(1)</script>",
+    "attribute markup": '"><img src=x onerror=alert(1)>',
+    "icon": ":material/home:",
+    "null": "x\0y",
+    "right to left": "\u202ex + y",
+    "look-alikes": "х + у",
+    "surrogate": "x\ud800",
+    "pasted": "x+" * 50_000 + "x",
+    "pasted brackets": "([" * 50_000,
+    "pasted commas": "," * 100_000,
+    "many entries": "x," * 500,
+    "many lines": "\n" * 900 + "x",
+}
+
+
+def with_text(text: str) -> list[Draft]:
+    """A text in fields of every kind: without divergence, so that ψ is sought; as laws; as a number; and everywhere."""
+    return [
+        replace(OSCILLATOR, f_minus=f"{text}\n0", f_plus=f"0\n{text}"),
+        replace(OSCILLATOR, g=text, psi_minus=text, jump=f"{text}\n{text}"),
+        replace(OSCILLATOR, parameters=f"k = {text}", x0=f"{text}, {text}"),
+        Draft(*[text] * len(FIELDS)),
+    ]
+
+
+def assert_plain(draft: Draft) -> None:
+    """Nothing but bounded words and well-formed mathematics comes of a draft, in bounded time."""
+    start = time.process_time()
+    checked = check(draft)
+    assert time.process_time() - start < SECONDS
+    assert (checked.system is None) == bool(checked.complaints)
+    assert all(0 < len(words) < 1500 for words in checked.complaints.values())
+    findings = [finding.maths for side in checked.conserved.values() for finding in side]
+    for maths in (*checked.maths.values(), *findings):
+        tree = ElementTree.fromstring(f"<all>{maths}</all>")  # noqa: S314 - our own markup, and this is its test
+        assert {e.tag for e in tree.iter()} <= TAGS
+
+
+@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
+def test_hostile_texts_are_refused_or_read_in_bounded_time(text):
+    for draft in with_text(text):
+        assert_plain(draft)
+
+
+@settings(derandomize=True, deadline=None, database=None, max_examples=40)
+@given(st.sampled_from(list(FIELDS)), st.text(max_size=40) | st.text("xyk 0123.+-*/(),;=[]<&>\n", max_size=40))
+def test_no_text_in_any_field_raises(name, text):
+    assert_plain(replace(OSCILLATOR, **{name: text}))

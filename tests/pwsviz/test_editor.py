@@ -1,0 +1,163 @@
+"""The form for a system of one's own, without a browser: checked as one types, used when it is right."""
+
+import re
+from dataclasses import fields
+from threading import current_thread, main_thread
+
+import pytest
+
+import core
+from pwsviz.draft import FIELDS, Draft, examples
+from pwsviz.editor import CURRENT, SystemEditor
+
+ELLIPTIC = core.CATALOGUE["elliptic_curve"]
+
+
+class Desk:
+    """Keeps what was used, and where outcomes came from."""
+
+    def __init__(self):
+        self.used, self.threads = [], []
+        self.editor = SystemEditor(self.used.append, self.deliver, lambda: ELLIPTIC)
+
+    def deliver(self, show, outcome):
+        """Show at once, and note the thread."""
+        self.threads.append(current_thread())
+        show(outcome)
+
+    def type(self, **texts):
+        """Type into fields, as the browser tells of it: `value` follows only when a field is left."""
+        for name, text in texts.items():
+            self.editor.texts[name].value_input = text
+        assert self.editor.settle(20)
+
+
+@pytest.fixture
+def desk():
+    desk = Desk()
+    desk.editor.fill(examples["Two springs"])
+    assert desk.editor.settle(20)
+    yield desk
+    desk.editor.close()
+
+
+def errors(editor):
+    return {name: text.helper_text for name, text in editor.texts.items() if text.error_state}
+
+
+def test_nothing_is_checked_before_something_is_filled_in():
+    seen = []
+    editor = SystemEditor(seen.append, lambda show, outcome: seen.append(outcome))
+    assert editor.settle(5)
+    assert seen == []
+    assert editor.use.disabled
+
+
+def test_a_valid_system_is_used_at_a_click(desk):
+    assert not desk.editor.use.disabled
+    assert errors(desk.editor) == {}
+    desk.editor.use.clicks += 1
+    assert [system.name for system in desk.used] == ["My oscillator"]
+    assert desk.used[0].values == {"k": 3.0}
+
+
+def test_checks_run_off_the_event_loop(desk):
+    assert desk.threads
+    assert main_thread() not in desk.threads
+
+
+def test_a_mistake_is_told_at_its_field_and_nothing_can_be_used(desk):
+    desk.type(g="x +", x0="1")
+    assert set(errors(desk.editor)) == {"g", "x0"}
+    assert "no expression" in errors(desk.editor)["g"]
+    assert desk.editor.use.disabled
+    assert 'role="alert"' in desk.editor.status.object
+    assert "Switching function g; Start x₀" in desk.editor.status.object
+    desk.editor.use.clicks += 1
+    assert desk.used == []
+    desk.type(g="x + y", x0="1, 2")
+    assert errors(desk.editor) == {}
+    assert desk.editor.texts["g"].helper_text == "The law changes where g = 0."
+    assert not desk.editor.use.disabled
+
+
+def test_what_is_not_checked_yet_cannot_be_used(desk):
+    desk.editor.texts["g"].value_input = "x +"
+    assert desk.editor.use.disabled
+    desk.editor.use.clicks += 1
+    assert desk.used == []
+
+
+def test_an_outcome_that_was_overtaken_is_not_shown():
+    outcomes = []
+    editor = SystemEditor(lambda _: None, lambda show, outcome: outcomes.append((show, outcome)))
+    editor.fill(examples["Two springs"])
+    assert editor.settle(20)
+    editor.texts["g"].value_input = "x +"
+    show, outcome = outcomes[0]
+    show(outcome)
+    assert editor.use.disabled
+    editor.close()
+
+
+def test_mathematics_appears_as_one_types(desk):
+    assert "<mi>k</mi>" in desk.editor.maths["f_minus"].object
+    desk.type(g="x**2 - y")
+    assert "<msup><mi>x</mi><mn>2</mn></msup>" in desk.editor.maths["g"].object
+
+
+def test_what_is_conserved_and_what_is_left_over_is_shown(desk):
+    assert "Found for you" in desk.editor.maths["psi_minus"].object
+    desk.type(psi_minus="x**2 + y**2", psi_plus="x**2 + y**2")
+    assert "is left over" in errors(desk.editor)["psi_minus"]
+    assert desk.editor.maths["psi_minus"].object.count("<math") == 2  # ψ, and its time derivative
+    assert "is conserved" in desk.editor.maths["psi_plus"].object
+
+
+@pytest.mark.parametrize("title", examples)
+def test_every_example_on_the_menu_fills_the_form(desk, title):
+    desk.editor._choose({"label": title})
+    assert desk.editor.settle(20)
+    texts = {each.name: desk.editor.texts[each.name].value_input for each in fields(Draft)}
+    assert Draft(**texts) == examples[title] == desk.editor.draft
+    assert errors(desk.editor) == {}
+
+
+def test_the_system_on_the_page_can_be_started_from(desk):
+    assert desk.editor.menu.items[0] == {"label": CURRENT}
+    desk.editor._choose({"label": CURRENT})
+    assert desk.editor.settle(20)
+    desk.editor.use.clicks += 1
+    assert desk.used[0].f_plus == ELLIPTIC.f_plus
+    assert desk.used[0].psi_plus == ELLIPTIC.psi_plus
+
+
+def test_loading_a_system_takes_away_the_complaints_of_before(desk):
+    desk.type(jump="x", variables="x, 2")
+    desk.editor.load(core.CATALOGUE["kepler"])
+    assert desk.editor.settle(20)
+    assert errors(desk.editor) == {}
+    assert desk.editor.texts["variables"].value == "x, y, u, v"
+    assert desk.editor.texts["jump"].value_input == ""
+
+
+def test_words_of_a_refusal_are_shown(desk):
+    def refuse(_system):
+        raise ValueError("Not <now>.")
+
+    desk.editor._on_use = refuse
+    desk.editor.use.clicks += 1
+    assert "Not &lt;now&gt;." in desk.editor.status.object
+
+
+def test_text_is_never_taken_for_markup_nor_for_an_icon(desk):
+    evil = '<img src=x onerror="alert(1)"> :material/home:'
+    desk.type(**dict.fromkeys(FIELDS, evil))
+    shown = "".join(pane.object for pane in (*desk.editor.maths.values(), desk.editor.status))
+    assert not re.search(r"<(img|script)", shown)
+    assert not any(re.search(":material/", words) for words in errors(desk.editor).values())
+
+
+def test_every_field_has_a_label():
+    editor = SystemEditor(lambda _: None)
+    assert [text.label for text in editor.texts.values()] == list(FIELDS.values())

@@ -1,0 +1,73 @@
+"""Undo goes back gesture by gesture."""
+
+import pytest
+
+import core
+from pwsviz.history import MAX_STEPS_BACK, History
+from pwsviz.scene import Scene
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    now = 100.0
+
+    def __call__(self):
+        """Return what it was set to."""
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def history(clock):
+    return History(Scene(), clock)
+
+
+def test_every_gesture_is_undone_by_itself(history, clock):
+    scene, states = history.scene, []
+    for change in (("tau", 0.02), ("x0", (0.5, 0.5)), ("system", "kepler"), ("methods", ["rk4"])):
+        states.append(scene.settings())
+        clock.now += 5
+        scene.accept(*change)
+    for state in reversed(states):
+        assert history.possible
+        history.undo()
+        assert scene.settings() == state
+    assert not history.possible
+    history.undo()
+    assert scene.settings() == states[0]
+
+
+def test_a_dragged_slider_is_one_step(history, clock):
+    for k in range(1, 50):
+        clock.now += 0.1
+        history.scene.accept("tau", 0.01 + 1e-3 * k)
+    history.undo()
+    assert history.scene.tau == 0.01
+
+
+def test_looking_at_another_view_is_no_change_and_is_kept(history):
+    history.scene.accept("tau", 0.02)
+    history.scene.view = "scheme"
+    history.undo()
+    assert (history.scene.tau, history.scene.view) == (0.01, "scheme")
+
+
+def test_a_system_of_ones_own_comes_back(history, clock):
+    own = core.PiecewiseSystem("mine", ("u", "v"), ("v", "-3*u"), ("v", "-u"), "v", x0=(1.0, 1.0))
+    history.scene.use(own)
+    clock.now += 5
+    history.scene.system = "pendulum"
+    history.undo()
+    assert history.scene.build() == own
+
+
+def test_memory_is_bounded(history, clock):
+    for k in range(MAX_STEPS_BACK + 20):
+        clock.now += 5
+        history.scene.accept("tau", 0.01 + 1e-4 * (k + 1))
+    assert len(history._past) == MAX_STEPS_BACK

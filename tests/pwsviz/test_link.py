@@ -1,0 +1,321 @@
+"""A link brings the whole scene back, bit by bit; and whatever else stands in it is told and alone replaced."""
+
+import contextlib
+import re
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+import core
+from pwsviz.checks import MAX_STEPS, require_few_steps
+from pwsviz.link import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt, query, read
+from pwsviz.scene import MAX_STARTS, OWN, PEERS, PERTURBATION_ORDERS, VIEWS, Scene
+
+# Scenes, as people make them -----------------------------------------------------------------------------------------
+
+
+def own_system(name="Mine", doc="", k=3.0, tau=0.5, **more):
+    """Return a system with a parameter called as a setting is."""
+    parameters = (core.Parameter("k", k, (0.1, 10.0), doc, r"\kappa"), core.Parameter("tau", tau))
+    return core.PiecewiseSystem(
+        name, ("x", "v", "z"), ("v", "-k*x", "tau*sin(t)"), ("v", "-x", "0"), "v - x/4", ("(k*x**2 + v**2)/2",),
+        parameters=parameters, x0=(1.0, -0.0, 0.1), doc=doc, **more,
+    )  # fmt: skip
+
+
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
+MODEST = st.one_of(st.floats(-5.0, 5.0), st.sampled_from([0.0, -0.0, 1 / 3, 1e-300, 5e-324, 1e6]))
+CHOICES = {
+    "system": st.sampled_from([*core.CATALOGUE, OWN]),
+    "methods": st.lists(st.sampled_from(list(core.METHODS)), min_size=1, unique=True),
+    "tau": st.floats(1e-6, 1.0),
+    "t_end": st.floats(1e-3, 1e5),
+    "tolerance": st.floats(1e-15, 1e-3),
+    "perturbation_scale": st.floats(-10.0, 10.0),
+    "perturbation_order": st.sampled_from(PERTURBATION_ORDERS),
+    "locate": st.booleans(),
+    "view": st.sampled_from(list(VIEWS)),
+    "peers": st.lists(st.sampled_from(list(PEERS)), unique=True),
+    "study_method": st.sampled_from(list(core.METHODS)),
+    "selected": st.integers(0, MAX_STARTS - 1),
+    "axes": st.permutations(range(4)).map(lambda order: tuple(order[:2])),
+    "stability_coordinate": st.integers(0, 3),
+    "x0.0": MODEST,
+    "x0.1": MODEST,
+    "values": st.tuples(st.integers(0, 5), st.one_of(MODEST, NUMBERS)),
+    "place": st.lists(MODEST, min_size=2, max_size=4).map(tuple),
+    "use": st.tuples(st.text(max_size=20), st.text(max_size=20), st.floats(0.1, 10.0), NUMBERS),
+} | {name: st.sampled_from(Scene.param[name].objects)
+     for name in ("cost_across", "cost_up", "stability_part", "stability_shown")}  # fmt: skip
+ACTIONS = st.lists(
+    st.sampled_from(sorted(CHOICES)).flatmap(lambda name: st.tuples(st.just(name), CHOICES[name])), max_size=14
+)
+
+
+def act(scene, name, value):
+    """Do one thing that a person can do on the page."""
+    match name:
+        case "values":
+            names = list(scene.values)
+            scene.accept(f"values.{names[value[0] % len(names)]}", value[1])
+        case "place":
+            scene.place(value)
+        case "use":
+            scene.use(own_system(*value))
+        case _:
+            scene.accept(name, value)
+
+
+def made(actions):
+    scene = Scene()
+    for name, value in actions:
+        with contextlib.suppress(ValueError):  # refused, as on the page
+            act(scene, name, value)
+    return scene
+
+
+def bits(settings):
+    """Return settings so that -0.0 differs from 0.0, and every float from its neighbour."""
+    return repr(settings)
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(ACTIONS)
+@example([("use", ("\ud800</script>", '"\\&=#%', 0.1 + 0.2, -0.0)), ("values", (1, -1e-320)), ("system", "kepler")])
+@example([("methods", ["rk2"]), ("system", "relay_feedback")])
+@example([("t_end", 1.5), ("tau", 1e-6), ("system", "type_upward")])
+def test_every_scene_comes_back_bit_by_bit(actions):
+    scene = made(actions)
+    link = query(scene)
+    found, complaints = read(link)
+    assert complaints == []
+    assert bits(found) == bits(scene.settings())
+    assert re.fullmatch(r"[A-Za-z0-9_.~=&%,;:*/()-]*", link)
+
+
+def test_a_link_holds_every_setting_there_is():
+    assert {*_SETTINGS, "values"} == set(Scene().settings())
+
+
+def test_the_usual_scene_has_the_shortest_link():
+    assert query(Scene()) == "v=1"
+    assert query(Scene(system="pendulum")) == "v=1&system=pendulum"
+    assert query(Scene(system="type_upward")) == "v=1&system=type_upward", "its longer end time is usual"
+
+
+def test_a_link_can_be_read_by_people():
+    scene = Scene()
+    scene.accept("values.a_minus", 0.1)
+    scene.accept("methods", ["dmm4", "taylor"])
+    scene.place((0.5, -2.0))
+    scene.accept("axes", (1, 0))
+    scene.accept("locate", False)
+    assert query(scene) == (
+        "v=1&methods=dmm4,taylor&a_minus=0.1&starts=-1.0,-1.0;0.5,-2.0&selected=1&axes=y,x&locate=off"
+    )
+
+
+def test_an_empty_link_is_the_usual_scene_and_no_reason_to_complain():
+    for link in ("", "?", "?v=1", "&&"):
+        assert read(link) == (Scene().settings(), [])
+
+
+def test_a_link_may_come_with_its_question_mark_and_without_its_version():
+    assert read("?system=kepler")[0]["system"] == "kepler"
+    assert read("system=kepler")[1] == []
+
+
+def test_adopting_a_link_leaves_nothing_of_what_was_before():
+    scene = Scene(view="cost", methods=["rk8"])
+    scene.place((0.5, 0.5))
+    other = Scene(system="rigid_body")
+    assert adopt(scene, query(other)) == []
+    assert scene.settings() == other.settings()
+
+
+def test_a_system_that_came_with_values_of_its_own_keeps_them():
+    scene = Scene()
+    scene.use(own_system().with_parameters(k=0.3, tau=-7.0))
+    found, complaints = read(query(scene))
+    assert complaints == []
+    assert found["own"] == scene.own
+    assert found["own"].values["k"] == 0.3
+
+
+def test_a_jump_and_further_conserved_quantities_are_kept():
+    for key in ("bouncing_ball", "kepler", "gene_switch"):
+        scene = Scene()
+        scene.use(core.CATALOGUE[key])
+        assert read(query(scene)) == (scene.settings(), [])
+
+
+def test_a_system_too_long_for_a_link_is_refused_in_words():
+    scene = Scene()
+    scene.use(own_system(doc="é" * 5000))
+    with pytest.raises(ValueError, match=r"too long for a link"):
+        query(scene)
+
+
+@given(st.floats(1e-3, 1e5), st.floats(1e-6, 1.0))
+def test_any_possible_pair_of_step_size_and_end_time_is_restored(t_end, tau):
+    found, complaints = read(f"tau={tau!r}&t_end={t_end!r}")
+    assert found["tau"] == tau
+    if t_end / tau <= MAX_STEPS:
+        assert (found["t_end"], complaints) == (t_end, [])
+    else:
+        require_few_steps(found["t_end"], found["tau"])
+        assert len(complaints) == 1
+
+
+# What is broken ------------------------------------------------------------------------------------------------------
+
+OWN_START = "own={%22name%22:%22m%22,%22variables%22:[%22x%22],%22f_plus%22:[%221%22],%22g%22:%22x%22,%22f_minus%22:"
+
+HOSTILE = [
+    ("tau=nan", "tau", "Used instead: 0.01."),
+    ("tau=-inf", "tau", "Used instead: 0.01."),
+    ("t_end=1e999", "t_end", "Used instead: 20.0."),
+    ("tau=1_0e-3", "tau", "not a number"),
+    ("tau=%D9%A1", "tau", "not a number"),
+    ("tau=０.１", "tau", "not a number"),
+    ("tau=0x1p-3", "tau", "not a number"),
+    ("tau=" + "1" * 5000, "tau", "characters long"),
+    ("tau=1e-6&t_end=soon", "t_end", "Used instead: 2.0."),
+    ("t_end=1e5&tau=small", "tau", "Used instead: 0.05."),
+    ("tau=1e-6", "t_end", "Used instead: 2.0."),
+    ("system=../../etc/passwd", "system", "Used instead: elliptic_curve."),
+    ("system=own", "system", "There is no system of one's own yet"),
+    ("system=__class__", "system", "Used instead"),
+    ("view=javascript:alert(1)", "view", "Used instead: conserved."),
+    ("view=<script>alert(1)</script>", "view", "Used instead: conserved."),
+    ("view=%00", "view", "Used instead: conserved."),
+    ("locate=maybe", "locate", "Used instead: on."),
+    ("perturbation_order=5", "perturbation_order", "Used instead: none."),
+    ("methods=dmm2,hack,rk4", "methods", "“hack” is none of"),
+    ("methods=", "methods", "Used instead: dmm2,rk2."),
+    ("peers=ode45", "peers", "Used instead: scipy."),
+    ("selected=3", "selected", "Used instead: 0."),
+    ("selected=١", "selected", "Used instead: 0."),
+    ("axes=x,x", "axes", "Used instead: x,y."),
+    ("axes=x,__dict__", "axes", "no variable"),
+    ("a_minus=1e3", "a_minus", "Used instead: -3.0."),
+    ("omega2_minus=1", "omega2_minus", "neither a setting of this page nor a parameter of Elliptic curve"),
+    ("__init__=1", "__init__", "left out"),
+    ("own=1&own=2", "own", "first is used"),
+    ("tau=0.02&tau=0.03", "tau", "The first is used."),
+    ("v=2", "version", "It is read as version 1."),
+    ("v=1.0", "version", "It is read as version 1."),
+    ("nonsense", "nonsense", "has no value"),
+    ("starts=1,2;1;3,4", "Start 2", "Used instead: -1.0, -1.0."),
+    ("starts=1,nan", "Start 1", "not a number"),
+    ("starts=1,2,3", "Start 1", "needs 2 numbers"),
+    ("starts=", "Start 1", "not a number"),
+    ("starts=1,2;0,0;3,4", "Start 2", "no surface"),
+    ("starts=" + "1,1;" * 1_000_000, "link", "cut"),
+    ("starts=" + "1,1;" * 500 + "1,1", "501 starts", "first 12"),
+    ("own={}", "own", "lacks its name"),
+    ("own=[]", "own", "a list is no system"),
+    ("own=null", "own", "is no system"),
+    ("own=" + "[" * 3000, "own", "no description"),
+    ("own=" + "[" * 900 + "]" * 900, "own", "is no system"),
+    ('own={"name":' + "[" * 900 + "]" * 900 + ',"variables":[],"f_minus":[],"f_plus":[],"g":"x"}', "own", "no text"),
+    ('own={"name":NaN}', "own", "no description"),
+    ('own={"name":"m","variables":"x","f_minus":["1"],"f_plus":["1"],"g":"x"}', "own", "is no list"),
+    ('own={"name":"m","variables":[],"f_minus":[],"f_plus":[],"g":"x","laws":1}', "own", "“laws” is no part"),
+    (OWN_START + "[%22__import__('os').system('ls')%22]}", "own", "not allowed"),
+    (OWN_START + "[%22().__class__.__bases__%22]}", "own", "not allowed"),
+    (OWN_START + "[%22(lambda:0)()%22]}", "own", "not allowed"),
+    (OWN_START + "[%229**9**9**9%22]}", "own", "f_minus"),
+    (OWN_START + "[%22x%22],%22x0%22:[1e400]}", "own", "finite"),
+    (OWN_START + "[%22x%22],%22x0%22:[1" + "0" * 400 + "]}", "own", "too large"),
+    (OWN_START + "[%22x%22],%22x0%22:[true]}", "own", "is no number"),
+    (OWN_START + "[%22x%22],%22parameters%22:[{%22name%22:%22__class__%22,%22default%22:1}]}", "own", "not usable"),
+    (OWN_START + "[%22x%22],%22values%22:{%22k%22:1}}", "own", "unknown parameter"),
+]
+
+
+@pytest.mark.parametrize(("link", "named", "instead"), HOSTILE, ids=[link[:40] for link, *_ in HOSTILE])
+def test_what_is_broken_is_named_with_what_there_is_instead(link, named, instead):
+    found, complaints = read(link)
+    assert any(named in words and instead in words for words in complaints), complaints
+    assert all(words.isprintable() and len(words) < 900 for words in complaints)
+    Scene().restore(found)
+
+
+@pytest.mark.parametrize(("link", "named", "instead"), HOSTILE, ids=[link[:40] for link, *_ in HOSTILE])
+def test_one_broken_value_takes_no_other_with_it(link, named, instead):
+    others = {"tolerance": 1e-9, "perturbation_scale": -0.5, "view": "order"}
+    if len(link) > MAX_LENGTH or "view" in link:
+        others.pop("view")
+    found, _ = read("tolerance=1e-9&perturbation_scale=-0.5&" + ("view=order&" if "view" in others else "") + link)
+    assert {name: found[name] for name in others} == others
+
+
+def test_broken_starts_leave_the_numbers_of_the_others():
+    found, complaints = read("starts=1,2;x,1;3,4&selected=2")
+    assert found["starts"] == ((1.0, 2.0), (-1.0, -1.0), (3.0, 4.0))
+    assert found["selected"] == 2
+    assert len(complaints) == 1
+
+
+def test_where_the_usual_start_is_impossible_too_the_system_stays_as_it_starts():
+    scene = Scene()
+    scene.use(core.PiecewiseSystem("root", ("x",), ("sqrt(x - k)",), ("sqrt(x - k)",), "x - 9", parameters={"k": 0.0}))
+    found, complaints = read(query(scene) + "&k=2&starts=5;1")
+    assert found["values"] == {"k": 2.0}
+    assert found["starts"] == ((0.0,),)
+    assert any("Start 2" in words for words in complaints)
+
+
+def test_whatever_goes_wrong_with_the_mathematics_is_told_and_logged(monkeypatch, caplog):
+    scene = Scene()
+    scene.use(own_system())
+    link = query(scene)
+
+    def fail(*_args, **_keywords):
+        raise TypeError("no such ufunc")
+
+    monkeypatch.setattr(core, "PiecewiseSystem", fail)
+    found, complaints = read(link + "&view=order")
+    assert (found["own"], found["view"]) == (None, "order")
+    assert complaints == ["own in the link: this system cannot be used (TypeError). Used instead: none."]
+    assert "no such ufunc" in caplog.text
+
+
+def test_a_value_is_not_cut_short_to_another():
+    found, complaints = read("view=order&" + "x=" + "1" * (MAX_LENGTH - 21) + "&tau=0.5123")
+    assert found["view"] == "order"
+    assert found["tau"] == 0.01
+    assert "cut" in complaints[0]
+
+
+def test_nobody_has_to_read_a_thousand_complaints():
+    _, complaints = read("&".join(f"k{number}=1" for number in range(3000)))
+    assert len(complaints) == MAX_COMPLAINTS + 1
+    assert "2,980 more" in complaints[-1]
+
+
+ANY = st.text(st.characters(exclude_categories=()), max_size=200)
+PIECES = st.lists(st.one_of(ANY, st.sampled_from([link[:2000] for link, *_ in HOSTILE])), max_size=6).map("&".join)
+
+
+@st.composite
+def mutated(draw):
+    """A link in which something was changed, doubled or lost on its way."""
+    link = query(made(draw(ACTIONS)))
+    for _ in range(draw(st.integers(1, 3))):
+        start, stop = sorted(draw(st.tuples(st.integers(0, len(link)), st.integers(0, len(link)))))
+        link = link[:start] + draw(st.one_of(ANY, st.just(link[start:stop] * 2))) + link[stop:]
+    return link
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.one_of(ANY, PIECES, mutated(), st.builds(lambda text: text * 5000, ANY)))
+def test_no_text_whatever_makes_reading_fail(text):
+    found, complaints = read(text)
+    assert len(complaints) <= MAX_COMPLAINTS + 1
+    assert all(words.isprintable() for words in complaints)
+    scene = Scene()
+    scene.restore(found)
+    assert bits(read(query(scene))) == bits((scene.settings(), []))

@@ -1,0 +1,236 @@
+"""Presets: the page takes them as they are, the paper's are the paper's, and what they promise comes true."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.checks import MAX_STEPS
+from pwsviz.presets import PRESETS
+from pwsviz.scene import Scene
+
+FIGURES = {
+    "fig:vftypes": 4, "fig:portraits": 2, "fig:harmonic_timeError": 1, "fig:harmonic_transition": 3,
+    "fig:CQ_harmonic": 1, "fig:elliptic_time": 1, "fig:elliptic_transition": 3, "fig:CQ_elliptic": 1,
+}  # fmt: skip
+TAUS = tuple(2.0**-k for k in range(8, 14))
+COARSE = tuple(2.0**-k for k in range(4, 9))
+
+
+def scene(key: str) -> Scene:
+    return Scene(**PRESETS[key].settings)
+
+
+def runs(key: str, **changes: Any) -> dict[tuple[str, tuple[float, ...]], core.Trajectory]:
+    """Every run of a preset, by method and start."""
+    chosen = Scene(**{**PRESETS[key].settings, **changes})
+    return {
+        (method, start): core.integrate(
+            chosen.build(), (0.0, chosen.t_end), start, chosen.tau, method,
+            tolerance=chosen.tolerance if core.METHODS[method].adaptive else None,
+        )
+        for method in chosen.methods
+        for start in chosen.starts
+    }  # fmt: skip
+
+
+def worst(run: core.Trajectory) -> float:
+    return float(np.nanmax(np.abs(run.conserved_error())))
+
+
+def by_method(key: str, **changes: Any) -> dict[str, core.Trajectory]:
+    return {method: run for (method, _), run in runs(key, **changes).items()}
+
+
+def study(key: str, taus: tuple[float, ...] = TAUS, **changes: Any) -> core.OrderStudy:
+    chosen = Scene(**{**PRESETS[key].settings, **changes})
+    return core.order_study(
+        chosen.build(), taus, chosen.x0, chosen.study_method, perturbation_order=chosen.perturbation_order,
+        perturbation_scale=chosen.perturbation_scale, transition="mannshardt" if chosen.locate else "none",
+    )  # fmt: skip
+
+
+def test_every_figure_of_the_paper_has_its_presets() -> None:
+    figures = [preset.figure for preset in PRESETS.values()]
+    assert {figure: figures.count(figure) for figure in FIGURES} == FIGURES
+    assert set(figures) == {*FIGURES, ""}
+    last_of_paper = max(k for k, figure in enumerate(figures) if figure)
+    assert "" not in figures[:last_of_paper]
+
+
+@pytest.mark.parametrize("key", PRESETS)
+def test_the_page_takes_a_preset_as_it_is(key: str) -> None:
+    preset, chosen = PRESETS[key], scene(key)
+    assert preset.key == key
+    assert all(1 <= len(words) <= 130 and words.endswith(".") for words in (preset.look, preset.try_))
+    for name, value in preset.settings.items():
+        assert getattr(chosen, name) == value
+    assert chosen.used == chosen.methods
+    assert chosen.t_end / chosen.tau <= MAX_STEPS
+    for name in ("tau", "t_end", "starts", "methods"):
+        chosen.accept(name, getattr(chosen, name))
+
+
+@pytest.mark.parametrize("key", PRESETS)
+def test_a_preset_cannot_be_changed(key: str) -> None:
+    with pytest.raises(TypeError):
+        PRESETS[key].settings["tau"] = 1.0  # type: ignore[index]
+    assert isinstance(PRESETS, Mapping)
+
+
+@pytest.mark.parametrize(("key", "start"), [("cq_harmonic", (1.0, 1.0)), ("cq_elliptic", (-1.0, -1.0))])
+def test_conserved_quantities_start_and_step_as_in_the_paper(key: str, start: tuple[float, ...]) -> None:
+    chosen = scene(key)
+    assert chosen.starts == (start,)
+    assert chosen.tau == 1e-3
+    assert set(chosen.methods) == {"dmm2", "rk2"}
+
+
+def test_systems_of_the_paper_have_its_parameters() -> None:
+    for key, preset in PRESETS.items():
+        if preset.settings["system"] == "harmonic_oscillator":
+            assert scene(key).values == {"omega2_minus": 3.0, "omega2_plus": 1.0}
+        if preset.settings["system"] == "elliptic_curve":
+            assert scene(key).values == {"a_minus": -3.0, "a_plus": -2.0, "radius": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("key", "status", "crossings"),
+    [
+        ("vf_upward", core.Status.COMPLETED, 1),
+        ("vf_downward", core.Status.COMPLETED, 1),
+        ("vf_repelling", core.Status.COMPLETED, 0),
+        ("vf_sliding", core.Status.SLIDING, 1),
+    ],
+)
+def test_the_four_kinds_of_field_do_what_they_are_named_for(key: str, status: core.Status, crossings: int) -> None:
+    for run in runs(key).values():
+        assert (run.status, run.crossing_count) == (status, crossings)
+        if status is core.Status.SLIDING:
+            assert run.t[-1] == pytest.approx(20.0, abs=1e-9)
+
+
+def test_an_unstable_surface_stops_a_run_that_starts_on_it() -> None:
+    (run, *_) = runs("vf_repelling", starts=((0.0, 0.0),)).values()
+    assert run.status is core.Status.REPELLING
+
+
+def test_portraits_are_closed_curves_but_for_the_one_to_try() -> None:
+    for key in ("portrait_harmonic", "portrait_elliptic"):
+        assert all(run.status is core.Status.COMPLETED for run in runs(key).values())
+    (run, *_) = runs("portrait_elliptic", starts=((1.5, 2.0),)).values()
+    assert run.status is core.Status.ESCAPED
+
+
+@pytest.mark.parametrize("key", ["harmonic_time", "elliptic_time"])
+def test_crossing_times_err_by_the_square_of_the_step(key: str) -> None:
+    found = study(key)
+    assert found.crossings == (10, 20, 30)
+    assert found.time_slope == pytest.approx([2, 2, 2], abs=0.1)
+
+
+def test_what_to_try_with_crossing_times_comes_true() -> None:
+    fourth = study("harmonic_time", COARSE, methods=["dmm4"], study_method="dmm4")
+    assert fourth.time_slope == pytest.approx([4] * 3, abs=0.2)
+    assert study("elliptic_time", methods=["rk2"], study_method="rk2").time_slope == pytest.approx([2] * 3, abs=0.2)
+    assert study("harmonic_time", locate=False).time_slope == pytest.approx([1] * 3, abs=0.4)
+
+
+@pytest.mark.parametrize("name", ["harmonic", "elliptic"])
+@pytest.mark.parametrize(("p", "after"), [(1, 1), (2, 2), (15, 2)])
+def test_the_order_after_crossings_is_the_smaller_of_p_and_two(name: str, p: int, after: int) -> None:
+    key = f"{name}_transition_{p}"
+    assert PRESETS[key].settings["perturbation_order"] == p
+    assert study(key).state_slope == pytest.approx([2, after, after, after], abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("key", "crossings", "low", "high"), [("cq_harmonic", 41, 1e-8, 2e-8), ("cq_elliptic", 105, 1e-7, 9e-7)]
+)
+def test_the_multiplier_method_keeps_what_the_midpoint_rule_loses(
+    key: str, crossings: int, low: float, high: float
+) -> None:
+    found = by_method(key)
+    assert worst(found["dmm2"]) < 2e-15
+    assert low < worst(found["rk2"]) < high
+    assert {run.crossing_count for run in found.values()} == {crossings}
+
+
+def test_the_error_of_the_midpoint_rule_grows_a_thousandfold_with_a_step_ten_times_as_long() -> None:
+    coarse, fine = by_method("cq_harmonic", tau=1e-2), by_method("cq_harmonic")
+    assert worst(coarse["rk2"]) / worst(fine["rk2"]) == pytest.approx(1000, rel=0.05)
+    assert worst(coarse["dmm2"]) < 2e-15
+
+
+def test_one_swing_misses_one_crosses_and_one_touches() -> None:
+    found = list(runs("grazing").values())
+    assert [run.status for run in found] == [core.Status.COMPLETED, core.Status.COMPLETED, core.Status.GRAZING]
+    assert found[0].crossing_count == 0
+    assert found[1].crossing_count > 4
+    assert found[2].x[-1] == pytest.approx((0.5, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize("restitution", [0.5, 0.9])
+def test_bounces_accumulate_when_they_should(restitution: float) -> None:
+    found = by_method("zeno", values={"gravity": 9.8, "restitution": restitution}, t_end=10.0)["dmm2"]
+    assert found.status is core.Status.ZENO
+    fall = math.sqrt(2 / 9.8)
+    assert found.t[-1] == pytest.approx(fall * (1 + restitution) / (1 - restitution), rel=1e-9)
+    if restitution == 0.5:
+        assert f"{found.t[-1]:.4f}" in PRESETS["zeno"].look
+
+
+def test_the_block_sticks_at_its_fourth_turning_point() -> None:
+    found = by_method("sticking")["dmm2"]
+    assert found.status is core.Status.SLIDING
+    assert found.crossings.x[:, 0] == pytest.approx([-2.2, 1.4, -0.6, -0.2], abs=1e-12)
+    assert by_method("sticking", values={"mu": 2.0})["dmm2"].crossing_count == 1
+
+
+def test_four_integrators_lose_what_they_are_said_to_lose() -> None:
+    found, halved = (
+        {method: worst(run) for method, run in by_method("side_by_side", **changes).items()}
+        for changes in ({}, {"tau": 0.005})
+    )
+    assert found["rk2"] == pytest.approx(1e-4, rel=0.5)
+    assert found["rk4"] == pytest.approx(1e-8, rel=0.6)
+    assert max(found["dmm2"], found["prk8"]) < 2e-15
+    assert found["rk2"] / halved["rk2"] == pytest.approx(5, abs=0.5)
+    assert found["rk4"] / halved["rk4"] == pytest.approx(16, abs=1)
+
+
+def test_energy_and_angular_momentum_of_the_planet_are_kept() -> None:
+    found = by_method("kepler")
+    assert worst(found["prk8"]) < 2e-15
+    assert worst(found["rk4"]) > 1e-8
+    assert found["prk8"].crossing_count > 40
+
+
+def test_a_taylor_series_takes_few_steps_and_fewer_at_a_coarser_tolerance() -> None:
+    fine, coarse = (by_method("taylor", tolerance=tolerance)["taylor"] for tolerance in (1e-12, 1e-6))
+    assert fine.crossing_count == 63
+    assert 200 < fine.steps < 300
+    assert coarse.steps < fine.steps
+    assert max(worst(fine), worst(coarse)) < 2e-15
+
+
+def test_higher_order_costs_a_tenth() -> None:
+    """Crossing times against those of a Taylor series at the last digits."""
+    chosen = scene("cost")
+    exact = core.integrate(chosen.build(), (0, 60), chosen.x0, 0.1, "taylor", tolerance=1e-15, record="crossings")
+    error, cost = {}, {}
+    for method, tau in (("dmm2", 1e-3), ("prk8", 0.05)):
+        run = core.integrate(chosen.build(), (0, 60), chosen.x0, tau, method, record="crossings")
+        error[method], cost[method] = np.abs(run.crossings.t - exact.crossings.t).max(), run.evaluations
+    assert error["prk8"] < error["dmm2"] / 100
+    assert cost["prk8"] < cost["dmm2"] / 9.5
+
+
+def test_labels_are_those_of_figures() -> None:
+    assert all(re.fullmatch(r"(fig:\w+)?", preset.figure) for preset in PRESETS.values())

@@ -1,0 +1,28 @@
+"""A long computation says how far it is."""
+
+from pwsviz.progress import Progress
+
+
+def test_from_the_beginning_to_the_end():
+    progress = Progress(lambda: None, lambda: None)
+    assert not progress.busy
+    progress.begin()
+    assert progress.busy
+    progress.advance(3, 12)
+    assert progress.busy
+    assert progress._bar.value == 25
+    assert progress._words.object == "3 of 12"
+    progress.end()
+    assert not progress.busy
+
+
+def test_what_was_cancelled_can_be_begun_again():
+    told = []
+    progress = Progress(lambda: told.append("cancel"), lambda: told.append("again"))
+    progress.begin()
+    progress._cancel.clicks += 1
+    progress.stop()
+    assert not progress.busy
+    assert progress._again.visible
+    progress._again.clicks += 1
+    assert told == ["cancel", "again"]

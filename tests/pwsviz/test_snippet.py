@@ -1,0 +1,222 @@
+"""The program a person takes away is what the page ran, to the bit; and nothing they typed gets out of its quotes."""
+
+import ast
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.inputs import beside_inputs, run_inputs, study_inputs
+from pwsviz.loss import accumulated_error
+from pwsviz.results import Results
+from pwsviz.scene import Scene
+from pwsviz.snippet import snippet
+
+HOSTILE = (
+    "'", '"', '"""', "'''", "\\", "\n", "\r", "\0", "{1/0}", "%s", "\u202e", "\ud800", "\u2028", "#", "</script>", "🙂",
+    "__import__('os')", "'); raise SystemExit('out') #", "\nraise SystemExit\n", '"""\nraise SystemExit\n"""',
+)  # fmt: skip
+
+
+def executed(scene, monkeypatch, *functions):
+    """Run the program of a scene, and return what these functions of `core` gave it, in turn."""
+    given = {name: [] for name in functions}
+
+    def recorder(name):
+        function = getattr(core, name)
+
+        def recorded(*args, **keywords):
+            given[name].append(function(*args, **keywords))
+            return given[name][-1]
+
+        return recorded
+
+    with monkeypatch.context() as patched:
+        for name in functions:
+            patched.setattr(core, name, recorder(name))
+        exec(compile(snippet(scene), "snippet", "exec"), {"__name__": "__main__"})  # noqa: S102  (the claim is that it runs)
+    return [given[name] for name in functions]
+
+
+def assert_same(run, other):
+    for name in ("t", "x", "side", "segment", "entered_t", "entered_x"):
+        assert np.array_equal(getattr(run, name), getattr(other, name), equal_nan=True), name
+    for name in ("t", "x", "side", "kind"):
+        assert np.array_equal(getattr(run.crossings, name), getattr(other.crossings, name)), name
+    assert (run.status, run.steps, run.tau) == (other.status, other.steps, other.tau)
+    assert run.system == other.system
+
+
+def page_runs(scene):
+    """Return the page's own runs, in the order of the program: start by start."""
+    results, runs = Results(), {}
+    for one in (*run_inputs(scene), *beside_inputs(scene)):
+        runs[repr(one.ground.x0), one.scheme.method] = results.run(one)
+    return [runs[repr(tuple(start)), method] for start in scene.starts for method in scene.used]
+
+
+def assert_program_is_the_page(scene, monkeypatch):
+    (runs,) = executed(scene, monkeypatch, "integrate")
+    wanted = page_runs(scene)
+    assert len(runs) == len(wanted)
+    for run, page in zip(runs, wanted, strict=True):
+        assert_same(run, page)
+
+
+@pytest.mark.parametrize("key", core.CATALOGUE)
+def test_the_program_runs_what_the_page_runs(key, monkeypatch, capsys):
+    scene = Scene(system=key)
+    scene.accept("t_end", 5.0)
+    name = next(iter(scene.values))
+    scene.accept(f"values.{name}", scene.values[name] * 1.01)
+    assert_program_is_the_page(scene, monkeypatch)
+    said = capsys.readouterr().out
+    for run in page_runs(scene):
+        assert f"{run.method} from " in said
+        assert f"{run.steps:,} steps, {np.count_nonzero(run.crossings.side):,} crossings" in said
+        if scene.declaration.psi_minus or scene.declaration.psi_plus:
+            assert f"<= {np.fmax.reduce(accumulated_error(run)):.1e}" in said
+
+
+@pytest.mark.parametrize("locate", [True, False])
+@pytest.mark.parametrize("methods", [["rk2"], ["rk2", "rk4"], ["rk2", "taylor"], ["taylor"]])
+def test_every_setting_of_the_integrators_reaches_the_program(locate, methods, monkeypatch):
+    scene = Scene()
+    settings = {"methods": methods, "tau": 1 / 300, "t_end": 4.5, "tolerance": 1e-7, "perturbation_order": 2,
+                "perturbation_scale": -0.3, "locate": locate, "values.a_plus": -1 / 3}  # fmt: skip
+    for name, value in settings.items():
+        scene.accept(name, value)
+    scene.place((0.5, -1.5))
+    scene.accept("selected", 0)
+    assert_program_is_the_page(scene, monkeypatch)
+
+
+def test_changes_of_psi_are_added_up_as_on_the_page(monkeypatch, capsys):
+    scene = Scene(system="bouncing_ball", methods=["rk2"], perturbation_order=1)  # jumps, and crossings moved
+    for scene.system in ("bouncing_ball", "harmonic_oscillator", "kepler"):
+        executed(scene, monkeypatch)
+        assert f"<= {np.fmax.reduce(accumulated_error(page_runs(scene)[0])):.1e}\n" in capsys.readouterr().out
+
+
+def test_only_what_is_unusual_is_said():
+    program = snippet(Scene())
+    assert "system = core.CATALOGUE['elliptic_curve']\n" in program
+    assert "core.integrate(system, (0.0, 20.0), method=method, max_steps=2_000_000)" in program
+    assert not any(word in program for word in ("x0", "tau", "transition", "tolerance", "with_parameters"))
+
+
+def test_the_program_uses_core_and_numpy_alone():
+    for view in Scene.param["view"].objects:
+        tree = ast.parse(snippet(Scene(view=view)))
+        imported = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
+        assert imported == {"core", "numpy"}
+        assert not [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+
+
+def test_the_order_study_is_that_of_the_page(monkeypatch, capsys):
+    for key, method, count in (("elliptic_curve", "rk2", 3), ("type_upward", "dmm2", 0), ("pendulum", "dmm2", 3)):
+        scene = Scene(system=key, view="order", methods=[method], perturbation_order=1)
+        scene.accept("t_end", 1.0)
+        if count == 0:  # it crosses once: the page says that this is too little, and so does core
+            with pytest.raises(ValueError, match="crossings"):
+                executed(scene, monkeypatch)
+            continue
+        (studies,) = executed(scene, monkeypatch, "order_study")
+        page = Results().study(study_inputs(scene))
+        for name in ("taus", "times", "time_error", "state_error", "time_slope", "state_slope"):
+            assert np.array_equal(getattr(studies[0], name), getattr(page, name), equal_nan=True), name
+        assert (studies[0].crossings, studies[0].method) == (page.crossings, page.method)
+        assert page.reference in capsys.readouterr().out
+
+
+def own_system(name="mine", doc="", unit="", **more):
+    parameters = (core.Parameter("k", 3.0, (0.1, 10.0), unit, unit or None), core.Parameter("method", 0.1))
+    return core.PiecewiseSystem(
+        name, ("x", "start"), ("start", "-k*x"), ("start", "-x*10*method"), "start", ("(k*x**2 + start**2)/2",),
+        parameters=parameters, x0=(1.0, -0.0), doc=doc, **more,
+    )  # fmt: skip
+
+
+def test_an_own_system_is_declared_in_full(monkeypatch):
+    scene = Scene()
+    scene.use(own_system(jump=("x", "start")).with_parameters(k=2.5))
+    scene.accept("values.k", 1 / 3)
+    scene.accept("t_end", 3.0)
+    scene.place((0.25, 1e-9))
+    assert_program_is_the_page(scene, monkeypatch)
+
+
+@pytest.mark.parametrize("text", [*HOSTILE, "".join(HOSTILE)], ids=range(1 + len(HOSTILE)))
+def test_no_text_gets_out_of_its_quotes(text, monkeypatch):
+    scene = Scene(methods=["rk2"])
+    scene.use(own_system(text, text, text))
+    scene.accept("t_end", 0.1)
+    program = snippet(scene)
+    program.encode()
+    assert all(c.isprintable() or c == "\n" for c in program)
+    innocent = Scene(methods=["rk2"])
+    innocent.use(own_system("a", "a", "a"))
+    innocent.accept("t_end", 0.1)
+    assert shape(program) == shape(snippet(innocent))
+    assert_program_is_the_page(scene, monkeypatch)
+
+
+def shape(program):
+    """Return a program's syntax without its texts."""
+    tree = ast.parse(program)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            node.value = ""
+    return ast.dump(tree)
+
+
+class Asked(Exception):  # noqa: N818  (no error)
+    """Raised in place of a study that would take long."""
+
+
+@pytest.mark.parametrize(
+    ("settings", "function", "expected"),
+    [
+        ({"view": "cost"}, "work_precision", {"methods": ("dmm2", "rk2")}),
+        ({"view": "cost", "peers": []}, "work_precision", {"methods": ("dmm2", "rk2"), "peers": ()}),
+        ({"view": "stability"}, "stability_study", {"methods": ("dmm2", "rk2"), "parts": ("largest_tau", "map")}),
+        (
+            {"view": "stability", "stability_part": "grazing", "stability_coordinate": 1},
+            "stability_study",
+            {"methods": ("dmm2", "rk2"), "parts": ("grazing",), "coordinate": 1},
+        ),
+    ],
+)
+def test_the_long_studies_are_asked_for_as_the_page_does(settings, function, expected, monkeypatch):
+    scene = Scene(**settings)
+    scene.accept("t_end", 2.5)
+    scene.accept("starts", ((0.5, 0.25),))
+    asked = {}
+
+    def catch(*args, **keywords):
+        asked.update(args=args, keywords=keywords)
+        raise Asked
+
+    monkeypatch.setattr(core, function, catch)
+    with pytest.raises(Asked):
+        executed(scene, monkeypatch)
+    assert asked["args"] == (scene.build(), (0.0, 2.5))
+    assert asked["keywords"] == {"x0": (0.5, 0.25), **expected}
+
+
+def test_what_the_long_studies_find_is_printed(monkeypatch, capsys):
+    few = {
+        "work_precision": {"settings": {"dmm2": (0.1,), "rk2": (0.1,), "scipy": (1e-3,)}, "repeats": 1},
+        "stability_study": {"taus": (0.05, 0.1), "values": (-1.0, -0.9), "steps": 1000, "tau": 0.01},
+    }
+    for name, keywords in few.items():
+        whole = getattr(core, name)
+        monkeypatch.setattr(core, name, lambda *a, whole=whole, less=keywords, **k: whole(*a, **k, **less))
+    for settings in (
+        {"view": "cost"},
+        *({"view": "stability", "stability_part": part} for part in Scene.param["stability_part"].objects),
+    ):
+        scene = Scene(**settings)
+        scene.accept("t_end", 5.0)
+        executed(scene, monkeypatch)
+        assert len(capsys.readouterr().out.splitlines()) >= 3
