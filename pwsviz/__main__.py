@@ -10,6 +10,8 @@ from pathlib import Path
 
 __all__ = ["main"]
 
+Command = Callable[[argparse.Namespace], int]
+
 GIVEN_UP = 130
 """Exit status after Ctrl+C: 128 and the number of the signal, as shells have it."""
 
@@ -37,6 +39,7 @@ and the server refuses names it does not know: tell it each one by --allow-webso
 
 A process computes a picture once for all its visitors. Several (--num-procs) serve more visitors at a time, but each
 has a cache of its own: the same picture is computed, and held, up to N times. Compiled integrators are shared.
+(Windows cannot fork: there it is one process.)
 The first scene is prepared while the server starts, so that the first visitor need not wait.
 
 environment:
@@ -64,7 +67,7 @@ environment:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     given = _parser().parse_args(arguments)
-    command: Callable[[argparse.Namespace], int] = given.command
+    command: Command = given.command
     try:
         return command(given)
     except KeyboardInterrupt:
@@ -81,36 +84,49 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=raw,
     )
     commands = parser.add_subparsers(required=True, metavar="serve | report | bench")
-    words = "open the explorer"
-    serve = commands.add_parser("serve", help=words, description=_sentence(words), epilog=_SERVE, formatter_class=raw)
-    serve.set_defaults(command=_serve)
+
+    def add(
+        name: str, command: Callable[[argparse.Namespace], int], words: str, epilog: str
+    ) -> argparse.ArgumentParser:
+        sentence = f"{words[0].upper()}{words[1:]}."
+        added = commands.add_parser(name, help=words, description=sentence, epilog=epilog, formatter_class=raw)
+        added.set_defaults(command=command)
+        return added
+
+    _add_serve_options(add("serve", _serve, "open the explorer", _SERVE))
+    words = "write every figure of the paper, and the benchmark, to a page and CSV files"
+    _add_report_options(add("report", _report, words, _REPORT))
+    words = "measure speed (against SciPy and heyoka), conservation and order here"
+    _add_bench_options(add("bench", _bench, words, ""))
+    return parser
+
+
+def _add_serve_options(serve: argparse.ArgumentParser) -> None:
     serve.add_argument("--port", type=_port, default=5006, help="port to listen on, 0 for any free one (default: 5006)")
     serve.add_argument("--address", default="localhost", help="address to listen on (default: localhost)")
     serve.add_argument("--no-show", action="store_true", help="do not open a browser")
-    serve.add_argument("--num-procs", type=_count, default=1, metavar="N", help="processes; 0: one a processor (default: 1)")
+    serve.add_argument(
+        "--num-procs", type=_count, default=1, metavar="N", help="processes to serve visitors; 0: one a processor "
+        "(default: 1)",
+    )  # fmt: skip
     serve.add_argument(
         "--allow-websocket-origin", action="append", default=[], metavar="HOST[:PORT]",
         help="a further name by which the page is reached; may be repeated",
     )  # fmt: skip
     serve.add_argument("panel", nargs="*", metavar="-- OPTION", help="further options of `panel serve`")
-    words = "write every figure of the paper, and the benchmark, to a page and CSV files"
-    report = commands.add_parser("report", help=words, description=_sentence(words), epilog=_REPORT, formatter_class=raw)
-    report.set_defaults(command=_report)
+
+
+def _add_report_options(report: argparse.ArgumentParser) -> None:
     report.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write to; made if need be")
     report.add_argument("--only", action="append", default=[], metavar="FIGURE", help="this figure; may be repeated")
     report.add_argument("--no-bench", action="store_true", help="leave the benchmark out")
     report.add_argument("--quick", action="store_true", help="a benchmark with figures too small to state")
-    words = "measure speed (against SciPy and heyoka), conservation and order here"
-    bench = commands.add_parser("bench", help=words, description=_sentence(words))
-    bench.set_defaults(command=_bench)
+
+
+def _add_bench_options(bench: argparse.ArgumentParser) -> None:
     size = bench.add_mutually_exclusive_group()
     size.add_argument("--quick", action="store_true", help="every section, with figures too small to state")
     size.add_argument("--long", action="store_true", help="runs of 10^8 steps too")
-    return parser
-
-
-def _sentence(words: str) -> str:
-    return f"{words[0].upper()}{words[1:]}."
 
 
 def _port(text: str) -> int:
@@ -135,9 +151,7 @@ def _serve(given: argparse.Namespace) -> int:
     from pwsviz.serving import Unavailable, serve
 
     try:
-        serve(
-            given.port, given.address, not given.no_show, given.num_procs, given.allow_websocket_origin, given.panel
-        )
+        serve(given.port, given.address, not given.no_show, given.num_procs, given.allow_websocket_origin, given.panel)
     except Unavailable as why:
         print(why, file=sys.stderr)
         return 1

@@ -7,7 +7,10 @@ from typing import Any
 
 import panel_material_ui as pmui
 
+from pwsviz.panes import PLAIN_SX
 from pwsviz.scene import Scene
+
+BUTTONS_SX = {".MuiToggleButton-root": {**PLAIN_SX, "paddingY": "2px"}}
 
 Options = Mapping[str, Any]
 """Label and value of each."""
@@ -23,7 +26,7 @@ def choice(scene: Scene, setting: str, options: Callable[[], Options], follows: 
     follows : sequence of str
         Settings on which that depends.
     """
-    buttons = pmui.RadioButtonGroup(options=dict(options()), size="small", margin=(6, 8, 6, 0))
+    buttons = pmui.RadioButtonGroup(options=dict(options()), size="small", margin=(4, 10, 4, 0), sx=BUTTONS_SX)
 
     syncing = False
 

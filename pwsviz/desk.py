@@ -88,7 +88,11 @@ class Desk:
 
     def settle(self, timeout: float) -> bool:
         """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""
-        return all(lane.join(timeout) for lane in list(self._lanes.values()))
+        deadline = monotonic() + timeout
+        while busy := [lane for lane in list(self._lanes.values()) if lane.busy]:  # one may bring work for another
+            if not all(lane.join(deadline - monotonic()) for lane in busy):
+                return False
+        return all(lane.join(deadline - monotonic()) for lane in list(self._lanes.values()))
 
     def close(self) -> None:
         """Give up all work: the person has left."""

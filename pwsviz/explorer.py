@@ -17,7 +17,7 @@ from pwsviz.draft import Draft
 from pwsviz.editor import SystemEditor
 from pwsviz.history import History
 from pwsviz.link import adopt, query
-from pwsviz.panes import text_pane
+from pwsviz.panes import PLAIN_SX, text_pane
 from pwsviz.results import Results
 from pwsviz.scene import VIEWS, Scene
 from pwsviz.share import Piece, Share
@@ -101,7 +101,7 @@ class Explorer(pn.viewable.Viewer):
         self.share = Share(self.scene, self._pieces)
         self.notice = text_pane("")
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
-        self._address = ""
+        self._changes = 0
         self.tabs = self._make_tabs()
         for tab in self.views.values():
             if isinstance(tab, LongTab):
@@ -127,7 +127,8 @@ class Explorer(pn.viewable.Viewer):
         self.refresh()
         if {event.name for event in events} & set(self.view.settings):
             self.view.redraw()
-        self.desk.later(ADDRESS_RESTS, partial(self._write_address, query(self.scene)))
+        self._changes += 1
+        self.desk.later(ADDRESS_RESTS, partial(self._write_address, self._changes))
 
     def refresh(self) -> None:
         """Ask for whatever the visible views lack."""
@@ -194,10 +195,14 @@ class Explorer(pn.viewable.Viewer):
         complaints = adopt(self.scene, search.removeprefix("?")) if search not in ("", "?") else []
         self.notice.object = "".join(as_text(words, "error") for words in complaints)
 
-    def _write_address(self, current: str) -> None:
-        """Bring the address bar up to date, once the scene rests."""
-        if current == query(self.scene):
-            self.browser.query = current
+    def _write_address(self, changes: int) -> None:
+        """Bring the address bar up to date, once the scene rests; a scene too large for a link empties it."""
+        if changes != self._changes:
+            return
+        try:
+            self.browser.query = query(self.scene)
+        except ValueError:  # “Take away” says so, to whoever wants the link
+            self.browser.query = ""
 
     def _pieces(self) -> list[Piece]:
         """What there is to take away: the portrait's run, and the view beside it."""
@@ -236,7 +241,7 @@ class Explorer(pn.viewable.Viewer):
         if pn.state.location is not None:
             self.adopt(pn.state.location.search)
         page = Page(
-            title="pwsviz", header=[self._header()], sidebar=[self.sidebar], main=[self], sidebar_width=300, sx=PAGE_SX
+            title="pwsviz", header=self._header(), sidebar=[self.sidebar], main=[self], sidebar_width=300, sx=PAGE_SX
         )
         self.browser.jscallback({"page": page}, narrow="page.data.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback({"page": page}, dark="if (cb_obj.dark) page.data.dark_theme = true")
@@ -244,15 +249,13 @@ class Explorer(pn.viewable.Viewer):
         page.main.append(self.browser)
         return page
 
-    def _header(self) -> pn.viewable.Viewable:
+    def _header(self) -> list[Any]:
         undo = pmui.IconButton(icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=4)
         self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
         undo.on_click(lambda _: self.history.undo())
-        share = pmui.Button(
-            label="Take away", icon="ios_share", variant="text", size="small", margin=4, color="default"
-        )
+        share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=PLAIN_SX)
         share.on_click(lambda _: self.share.open(self._page_address()))
-        return pn.Row(undo, share, margin=0, align="center")
+        return [undo, share]
 
     @staticmethod
     def _page_address() -> str:

@@ -44,7 +44,7 @@ class NumberField(pn.viewable.Viewer):
         self._syncing = False
         self._shown = math.nan
         self.text = pmui.TextInput(
-            label=label, size="small", margin=(6, 0, 2, 0), sizing_mode="stretch_width", description=description
+            label=label, size="small", margin=(9, 0, 2, 0), sizing_mode="stretch_width", description=description
         )
         self.slider = None if bounds is None else self._make_slider(bounds)
         self.sync()

@@ -16,6 +16,7 @@ from urllib.parse import quote, unquote
 
 import core
 from pwsviz.checks import MAX_STEPS, require_few_steps
+from pwsviz.projection import PLANE
 from pwsviz.scene import MAX_STARTS, PEERS, Scene, Start
 
 VERSION = 1
@@ -366,7 +367,10 @@ def _unpacked(text: str) -> core.PiecewiseSystem:
     except (ValueError, RecursionError):
         raise ValueError(f"“{_shown(text)}” is no description of a system.") from None
     parts = _checked(given, _SYSTEM, "system", ("name", "variables", "f_minus", "f_plus", "g"))
-    return core.PiecewiseSystem(**parts)
+    system = core.PiecewiseSystem(**parts)
+    if system.dimension < PLANE:
+        raise ValueError(f"{system.variables[0]} alone makes no portrait: two variables are needed")
+    return system
 
 
 def _refuse(constant: str) -> NoReturn:

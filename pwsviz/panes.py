@@ -14,6 +14,9 @@ from pwsviz.text import as_text
 FADED = {"opacity": "0.35"}
 """Besides the usual styles, on a pane that shows something past."""
 
+PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
+"""Of buttons: words as they are written."""
+
 TEXT_CSS = """
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }
 p { margin: 0 0 2px 0; }
@@ -32,9 +35,9 @@ def text_pane(words: str, kind: str = "") -> pn.pane.HTML:
     return _html(as_text(words, kind))
 
 
-def markup_pane() -> pn.pane.HTML:
-    """Return an empty pane for markup of our own making."""
-    return _html("")
+def markup_pane(style: str) -> pn.pane.HTML:
+    """Return an empty pane for markup of our own making, with a style sheet of its own."""
+    return pn.pane.HTML("", stylesheets=[TEXT_CSS, style], margin=0, sizing_mode="stretch_width")
 
 
 def heading(words: str) -> pn.pane.HTML:

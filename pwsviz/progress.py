@@ -7,6 +7,8 @@ from collections.abc import Callable
 import panel as pn
 import panel_material_ui as pmui
 
+from pwsviz.panes import PLAIN_SX
+
 
 class Progress(pn.viewable.Viewer):
     """A bar with “Cancel” while something is under way, and “Run again” after it was cancelled.
@@ -21,8 +23,10 @@ class Progress(pn.viewable.Viewer):
         super().__init__()
         self._bar = pmui.LinearProgress(value=0, variant="indeterminate", sizing_mode="stretch_width", margin=(14, 8))
         self._words = pmui.Typography("", variant="caption", margin=(6, 8), width=92)
-        self._cancel = pmui.Button(label="Cancel", size="small", variant="text", margin=(2, 0))
-        self._again = pmui.Button(label="Run again", size="small", variant="text", margin=(2, 0), visible=False)
+        self._cancel = pmui.Button(label="Cancel", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX)
+        self._again = pmui.Button(
+            label="Run again", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX, visible=False
+        )
         self._cancel.on_click(lambda _: on_cancel())
         self._again.on_click(lambda _: on_again())
         self._row = pn.Row(

@@ -16,6 +16,7 @@ import core
 from core.integrate import checked_method, checked_start
 from pwsviz.checks import MAX_STEPS, number, require_few_steps
 from pwsviz.names import short_name
+from pwsviz.projection import PLANE
 
 MAX_COORDINATE = 1e6
 MAX_STARTS = 12
@@ -176,7 +177,15 @@ class Scene(param.Parameterized):
             self._whole = False
 
     def use(self, system: core.PiecewiseSystem) -> None:
-        """Take over a system that the person declared, as it starts."""
+        """Take over a system that the person declared, as it starts.
+
+        Raises
+        ------
+        ValueError
+            Where it has too few variables for a portrait, or cannot start at its start.
+        """
+        if system.dimension < PLANE:
+            raise ValueError("A portrait needs two variables at least.")
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1)}
         checked_start(system, 0.0, system.x0)
         with self._as_a_whole():

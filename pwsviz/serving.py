@@ -30,7 +30,12 @@ class Unavailable(Exception):  # noqa: N818  (told to a person; the class is nam
 
 
 def serve(
-    port: int, address: str, show: bool = True, num_procs: int = 1, origins: Sequence[str] = (), more: Sequence[str] = ()
+    port: int,
+    address: str,
+    show: bool = True,
+    num_procs: int = 1,
+    origins: Sequence[str] = (),
+    more: Sequence[str] = (),
 ) -> None:
     """Serve the page until interrupted.
 
@@ -69,19 +74,15 @@ def panel_arguments(
     """Return what to tell `panel`."""
     here = Path(__file__).parent
     count = num_procs or os.cpu_count() or 1  # counted here: told to count, Panel would preload before it forks
+    names = [f"localhost:{port}", *origins] if origins else []  # the one that is allowed as long as none is given
     return [
         "serve", str(here.parent / "app.py"), "--port", str(port), "--address", address,
         "--num-procs", str(count), "--setup", str(here / "preload.py"),
         *PANEL_SETTINGS,
-        *(word for origin in (*_usual_origins(port, origins), *origins) for word in ("--allow-websocket-origin", origin)),
+        *(word for name in names for word in ("--allow-websocket-origin", name)),
         *(["--show"] if show else []),
         *more,
     ]  # fmt: skip
-
-
-def _usual_origins(port: int, origins: Sequence[str]) -> list[str]:
-    """Return the name that is allowed as long as none is given, so that it stays so."""
-    return [f"localhost:{port}"] if origins else []
 
 
 def require_port(port: int, address: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import io
 from collections.abc import Callable, Sequence
 from html import escape
@@ -60,7 +61,10 @@ class Share(pn.viewable.Viewer):
         address : str
             Of the page, without a query.
         """
-        self.link.value = f"{address}?{query(self.scene)}"
+        try:
+            self.link.param.update(value=f"{address}?{query(self.scene)}", error_state=False, helper_text="")
+        except ValueError as reason:
+            self.link.param.update(value="", error_state=True, helper_text=str(reason))
         self.program.object = f'<pre tabindex="0" aria-label="Python program">{escape(snippet(self.scene))}</pre>'
         self.numbers.objects = [self._row(piece) for piece in self._pieces()]
         self.dialog.open = True
@@ -74,8 +78,14 @@ class Share(pn.viewable.Viewer):
         return pn.Row(pmui.Typography(piece.title, margin=(8, 8), width=170), *buttons, margin=0)
 
     def _download(self, piece: Piece, ending: str, write: Callable[[Table, str], bytes]) -> Any:
+        scene_link = self.link.value.partition("?")[2]
+
+        async def data() -> io.BytesIO:
+            """Write it in a thread: a million rows take seconds, and other people's sliders do not wait."""
+            return await asyncio.to_thread(lambda: io.BytesIO(write(piece.table() or {}, scene_link)))
+
         return pmui.FileDownload(
-            callback=lambda: io.BytesIO(write(piece.table() or {}, query(self.scene))),
+            callback=data,
             filename=file_name(self.scene, piece.title, ending), label=ending.upper(), auto=True,
             variant="outlined", size="small", margin=(4, 4),
         )  # fmt: skip

@@ -12,7 +12,7 @@ import panel_material_ui as pmui
 import core
 from pwsviz.fields import NumberField
 from pwsviz.names import short_name
-from pwsviz.panes import heading, text_pane
+from pwsviz.panes import PLAIN_SX, heading, text_pane
 from pwsviz.presets import PRESETS
 from pwsviz.projection import PLANE, Axes, planes
 from pwsviz.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
@@ -64,7 +64,9 @@ class Sidebar(pn.viewable.Viewer):
         self.methods_message = text_pane("", "error")
         self.system = pmui.Select(label="System", value=scene.system, options=self._systems(), **WIDE)
         self.system.param.watch(self._take_system, "value")
-        self.write = pmui.Button(label="Write your own …", icon="edit", variant="text", size="small", margin=(0, 0))
+        self.write = pmui.Button(
+            label="Write your own …", icon="edit", variant="text", size="small", margin=0, sx=PLAIN_SX
+        )
         self.write.on_click(lambda _: on_edit())
         self.plane = pmui.Select(label="Portrait in the plane of", options={"": (0, 1)}, value=(0, 1), **WIDE)
         self.plane.param.watch(self._take_plane, "value")

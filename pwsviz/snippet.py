@@ -183,10 +183,10 @@ for method, error in zip(study.methods, study.drift.error):
     print(f"{method}: |change of psi| <= {np.fmax.reduce(error):.1e} in {study.drift.steps:,} steps")""",
     "grazing": """\
 found = study.grazing
-print(f"touches the surface at {study.coordinate_name} = {found.value!r}, t = {found.time:.6g}")
+print(f"touches the surface at {study.coordinate_name} = {found.value!r}, t = {found.time:.6g} (nan: nowhere)")
 for method, missed, error in zip(study.methods, found.missed, found.error):
     wrong = f"{np.count_nonzero(missed)} of {missed.size} runs miscount crossings"
-    print(f"{method}: {wrong}; |change of psi| <= {np.fmax.reduce(error, axis=None):.1e}")""",
+    print(f"{method}: {wrong}; |change of psi| <= {np.fmax.reduce(error, axis=None, initial=0.0):.1e}")""",
 }
 
 

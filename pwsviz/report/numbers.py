@@ -38,7 +38,7 @@ def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:
         )
         for inputs, summary in summaries.items()
     )
-    stopped = {one.status: one.message for one in reversed(summaries.values())}
+    stopped = {one.status: one.message for one in reversed(list(summaries.values()))}
     stopped.pop(core.Status.COMPLETED, None)
     first = next(iter(summaries))
     words = [_step(first), "Run times are those of the compiled loop, once, with what it records.", *stopped.values()]

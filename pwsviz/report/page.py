@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from bokeh.embed import file_html
-from bokeh.resources import INLINE
+from bokeh.resources import INLINE, Resources
 
 from pwsviz.report.panels import Panel
 
-__all__ = ["Figure", "page_html"]
+__all__ = ["Bench", "Figure", "page_html"]
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,23 @@ class Figure:
     seconds: float
 
 
+@dataclass(frozen=True)
+class Bench:
+    """What the benchmark printed, and its files."""
+
+    text: str
+    files: tuple[str, ...]
+    quick: bool
+
+
 STYLE = """
 :root { font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c1c1c; background: #fff; }
 body { max-width: 44rem; margin: 0 auto; padding: 1rem; }
 h1 { font-size: 1.7rem; margin: .5rem 0; } h2 { font-size: 1.25rem; margin: 2.5rem 0 .5rem; } h3 { font-size: 1rem; }
 code { overflow-wrap: anywhere; }
 h2 code { font-size: .8em; font-weight: normal; color: #595959; margin-left: .4em; }
-nav ul { columns: 2 16rem; padding-left: 1.2rem; }
+nav ul, #bench ul { columns: 2 16rem; padding-left: 1.2rem; }
+#bench ul { font-size: .85rem; }
 figure { margin: 0 0 1rem; break-inside: avoid; }
 figcaption { font-size: .9rem; } figcaption p { margin: .4rem 0; }
 .wide { overflow-x: auto; }
@@ -65,6 +75,8 @@ TEMPLATE = """
 {% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">
 <script>/* Pixels enough for paper. */
 if (devicePixelRatio < 2) Object.defineProperty(window, "devicePixelRatio", {value: 2})</script>{% endblock %}
+{% block css_resources %}{% endblock %}
+{% block js_resources %}{% for script in scripts %}<script>{{ script }}</script>{% endfor %}{% endblock %}
 {% block postamble %}<style>{{ style }}</style>{% endblock %}
 {% block contents %}
 <header>
@@ -102,10 +114,13 @@ The end of its address in the explorer: <code>?{{ panel.link | e }}</code></p>
 {% if bench %}
 <section id="bench">
 <h2>Benchmark</h2>
-<p>As <code>python -m pwsviz bench</code> printed it, in a process of its own.
-{% if bench_files %}Files: {% for name in bench_files %}<a href="{{ name | e }}" download>{{ name | e }}</a>{{ ", " if not loop.last else "." }}
-{% endfor %}{% endif %}</p>
-<div class="bench"><pre tabindex="0">{{ bench | e }}</pre></div>
+<p>As <code>python -m pwsviz bench{{ " --quick" if bench.quick }}</code> printed it, in a process of its own.
+{% if bench.quick %}<strong>The runs were short, and these times are too small to state.</strong>{% endif %}
+Its text and tables are files too:</p>
+<ul>{% for name in bench.files %}
+<li><a href="{{ name | e }}" download>{{ name | e }}</a></li>{% endfor %}
+</ul>
+<div class="bench"><pre tabindex="0">{{ bench.text | e }}</pre></div>
 </section>
 {% endif %}
 </main>
@@ -117,8 +132,7 @@ def page_html(
     figures: Sequence[Figure],
     titles: Mapping[str, str],
     about: Sequence[str],
-    bench: str = "",
-    bench_files: Sequence[str] = (),
+    bench: Bench | None = None,
     missing: str = "",
 ) -> str:
     """Return the page.
@@ -131,14 +145,16 @@ def page_html(
         What the paper's figures show.
     about : sequence of str
         Lines on versions and the machine.
-    bench, bench_files
-        What the benchmark printed, and the files of its tables.
+    bench : Bench, optional
+        Where it was run.
     missing : str
         What there was no time for.
     """
+    # Not what Bokeh would put in their place: where Panel is loaded, that links to files of Panel's models.
+    scripts = Resources(mode="inline", components=["bokeh"]).js_raw
     given = {
-        "style": STYLE, "figures": figures, "titles": titles, "about": about, "bench": bench,
-        "bench_files": bench_files, "missing": missing,
+        "scripts": scripts, "style": STYLE, "figures": figures, "titles": titles, "about": about, "bench": bench,
+        "missing": missing,
     }  # fmt: skip
     return file_html(
         [panel.plot for drawn in figures for panel in drawn.panels],

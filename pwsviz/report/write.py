@@ -12,7 +12,7 @@ from typing import TextIO
 from pwsviz.bench.machine import machine_lines
 from pwsviz.presets import PRESETS, Preset
 from pwsviz.report.benchmarks import bench_tables, run_bench
-from pwsviz.report.page import Figure, page_html
+from pwsviz.report.page import Bench, Figure, page_html
 from pwsviz.report.panels import draw_panel
 from pwsviz.results import Results
 from pwsviz.takeaway import Table, csv_bytes
@@ -125,7 +125,7 @@ class _Report:
         self._folder, self._say, self._files = folder, say, files
         self._results = Results()
         self._figures: list[Figure] = []
-        self._bench, self._bench_files = "", list[str]()
+        self._bench: Bench | None = None
 
     def add_figure(self, label: str, presets: Sequence[Preset]) -> None:
         """Compute a figure of the paper, and write its data."""
@@ -138,14 +138,15 @@ class _Report:
     def add_bench(self, quick: bool) -> None:
         """Run the benchmark, and write what it printed and its tables."""
         print("some minutes" if not quick else "a minute", end="", file=self._say, flush=True)
-        self._bench = run_bench(quick, lambda title: print(f"; {title}", end="", file=self._say, flush=True))
+        text = run_bench(quick, lambda title: print(f"; {title}", end="", file=self._say, flush=True))
         print(": ", end="", file=self._say)
-        self._write("bench.txt", self._bench.encode())
-        self._bench_files = [self._write_table(f"bench-{k}", table) for k, table in bench_tables(self._bench).items()]
+        self._write("bench.txt", text.encode())
+        tables = [self._write_table(f"bench-{k}", table) for k, table in bench_tables(text).items()]
+        self._bench = Bench(text, ("bench.txt", *tables), quick)
 
     def write_page(self, missing: str) -> None:
         """Write the page about all of it."""
-        page = page_html(self._figures, FIGURES, _about(), self._bench, self._bench_files, missing)
+        page = page_html(self._figures, FIGURES, _about(), self._bench, missing)
         self._write(PAGE, page.encode())
 
     def _write_table(self, name: str, table: Table, about: str = "") -> str:

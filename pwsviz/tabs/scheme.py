@@ -10,7 +10,7 @@ from pwsviz.panes import markup_pane
 from pwsviz.results import Report
 from pwsviz.tabs.base import Tab
 from pwsviz.takeaway import Table
-from pwsviz.views.scheme import scheme_markup
+from pwsviz.views.scheme import SCHEME_STYLE, scheme_markup
 from pwsviz.worker import Cancel
 
 
@@ -19,7 +19,7 @@ class SchemeTab(Tab):
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self.mathematics = markup_pane()
+        self.mathematics = markup_pane(SCHEME_STYLE)
 
     def inputs(self) -> RunInputs:
         """The run of the integrator that is looked into."""
@@ -27,9 +27,11 @@ class SchemeTab(Tab):
 
     def compute(self, inputs: RunInputs, cancel: Cancel, report: Report) -> str:
         """Derive and typeset."""
-        system = inputs.ground.build()
-        run = self.results.run(inputs, cancel)
-        return scheme_markup(system, inputs.scheme.method, self.results.diagnosis(inputs, cancel), run)
+        scheme, run, diagnosis = inputs.scheme, self.results.run(inputs, cancel), self.results.diagnosis(inputs, cancel)
+        return scheme_markup(
+            inputs.ground.build(), scheme.method, diagnosis, run, locate=scheme.locate,
+            perturbation_order=scheme.perturbation_order, perturbation_scale=scheme.perturbation_scale,
+        )  # fmt: skip
 
     def build(self) -> list[Any]:
         """Choice of the integrator, and the page of mathematics."""

@@ -242,6 +242,7 @@ class PortraitView:
         Told where (x, y) the person clicked on empty ground.
     on_move : callable
         Told which start (from 0) was dragged where (x, y): some twenty times a second on the way, and at the end.
+        Who refuses a move calls `show_starts`, or the star stays where it was dropped.
     on_remove, on_select : callable
         Told which start is to go, or to be looked into.
 
@@ -271,7 +272,7 @@ class PortraitView:
         self._box: Window | None = None
         self._ground: Backdrop | None = None
         self._visible: Window | None = None
-        self._turn = self._heard = 0
+        self._heard = 0
         self._acts: dict[str, Callable[[int, float, float], None]] = {
             "drag": on_move,
             "drop": on_move,
@@ -346,7 +347,7 @@ class PortraitView:
 
     def _start_glyphs(self) -> None:
         plot = self.figure
-        columns = ("x", "y", "number", "size", "fill", "chosen", "heard", "turn")
+        columns = ("x", "y", "number", "size", "fill", "chosen", "heard")
         self.starts = ColumnDataSource({name: [] for name in columns})
         self.stars = plot.scatter(
             "x", "y", source=self.starts, marker="star", size="size", fill_color="fill", line_color=RIM,
@@ -464,8 +465,7 @@ class PortraitView:
     def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
         """Put the stars where the trajectories start: also where a move was refused, to bring its star back."""
         chosen = [k == selected for k in range(len(starts))]
-        self._turn += 1  # sent in any case: a hand may have moved them in the browser alone
-        self.starts.data = {
+        self.starts.data = {  # sent if the hand said anything since: it may have moved them in the browser alone
             "x": [float(x) for x, _ in starts],
             "y": [float(y) for _, y in starts],
             "number": [str(k + 1) for k in range(len(starts))],
@@ -473,7 +473,6 @@ class PortraitView:
             "fill": [ORANGE if it else PALE_STAR for it in chosen],
             "chosen": chosen,
             "heard": [self._heard] * len(starts),
-            "turn": [self._turn] * len(starts),
         }
 
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:

@@ -14,6 +14,7 @@ import sympy
 from sympy import Expr, Symbol
 
 import core
+from core.expressions import TIME
 from core.laws import Floats, Laws, Side
 from core.multiplier import DividedDifference
 from core.stepcode import StepCode
@@ -199,7 +200,8 @@ def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
         sheet.formula(r"\Delta = \tau x'_{k} + \tau^{2} x''_{k} / 2! + \cdots + \tau^{n} x^{(n)}_{k} / n !")
         sheet.say("The order n and the step τ are chosen so that the last terms keep within the tolerance.")
     sheet.say("Then it is moved along the discrete gradient, by as little as will do, until ψ is kept:")
-    sheet.formula(r"\Delta \leftarrow \Delta - \Lambda^{\tau\top} \lambda , \Lambda^{\tau} \Delta + \tau s_{t} = 0")
+    change = r"+ \tau s_{t}" if _names_time(laws) else ""
+    sheet.formula(rf"\Delta \leftarrow \Delta - \Lambda^{{\tau\top}} \lambda , \Lambda^{{\tau}} \Delta {change} = 0")
     _write_multipliers(sheet, laws, None)
 
 
@@ -211,7 +213,7 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
     )
     sheet.formula(
         r"\Lambda^{\tau} ( x_{1} - x_{0} ) + s_{t} ( t_{1} - t_{0} ) = \psi ( t_{1} , x_{1} ) - \psi ( t_{0} , x_{0} )"
-        if any(any(side.discrete.time_slope) for side in laws.sides.values())
+        if _names_time(laws)
         else r"\Lambda^{\tau} ( x_{1} - x_{0} ) = \psi ( x_{1} ) - \psi ( x_{0} )"
     )
     for sign, heading, side in _groups(laws):
@@ -231,6 +233,11 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
         )
 
 
+def _names_time(laws: Laws) -> bool:
+    """Whether a conserved quantity names time."""
+    return any(psi.has(TIME) for side in laws.sides.values() for psi in side.conserved)
+
+
 def _write_field(sheet: _Sheet, sign: str, side: Side) -> None:
     """The discrete field fᵗ of dmm2: written out where ψ fixes the orbit, else as it is put together."""
     discrete = side.discrete
@@ -238,7 +245,7 @@ def _write_field(sheet: _Sheet, sign: str, side: Side) -> None:
         sheet.say("The mean field is moved across Λᵗ by as little as will do (the minimal-norm scheme):")
         sheet.formula(
             r"f^{\tau} = \bar{f} - \Lambda^{\tau\top} ( \Lambda^{\tau} \Lambda^{\tau\top} )^{-1} "
-            r"( \Lambda^{\tau} \bar{f} + s_{t} )"
+            r"( \Lambda^{\tau} \bar{f} " + (r"+ s_{t} )" if any(discrete.time_slope) else ")")
         )
         sheet.equate(rf"\bar{{f}}_{{{sign}}}", discrete.mean_field)
         return
@@ -341,7 +348,7 @@ def _write_transition(
     sheet.say(
         "Where a step from s to the other side s′ changes the sign of g, the crossing is located on the scheme itself:"
     )
-    at = r"\hat{t} , \hat{x}" if system.laws.g.has(Symbol("t")) else r"\hat{x}"
+    at = r"\hat{t} , \hat{x}" if system.laws.g.has(TIME) else r"\hat{x}"
     sheet.formula(r"\hat{x} = x_{k} + ( \hat{t} - t_{k} ) f^{\tau}_{s} ( t_{k} , x_{k} , \hat{t} , \hat{x} )")
     sheet.formula(f"g ( {at} ) = 0")
     if order is not None:

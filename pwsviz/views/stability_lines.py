@@ -168,7 +168,7 @@ def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, hei
             "colour": line_of(study.methods[k]).colour,
             "method": study.methods[k],
             "side": side_words(study, side),
-            "crossings": f"{found[n]} of {expected[n]}",
+            "crossings": f"{found[n]} of {expected[n]}" if expected[n] >= 0 else f"{found[n]}; the solution stops",
             "error": f"{error[n]:.1e}" if np.isfinite(error[n]) else "no value",
             "status": outcome_words(int(grazing.status[k, side, n])),
         }

@@ -153,7 +153,9 @@ def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
         wrong = grazing.missed[k].any(axis=0)
         if not (grazing.crossings[k] >= 0).any():
             continue
-        if not wrong.any():
+        if not (grazing.expected >= 0).any():
+            tail = "has nothing to be held against: the solution itself stops on the surface."
+        elif not wrong.any():
             tail = "finds every crossing and no other, at every distance."
         else:
             far, many = float(grazing.delta[wrong].max()), f"{wrong.sum()} of {len(wrong)} distances"

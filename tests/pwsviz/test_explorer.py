@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.explorer import Explorer, place
+from pwsviz.explorer import Explorer
 from pwsviz.plane import Window
 from pwsviz.results import Results
 from pwsviz.scene import VIEWS, Scene
+from pwsviz.stage import at_point
 
 
 @pytest.fixture
@@ -23,7 +24,8 @@ def counts(explorer):
 
 
 def test_first_picture_computes_what_is_visible_and_no_more(explorer):
-    assert counts(explorer) == {"run": 2, "orbit": 2, "error": 2, "summary": 2, "curve": 2, "backdrop": 1}
+    once = {"backdrop": 1, "landmarks": 1}
+    assert counts(explorer) == {"run": 2, "orbit": 2, "error": 2, "summary": 2, "curve": 2, **once}
 
 
 def test_hidden_views_compute_nothing(explorer):
@@ -36,13 +38,60 @@ def test_hidden_views_compute_nothing(explorer):
     assert counts(explorer)["run"] == 4, "the portrait is always there"
 
 
-def test_going_round_the_tabs_computes_each_once(explorer):
-    for _ in range(3):
+def test_going_round_the_tabs_twice_computes_each_view_once(explorer):
+    explorer.scene.param.update(t_end=5.0, peers=[])
+    explorer.settle(20)
+    before = counts(explorer)
+    for _ in range(2):
         for view in VIEWS:
             explorer.scene.view = view
-            explorer.settle(20)
-    assert counts(explorer)["run"] == 2
-    assert counts(explorer)["study"] == 1
+            explorer.settle(60)
+    made = {kind: count - before.get(kind, 0) for kind, count in counts(explorer).items()}
+    assert {kind: count for kind, count in made.items() if count} == {
+        "study": 1, "cost": 1, "stability": 1, "diagnosis": 1,
+    }  # fmt: skip
+
+
+def test_a_view_not_yet_looked_at_is_not_even_made(explorer):
+    assert [key for key, view in explorer.views.items() if view.built] == ["conserved"]
+    explorer.scene.view = "scheme"
+    assert [key for key, view in explorer.views.items() if view.built] == ["conserved", "scheme"]
+
+
+def test_leaving_a_long_study_gives_it_up(explorer):
+    explorer.scene.view = "stability"
+    explorer.scene.view = "conserved"
+    assert explorer.settle(20)
+    assert explorer.views["stability"].outcome is None
+    explorer.scene.param.update(t_end=2.0, methods=["dmm2"], stability_part="drift")
+    explorer.scene.view = "stability"
+    assert explorer.settle(60)
+    assert explorer.views["stability"].outcome is not None
+
+
+def test_a_long_study_can_be_cancelled_and_begun_again(explorer):
+    explorer.scene.param.update(peers=[], t_end=5.0)
+    explorer.scene.view = "cost"
+    view = explorer.views["cost"]
+    view.progress.begin()
+    view.on_cancel()
+    assert explorer.settle(20)
+    assert view.outcome is None
+    assert view.progress._again.visible
+    view.on_again()
+    assert explorer.settle(60)
+    assert view.outcome is not None
+    assert not view.progress.busy
+
+
+def test_what_only_looks_different_is_not_computed_anew(explorer):
+    explorer.scene.param.update(peers=[], t_end=5.0, view="cost")
+    assert explorer.settle(60)
+    label = explorer.views["cost"].view.figure.yaxis[0].axis_label
+    explorer.scene.cost_up = "invariant"
+    assert explorer.settle(20)
+    assert counts(explorer)["cost"] == 1
+    assert explorer.views["cost"].view.figure.yaxis[0].axis_label != label
 
 
 def test_tab_and_scene_agree(explorer):
@@ -51,36 +100,36 @@ def test_tab_and_scene_agree(explorer):
 
 
 def test_a_change_repaints_by_data_not_by_new_figures(explorer):
-    figures = [explorer.portrait.figure, explorer.conserved.figure]
+    figures = [explorer.stage.portrait.figure, explorer.views["conserved"].view.figure]
     models = [figure.references() for figure in figures]
-    before = explorer.portrait.orbits.data["xs"][0]
+    before = explorer.stage.portrait.orbits.data["xs"][0]
     explorer.scene.accept("tau", 0.05)
     explorer.scene.system = next(key for key in core.CATALOGUE if key != explorer.scene.system)
     explorer.settle(20)
     assert [figure.references() for figure in figures] == models
-    assert explorer.portrait.orbits.data["xs"][0] is not before
+    assert explorer.stage.portrait.orbits.data["xs"][0] is not before
 
 
 def test_the_status_line_tells_each_run(explorer):
-    assert "2,000 steps, 21 crossings" in explorer.status.object
-    assert explorer.status.object.count("|Δψ| ≤") == 2
+    assert "2,000 steps, 21 crossings" in explorer.stage.status.object
+    assert explorer.stage.status.object.count("|Δψ| ≤") == 2
 
 
 def test_the_view_holds_still_while_only_the_step_size_moves(explorer):
-    frame = explorer.portrait.frame
+    frame = explorer.stage.portrait.frame
     explorer.scene.accept("tau", 2e-2)
     explorer.settle(20)
-    assert explorer.portrait.frame == frame
+    assert explorer.stage.portrait.frame == frame
 
 
 def test_bad_input_is_told_beside_the_field_and_the_picture_stays(explorer):
-    shown = explorer.portrait.orbits.data
+    shown = explorer.stage.portrait.orbits.data
     field = explorer.sidebar.tau
     field.text.value = "minus one"
     explorer.settle(20)
     assert field.text.error_state
     assert "not a number" in field.text.helper_text
-    assert explorer.portrait.orbits.data is shown
+    assert explorer.stage.portrait.orbits.data is shown
     field.text.value = "0.02"
     assert not field.text.error_state
     assert explorer.scene.tau == 0.02
@@ -107,19 +156,121 @@ def test_another_system_brings_its_own_fields(explorer):
     assert list(explorer.sidebar.fields) == [*(f"values.{name}" for name in names), "x0.0", "x0.1"]
 
 
-def test_a_click_moves_the_start_and_drops_an_older_complaint(explorer):
+def test_a_click_places_one_more_trajectory(explorer):
+    explorer.stage.place(-0.123456, 0.654321)
+    explorer.settle(20)
+    assert explorer.scene.starts == ((-1.0, -1.0), (-0.123, 0.654))
+    assert explorer.scene.selected == 1
+    assert list(explorer.stage.portrait.starts.data["x"]) == [-1.0, -0.123]
+    assert len(explorer.stage.portrait.beside.data["xs"]) == 2
+    assert explorer.sidebar.fields["x0.0"].text.value == "-0.123"
+
+
+def test_a_dragged_start_moves_and_an_older_complaint_goes(explorer):
     coordinate = explorer.sidebar.fields["x0.0"]
     coordinate.text.value = "?"
     assert coordinate.text.error_state
-    explorer._start_at(-0.123456, 0.654321)
+    explorer.stage.move(0, -0.8, 0.5)
     explorer.settle(20)
-    assert explorer.scene.x0 == (-0.123, 0.654)
+    assert explorer.scene.starts == ((-0.8, 0.5),)
     assert not coordinate.text.error_state
-    assert list(explorer.portrait.starts.data["x"]) == [-0.123]
 
 
-def test_a_place_is_rounded_to_about_a_pixel():
-    assert place(1.23456, 2.0, Window(0, 5000, 0, 10), (0.0, 0.0, 7.0)) == (1.0, 2.0, 7.0)
+def test_the_last_trajectory_cannot_be_removed_and_that_is_said(explorer):
+    explorer.stage.place(-0.5, 0.5)
+    explorer.stage.remove(0)
+    assert explorer.scene.starts == ((-0.5, 0.5),)
+    explorer.settle(20)
+    explorer.stage.remove(0)
+    assert "has to stay" in explorer.stage.trouble.object
+
+
+def test_looking_into_another_trajectory_computes_no_run(explorer):
+    explorer.stage.place(-0.5, 0.5)
+    explorer.settle(20)
+    runs = counts(explorer)["run"]
+    explorer.scene.selected = 0
+    explorer.settle(20)
+    assert counts(explorer)["run"] == runs
+
+
+def test_undo_brings_back_what_was_there(explorer):
+    before = explorer.scene.settings()
+    explorer.stage.place(-0.5, 0.5)
+    explorer.history.undo()
+    explorer.settle(20)
+    assert explorer.scene.settings() == before
+    assert list(explorer.stage.portrait.starts.data["x"]) == [-1.0]
+
+
+def test_a_place_is_rounded_to_about_a_pixel_and_what_is_not_shown_stays():
+    window = Window(0, 5000, 0, 10)
+    assert at_point(1.23456, 2.0, window, (0.0, 0.0, 7.0)) == (1.0, 2.0, 7.0)
+    assert at_point(1.23456, 2.0, window, (5.0, 6.0, 7.0), (2, 0)) == (2.0, 6.0, 1.0)
+
+
+def test_another_projection_shows_other_variables(explorer):
+    explorer.scene.load({"system": "kepler", "methods": ["rk4"]})
+    explorer.settle(60)
+    explorer.sidebar.plane.value = (2, 3)
+    explorer.settle(20)
+    names = core.CATALOGUE["kepler"].variables
+    figure = explorer.stage.portrait.figure
+    assert figure.xaxis[0].axis_label.startswith(names[2])
+    assert figure.yaxis[0].axis_label == names[3]
+    start = core.CATALOGUE["kepler"].x0
+    assert list(explorer.stage.portrait.starts.data["y"]) == [start[3]]
+
+
+def test_the_player_gets_its_steps_once_it_is_open_and_not_before(explorer):
+    assert "frames" not in counts(explorer)
+    explorer.stage.player.open = True
+    explorer.settle(20)
+    assert counts(explorer)["frames"] == 2
+    assert len(explorer.stage.player.bar.ways) == 2
+
+
+def test_a_preset_is_loaded_and_says_what_to_look_at(explorer):
+    explorer.sidebar.presets.value = "vf_sliding"
+    assert explorer.settle(60)
+    assert explorer.scene.system == "type_sliding"
+    assert "every run ends" in explorer.sidebar.preset_note.object
+
+
+def test_a_system_of_ones_own_is_used_like_any_other(explorer):
+    own = core.PiecewiseSystem(
+        "<b>mine</b>", ("u", "v"), ("v", "-k*u"), ("v", "-u"), "v", parameters={"k": 3.0}, x0=(1.0, 1.0)
+    )
+    explorer._use(own)
+    assert explorer.settle(60)
+    assert explorer.stage.trouble.object == ""
+    assert "<b>mine</b> (yours)" in explorer.sidebar.system.options
+    explorer.sidebar.fields["values.k"].text.value = "2"
+    for view in VIEWS:
+        explorer.scene.param.update(view=view, t_end=5.0, peers=[])
+        assert explorer.settle(60)
+        assert 'class="error"' not in explorer.view.words.object or view in ("order", "time")
+    assert "<b>mine" not in explorer.stage.note.object + explorer.view.mathematics.object
+
+
+def test_a_link_is_adopted_and_what_is_wrong_with_it_is_told(explorer):
+    explorer.adopt("?v=1&system=pendulum&tau=0.125&t_end=never&<script>=1")
+    assert (explorer.scene.system, explorer.scene.tau) == ("pendulum", 0.125)
+    assert "never" in explorer.notice.object
+    assert "<script>" not in explorer.notice.object
+    assert explorer.settle(60)
+
+
+def test_what_is_taken_away_is_what_is_shown(explorer):
+    explorer.scene.view = "order"
+    explorer.settle(20)
+    portrait, order = explorer._pieces()
+    assert len(portrait.table()["t"]) == 2001
+    assert portrait.figure is explorer.stage.portrait.figure
+    assert len(order.table()) > 2
+    explorer.share.open("http://here/app")
+    assert explorer.share.link.value.startswith("http://here/app?v=1")
+    assert "core.integrate" in explorer.share.program.object
 
 
 @pytest.mark.parametrize("system", list(core.CATALOGUE))
@@ -127,15 +278,16 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     explorer.scene.system = system
     explorer.settle(60)
     laws = core.CATALOGUE[system]
-    portrait = explorer.portrait
-    assert explorer.trouble.object == ""
+    portrait = explorer.stage.portrait
+    assert explorer.stage.trouble.object == ""
     assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
     assert all(np.isfinite(x).sum() > 20 for x in portrait.orbits.data["xs"])
     assert list(portrait.starts.data["x"]) == [laws.x0[0]]
     assert (len(portrait.surface.data["x"]) > 1) == (system != "gene_switch")
     assert (len(portrait.arrows[1].data["x"]) > 0) == (laws.dimension == 2)
-    assert explorer.conserved_pane.visible == bool(laws.psi_minus)
-    assert explorer.conserved_pane.visible or "no conserved quantity" in explorer.conserved_note.object
+    conserved = explorer.views["conserved"]
+    assert conserved.plots[0].visible == bool(laws.psi_minus)
+    assert conserved.plots[0].visible or "no conserved quantity" in conserved.words.object
     assert (portrait.figure.xaxis[0].axis_label == laws.variables[0]) == (laws.dimension == 2)
 
 
@@ -166,7 +318,7 @@ def test_the_tolerance_is_shown_with_an_integrator_that_has_one(explorer):
 def test_a_study_of_few_crossings_says_so(explorer):
     explorer.scene.param.update(system="coulomb_friction", view="order")
     explorer.settle(20)
-    words = explorer.studies["order"].words.object
+    words = explorer.views["order"].words.object
     assert "after 1 crossing, slope" in words
     assert "ends too early" in words
 
@@ -175,24 +327,24 @@ def test_a_study_that_is_impossible_says_why(explorer):
     explorer.scene.accept("x0", (1.4, -1.4))  # runs off to infinity
     explorer.scene.view = "order"
     explorer.settle(20)
-    assert 'class="error"' in explorer.studies["order"].words.object
-    assert not explorer.studies["order"].busy
+    assert 'class="error"' in explorer.views["order"].words.object
+    assert not explorer.views["order"].progress.busy
 
 
 def test_one_integrator_that_blows_up_does_not_spoil_the_view_of_another(explorer):
     explorer.scene.param.update(system="harmonic_oscillator", tau=0.25, t_end=60_000.0)
     explorer.settle(20)
-    assert "stopped" in explorer.status.object
-    frame = explorer.portrait.frame
+    assert "stopped" in explorer.stage.status.object
+    frame = explorer.stage.portrait.frame
     assert max(frame.width, frame.height) < 10
-    for x in explorer.portrait.orbits.data["xs"]:
+    for x in explorer.stage.portrait.orbits.data["xs"]:
         assert np.nanmax(np.abs(x)) < 100
-    assert len(explorer.portrait.orbits.data["xs"][1]) > 100
+    assert len(explorer.stage.portrait.orbits.data["xs"][1]) > 100
 
 
 def test_a_run_that_stops_early_says_why_and_shows_what_there_is(explorer):
     explorer.scene.accept("x0", (1.4, 1.4))
     explorer.settle(20)
-    assert "stopped" in explorer.status.object
-    frame = explorer.portrait.frame
+    assert "stopped" in explorer.stage.status.object
+    frame = explorer.stage.portrait.frame
     assert max(frame.width, frame.height) < 100

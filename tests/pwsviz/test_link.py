@@ -217,6 +217,7 @@ HOSTILE = [
     ("own={}", "own", "lacks its name"),
     ("own=[]", "own", "a list is no system"),
     ("own=null", "own", "is no system"),
+    ('own={"name":"m","variables":["x"],"f_minus":["1"],"f_plus":["1"],"g":"x"}', "own", "two variables"),
     ("own=" + "[" * 3000, "own", "no description"),
     ("own=" + "[" * 900 + "]" * 900, "own", "is no system"),
     ('own={"name":' + "[" * 900 + "]" * 900 + ',"variables":[],"f_minus":[],"f_plus":[],"g":"x"}', "own", "no text"),
@@ -261,10 +262,10 @@ def test_broken_starts_leave_the_numbers_of_the_others():
 
 def test_where_the_usual_start_is_impossible_too_the_system_stays_as_it_starts():
     scene = Scene()
-    scene.use(core.PiecewiseSystem("root", ("x",), ("sqrt(x - k)",), ("sqrt(x - k)",), "x - 9", parameters={"k": 0.0}))
-    found, complaints = read(query(scene) + "&k=2&starts=5;1")
+    scene.use(core.PiecewiseSystem("root", ("x", "y"), *[("sqrt(x - k)", "x")] * 2, "x - 9", parameters={"k": 0.0}))
+    found, complaints = read(query(scene) + "&k=2&starts=5,0;1,0")
     assert found["values"] == {"k": 2.0}
-    assert found["starts"] == ((0.0,),)
+    assert found["starts"] == ((0.0, 0.0),)
     assert any("Start 2" in words for words in complaints)
 
 

@@ -189,4 +189,5 @@ def test_a_closed_player_makes_and_sends_nothing():
     player.show([frames(run, (0, 1))])
     assert player.bar.ways[0]["t"] == run.t.tolist()
     player.open = False
+    player.show([frames(run, (0, 1))])
     assert player.bar.ways == []

@@ -97,6 +97,12 @@ def test_every_system_and_method_is_shown_soundly(key: str, method: str) -> None
     assert multipliers == (sides if core.METHODS[method].conservative and system.psi_plus else 0)
 
 
+@pytest.mark.parametrize("method", ["dmm2", "prk8"])
+@pytest.mark.parametrize(("key", "timed"), [("damped_oscillator", True), ("kepler", False)])
+def test_the_slope_in_time_is_there_where_a_conserved_quantity_names_time(key: str, method: str, timed: bool) -> None:
+    assert ("s_t" in " ".join(said(scheme_markup(core.CATALOGUE[key], method)))) is timed
+
+
 def test_a_value_of_a_parameter_is_shown_as_it_is() -> None:
     system = core.CATALOGUE["elliptic_curve"].with_parameters(a_plus=-2.53125)
     assert ">-2.53125<" in scheme_markup(system, "dmm2")

@@ -201,6 +201,13 @@ def test_the_text_of_a_tangency_tells_where_it_is_and_who_misses_it(study):
     assert "rk2 has a wrong number of crossings at" in words
 
 
+def test_nobody_finds_every_crossing_where_the_solution_stops(study):
+    stopped = replace(study.grazing, expected=np.full((2, 14), -1))
+    words = stability_text(replace(study, grazing=stopped), "grazing", "dmm2")
+    assert "finds every crossing" not in words
+    assert "the solution itself stops" in words
+
+
 def test_the_text_of_drift_bounds_each_integrator(study):
     words = stability_text(study, "drift", "dmm2")
     assert "20,000 steps of τ = 0.02" in words

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from core.integrate import integrate
 from core.laws import Floats
+from core.reference import Solution
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
 from core.studies.stability.verdict import passed, start_at, worst_error
@@ -20,7 +21,7 @@ from core.system import PiecewiseSystem
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
 
 UNKNOWN = -1
-"""Instead of a number of crossings: not computed."""
+"""Instead of a number of crossings: not computed, or not known."""
 
 _DELTAS = 10.0 ** -np.arange(1.0, 15.0)
 _HORIZONS = np.array([1.0, 0.8, 1.2, 0.6, 1.4])  # of the time from the touch to the horizon
@@ -52,7 +53,7 @@ class Grazing:
     horizon: Floats
     """(2, n) until when each was run: past the touch, away from other crossings."""
     expected: Integers
-    """(2, n) crossings of the solution until then; −1 where not computed."""
+    """(2, n) crossings of the solution until then; −1 where not computed, or where it stops before: it slides, say."""
     crossings: Integers
     """(methods, 2, n) crossings of the run; −1 where not computed."""
     error: Floats
@@ -67,7 +68,7 @@ class Grazing:
 
     @property
     def missed(self) -> Integers:
-        """(methods, 2, n) crossings that a run has too few (too many: negative); 0 where not computed."""
+        """(methods, 2, n) crossings that a run has too few (too many: negative); 0 where either is not known."""
         known = (self.crossings != UNKNOWN) & (self.expected != UNKNOWN)
         return np.where(known, self.expected - self.crossings, 0)
 
@@ -126,7 +127,7 @@ def _beside(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, horizons: Floats, methods: tuple[str, ...], tau: float
 ) -> tuple[float, int, list[tuple[int, float, int]]]:
     """Until when a start was run, how many crossings it has till then, and (crossings, error, status) per method."""
-    times = exact_times(system, x0, t0, float(horizons.max()))
+    times, solution = exact_times(system, x0, t0, float(horizons.max()))
     clear = [float(np.abs(times - t).min(initial=np.inf)) for t in horizons]
     horizon = float(horizons[int(np.argmax(clear))])
     rows = []
@@ -136,4 +137,16 @@ def _beside(
             max_crossings=MAX_STEPS,
         )  # fmt: skip
         rows.append((passed(one), worst_error(one), int(one.status)))
-    return horizon, int(np.count_nonzero(times <= horizon)), rows
+    expected = int(np.count_nonzero(times <= horizon)) if _reaches(solution, horizon) else UNKNOWN
+    return horizon, expected, rows
+
+
+def _reaches(solution: Solution | None, t: float) -> bool:
+    """Whether a solution goes on to time t."""
+    if solution is None:
+        return False
+    try:
+        solution.state(t)
+    except ValueError:
+        return False
+    return True

@@ -120,15 +120,22 @@ def stability_study(
     name = system.variables[plan.coordinate]
     study = StabilityStudy(system.name, plan.methods, plan.t_span, plan.x0, plan.coordinate, name, REFERENCE)
     total, before = sum(_PARTS[part].count(plan) for part in wanted), 0
+    cancelled = cancel if cancel is not None else _never
     for part in wanted:
         for done, found in enumerate(_PARTS[part].run(plan, executor, cancel), start=1):
             study = replace(study, **{part: found})
             if progress is not None:
                 progress(before + done, total, study)
-        if cancel is not None and cancel():
+            if cancelled():
+                return study
+        if cancelled():
             return study
         before += _PARTS[part].count(plan)
     return replace(study, complete=True)
+
+
+def _never() -> bool:
+    return False
 
 
 def _checked_parts(parts: Sequence[str]) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.laws import Floats
-from core.reference import reference_solution
+from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
 from core.studies.stability.verdict import ENDINGS, reference_run, start_at
 from core.system import PiecewiseSystem
@@ -124,13 +124,14 @@ def _tangency(plan: Plan, value: float) -> Tangency | None:
     apart = _APART * (plan.t_span[1] - plan.t_span[0])
     k = _first_difference(more, less, apart)
     t = np.append(more.crossings.t[k:], more.t[-1])
-    if len(t) < 2 or t[0] < plan.t_span[0] + apart or not _is_touch(plan, more, k):
+    if len(t) < 2 or not _is_touch(plan, more, k):
         return None
     # Through the surface and back again at once; or in, if the other side's field leads on, or into sliding.
     dip = slice(k, k + 2) if len(t) > 2 and t[1] - t[0] < apart else slice(k, k + 1)
     time, state = float(more.crossings.t[dip].mean()), more.crossings.x[dip].mean(axis=0)
-    following = [np.append(run.crossings.t, run.t[-1])[n] for run, n in ((less, k), (more, dip.stop))]
-    return Tangency(value, time, state, (time + float(min(following))) / 2, size)
+    ends = [float(np.append(run.crossings.t, run.t[-1])[n]) for run, n in ((less, k), (more, dip.stop))]
+    following = min((t for t in ends if t > time + apart), default=plan.t_span[1])  # one that slides ends right there
+    return Tangency(value, time, state, (time + following) / 2, size)
 
 
 def _first_difference(more: Trajectory, less: Trajectory, apart: float) -> int:
@@ -159,7 +160,7 @@ def _sharpened(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangenc
     """Return the tangency of the exact solution, where there is one: the integrator's is off by its round-off."""
 
     def crossings(value: float) -> int:
-        return len(exact_times(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0], horizon))
+        return len(exact_times(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0], horizon)[0])
 
     horizon = tangency.horizon
     if not _is_exact(plan, tangency.value):
@@ -185,13 +186,16 @@ def _is_exact(plan: Plan, value: float) -> bool:
         return False
 
 
-def exact_times(system: PiecewiseSystem, x0: tuple[float, ...], t0: float, until: float) -> NDArray[np.float64]:
-    """Times of the crossings of the reference solution up to `until`, or up to where it stops."""
+def exact_times(
+    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, until: float
+) -> tuple[NDArray[np.float64], Solution | None]:
+    """Times of the crossings of the reference solution up to `until`, or up to where it stops; and the solution."""
     times: list[float] = []
+    solution = None
     try:
         solution = reference_solution(system, x0, t0)
         while not times or times[-1] <= until:
             times.append(solution.crossing(len(times) + 1)[0])
-    except ValueError:  # it has no more of them
-        return np.array(times)
-    return np.array(times[:-1])
+    except ValueError:  # it has no more of them, or no start
+        return np.array(times), solution
+    return np.array(times[:-1]), solution

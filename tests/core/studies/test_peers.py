@@ -54,6 +54,14 @@ def test_a_ball_bounces_at_the_times_of_the_geometric_series(peer):
     assert arcs.entered[1][1] == pytest.approx([0.0, restitution * speed], abs=1e-9)
 
 
+def test_a_jump_that_stays_on_the_surface_but_for_round_off_is_on_it(peer):
+    f = ("v", "-10")  # from height 5: impacts after 1, 2, 2.5, 2.75, ... at half the speed each
+    ball = core.PiecewiseSystem("ball", ("y", "v"), f, f, "y", x0=(5.0, 0.0), jump=("y", "-v/2"))
+    arcs = solve(peer, ball, 2.6)
+    assert arcs.side == [1, 1, 1, 1]
+    assert [t for t, _ in arcs.left[:3]] == pytest.approx([1.0, 2.0, 2.5], abs=1e-9)
+
+
 def test_a_surface_that_moves_is_met_where_it_is(peer):
     # x = t meets x = 1 + t/2 at t = 2, and goes on at a rate of 3/4.
     moving = core.PiecewiseSystem("chase", ("x",), ("1",), ("3/4",), "x - 1 - t/2", x0=(0.0,))
@@ -106,11 +114,12 @@ def test_a_pole_ends_a_run_with_a_reason(peer):
         solve(peer, core.PiecewiseSystem("pole", ("x",), f, f, "x", x0=(1.0,)), 2.0)
 
 
-def test_trial_steps_out_of_the_domain_are_taken_back():
-    f = ("-1/(2*sqrt(x))",)  # x**(3/2) falls by 3/4 a unit of time: 0 at 4/3
-    system = core.PiecewiseSystem("leak", ("x",), f, f, "x - 2", x0=(1.0,))
-    arcs = solve(PEERS["scipy"], system, 1.3)
-    assert arcs.left[-1][1] == pytest.approx([(1 - 0.75 * 1.3) ** (2 / 3)], rel=1e-9)
+@pytest.mark.parametrize("root", ["sqrt(x)", "x**1.5"])  # of a negative number: an error, and a complex number
+def test_trial_steps_out_of_the_domain_are_taken_back(root):
+    # Nothing happens until t = 5, so steps are long; then x is drawn to 1, and a long step would lead far below 0.
+    f = (f"-50*(1 + tanh(20*(t - 5)))*(x - 1)*{root}",)
+    system = core.PiecewiseSystem("late", ("x",), f, f, "x - 3", x0=(2.0,))
+    assert solve(PEERS["scipy"], system, 6.0, tolerance=1e-6).left[-1][1] == pytest.approx([1.0], abs=1e-5)
 
 
 def test_without_heyoka_the_reason_is_said(monkeypatch):
