@@ -39,7 +39,8 @@ and the server refuses names it does not know: tell it each one by --allow-webso
 
 A process computes a picture once for all its visitors. Several (--num-procs) serve more visitors at a time, but each
 has a cache of its own: the same picture is computed, and held, up to N times. Compiled integrators are shared.
-(Windows cannot fork: there it is one process.)
+(Windows cannot fork: there it is one process.) Ctrl+C ends them all; a signal from elsewhere has to be sent to the
+whole process group.
 The first scene is prepared while the server starts, so that the first visitor need not wait.
 
 environment:

@@ -14,12 +14,16 @@ import numpy as np
 Value = TypeVar("Value")
 
 
+MAX_VALUES = 10_000
+"""Values kept at most, however small."""
+
+
 class Cancelled(Exception):  # noqa: N818  (not an error: the person has moved on)
     """A computation was given up because nobody waits for it any more."""
 
 
 class Cache:
-    """Least recently used values go first once the arrays held exceed `max_bytes`.
+    """Least recently used values go first once the arrays held exceed `max_bytes`, or there are `MAX_VALUES`.
 
     Parameters
     ----------
@@ -34,6 +38,7 @@ class Cache:
         self._lock = Lock()
         self._futures: OrderedDict[Hashable, Future[Any]] = OrderedDict()
         self._sizes: dict[Hashable, int] = {}
+        self._held = 0
 
     def get(self, kind: str, inputs: Hashable, compute: Callable[[], Value]) -> Value:
         """Return the value for (`kind`, `inputs`), computing it unless it is there or under way.
@@ -62,7 +67,9 @@ class Cache:
         """Drop a value, so that it is computed anew when next asked for; one under way stays."""
         key = (kind, inputs)
         with self._lock:
-            if self._sizes.pop(key, None) is not None:
+            size = self._sizes.pop(key, None)
+            if size is not None:
+                self._held -= size
                 del self._futures[key]
 
     def _fill(self, key: Hashable, future: Future[Any], compute: Callable[[], Value]) -> Value:
@@ -76,16 +83,18 @@ class Cache:
         future.set_result(value)
         with self._lock:
             self._sizes[key] = nbytes(value)
+            self._held += self._sizes[key]
             self._shrink()
         return value
 
     def _shrink(self) -> None:
-        total = sum(self._sizes.values())
+        if self._held <= self.max_bytes and len(self._sizes) <= MAX_VALUES:
+            return
         for key in [key for key in self._futures if key in self._sizes]:
-            if total <= self.max_bytes:
-                return
-            total -= self._sizes.pop(key)
+            self._held -= self._sizes.pop(key)
             del self._futures[key]
+            if self._held <= self.max_bytes and len(self._sizes) <= MAX_VALUES:
+                return
 
 
 def nbytes(value: object) -> int:

@@ -253,7 +253,9 @@ class Explorer(pn.viewable.Viewer):
         undo = pmui.IconButton(icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=4)
         self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
         undo.on_click(lambda _: self.history.undo())
-        share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=PLAIN_SX)
+        share = pmui.Button(
+            label="Take away", icon="ios_share", variant="text", color="primary", size="small", margin=4, sx=PLAIN_SX
+        )
         share.on_click(lambda _: self.share.open(self._page_address()))
         return [undo, share]
 

@@ -76,7 +76,7 @@ class NumberField(pn.viewable.Viewer):
     def sync(self) -> None:
         """Show the number the scene has; but what was refused stays, with the reason, while that number stays."""
         value = self._read()
-        if not (self.text.error_state and value == self._shown):
+        if value != self._shown:
             self._show(value)
 
     def _show(self, value: float) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import core
 from pwsviz.scene import Scene, Start
+
+STABILITY_END = 500.0
+"""The latest end time of a map's hundreds of runs, and of the solution they are compared with."""
 
 Values = tuple[tuple[str, float], ...]
 
@@ -14,7 +17,7 @@ Values = tuple[tuple[str, float], ...]
 class Ground:
     """What a system is, and where it starts."""
 
-    declaration: core.PiecewiseSystem
+    declaration: core.PiecewiseSystem = field(hash=False)  # a dozen texts, in keys that are looked up all the time
     values: Values
     x0: Start
 
@@ -112,7 +115,7 @@ class StabilityInputs:
         """Read it from a scene, leaving out what its part has no use for."""
         part = scene.stability_part
         coordinate = scene.stability_coordinate if part != "drift" else 0
-        return cls(Ground.of(scene), scene.t_end, tuple(scene.used), part, coordinate)
+        return cls(Ground.of(scene), min(scene.t_end, STABILITY_END), tuple(scene.used), part, coordinate)
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:

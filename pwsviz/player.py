@@ -51,7 +51,7 @@ export function render({ model, data, el }) {
       t: there.length > 0 ? time : null,
       x: there.map((way, k) => way.x[at[k]]), y: there.map((way, k) => way.y[at[k]]),
       colour: there.map(way => way.colour), marker: there.map(way => way.marker),
-      size: there.map((way, k) => Math.max(7, 16 - 4 * k)),  // none hides another
+      size: there.map((way, k) => Math.max(6, 18 - 8 * k)),  // none hides another
     }
     scrub.max = end
     scrub.value = time

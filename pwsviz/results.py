@@ -92,6 +92,7 @@ class Summary:
     worst_error: float
     status: core.Status
     message: str
+    """Where and why it stopped early; empty where it did not."""
 
 
 @dataclass(frozen=True)
@@ -425,5 +426,5 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error)),
         status=run.status,
-        message=str(run.message),
+        message=run.message if run.status is not core.Status.COMPLETED else "",
     )

@@ -88,9 +88,11 @@ class Sidebar(pn.viewable.Viewer):
         self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
         self._built_for: core.PiecewiseSystem | None = None
         self.methods.param.watch(self._take_methods, "value")
-        scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values", "axes"])
+        scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
+        scene.param.watch(self._choose, ["system", "own", "axes"])
         scene.param.watch(self._dim, ["system", "own", "methods", "locate", "perturbation_order"])
         self._sync()
+        self._choose()
         self._dim()
 
     def _number(self, field: str, label: str, **options: Any) -> NumberField:
@@ -120,13 +122,17 @@ class Sidebar(pn.viewable.Viewer):
         self.coordinates.objects = [self.fields[key] for key in coordinates]
 
     def _sync(self, *_: Any) -> None:
-        if self._built_for != self.scene.declaration:
+        """Show the numbers of the scene, in fields of its system."""
+        if self._built_for is not self.scene.declaration:
             self._rebuild()
+        for field in (self.tau, self.tolerance, self.t_end, self.scale, *self.fields.values()):
+            field.sync()
+
+    def _choose(self, *_: Any) -> None:
+        """Show which system and which plane are chosen."""
         self.system.param.update(options=self._systems(), value=self.scene.system)
         if self.scene.axes in self.plane.options.values():
             self.plane.value = self.scene.axes
-        for field in (self.tau, self.tolerance, self.t_end, self.scale, *self.fields.values()):
-            field.sync()
 
     def _dim(self, *_: Any) -> None:
         """Offer what has an effect, and say what has none."""

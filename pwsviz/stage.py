@@ -193,6 +193,8 @@ class Stage(pn.viewable.Viewer):
             change()
         except ValueError as reason:
             self.trouble.object = complaint(reason)
+            if self.shown is not None:
+                self._mark_starts()  # a star that was dropped where nothing can start goes back
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait, player, and words."""

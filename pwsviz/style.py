@@ -102,10 +102,12 @@ class NamedLevels:
     """Heights marked across a plot."""
 
     ticker: FixedTicker
+    names: CustomJSTickFormatter
     spans: list[Span]
 
     def move(self, *levels: float) -> None:
         """Put the marks at other heights."""
+        self.names.args = {**self.names.args, "levels": list(levels)}
         self.ticker.ticks = list(levels)
         for span, level in zip(self.spans, levels, strict=True):
             span.location = level
@@ -116,12 +118,14 @@ def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
     ticker = FixedTicker(ticks=list(levels))
     look: dict[str, Any] = {"line_color": GREY, "line_dash": "dotted", "line_width": 1.5}
     spans = [Span(location=level, dimension="width", **look) for level in levels]
-    names = CustomJSTickFormatter(args={"names": list(levels.values())}, code="return names[index] ?? ''")
+    # By height: the browser counts only the ticks in view.
+    args = {"names": list(levels.values()), "levels": list(levels)}
+    names = CustomJSTickFormatter(args=args, code="return names[levels.indexOf(tick)] ?? ''")
     labels: dict[str, Any] = {"ticker": ticker, "formatter": names}
     plot.add_layout(LogAxis(**labels), "right")
     for span in spans:
         plot.add_layout(span)
-    return NamedLevels(ticker, spans)
+    return NamedLevels(ticker, names, spans)
 
 
 def fit_to(plot: figure, renderer: Any) -> None:

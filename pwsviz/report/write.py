@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TextIO
@@ -79,11 +80,10 @@ def write_report(
     wanted = _checked_labels(only)
     work = _Report(_checked_folder(folder), say, files)
     steps: dict[str, Callable[[], None]] = {
-        f"{label}  {FIGURES[label]}": lambda label=label, presets=presets: work.add_figure(label, presets)  # type: ignore[misc]
-        for label, presets in wanted.items()
+        f"{label}  {FIGURES[label]}": partial(work.add_figure, label, presets) for label, presets in wanted.items()
     }
     if bench:
-        steps["Benchmark"] = lambda: work.add_bench(quick)
+        steps["Benchmark"] = partial(work.add_bench, quick)
     done: list[str] = []
     try:
         for number, (name, step) in enumerate(steps.items(), start=1):
