@@ -19,10 +19,14 @@ import numpy as np
 from core.doubled import fma
 from core.jit import always_inlined, jitted
 
-__all__ = ["MAX_ORDER", "convolution", "order_of", "power_sum", "reach", "symmetric"]
+__all__ = ["MAX_ORDER", "convolution", "order_of", "power_of_two", "power_sum", "reach", "symmetric"]
 
 #: Outside these orders a step gains less than it costs.
 _LEAST_ORDER, MAX_ORDER = 8, 24
+
+_LOG2_E = math.log2(math.e)
+#: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
+_MANTISSA, _DIGITS, _EXPONENT, _ONE, _BIAS = 2**52 - 1, 52, 2047 << 52, 1023 << 52, 1023
 
 #: Indices known not to be negative, which need no test for counting from the end.
 _u = np.uint64
@@ -86,14 +90,37 @@ def _norm(c, d, k):
 
 
 @always_inlined
+def power_of_two(u):
+    """The greatest power of two that is not above u; 1 where u is not positive and finite, or below 2⁻¹⁰²²."""
+    power = np.int64(np.float64(u).view(np.int64) & _EXPONENT).view(np.float64)
+    return power if 0.0 < power < math.inf and u > 0.0 else 1.0
+
+
+@always_inlined
+def _log2(u):
+    """Binary logarithm of a positive number, to within 0.01; 0 counts as 2⁻¹⁰²³.
+
+    A step length is the k-th root of a quotient: no more is needed of it, and `math.log` takes as long as ten terms.
+    """
+    bits = np.float64(u).view(np.int64)
+    mantissa = np.int64((bits & _MANTISSA) | _ONE).view(np.float64)
+    return (bits >> _DIGITS) - _BIAS - 5.0 / 3.0 + (2.0 - mantissa / 3.0) * mantissa
+
+
+@always_inlined
+def _exp2(y):
+    """Power of two, to within 0.4 %; beyond 2^±1000 that power."""
+    y = min(max(y, -1000.0), 1000.0)
+    whole = int(y + _BIAS)
+    rest = y + _BIAS - whole
+    return np.int64(whole << _DIGITS).view(np.float64) * (1.0 + rest * (2.0 + rest) / 3.0)
+
+
+@always_inlined
 def _log_radius(log_scale, log_before, log_last, order, power):
-    """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order; nan stays nan."""
+    """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order."""
     last = (log_scale - log_last) / (order - power)
-    if order - 1 > power:
-        before = (log_scale - log_before) / (order - 1 - power)
-        if before < last or before != before:
-            last = before
-    return last
+    return min(last, (log_scale - log_before) / (order - 1 - power)) if order - 1 > power else last
 
 
 @jitted
@@ -114,7 +141,7 @@ def _first_moving(c, d, order):
     return q
 
 
-@jitted
+@always_inlined
 def reach(c, d, order, tolerance):
     r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
 
@@ -145,21 +172,21 @@ def reach(c, d, order, tolerance):
         order = _last_nonzero(c, d, order)
         if order == 0:
             return math.inf
-    shrink = min(-1.0, math.log(tolerance) / order)
-    factor = shrink - 0.7 / (order - 1)
-    state = _norm(c, d, 0)
-    before, last = math.log(_norm(c, d, order - 1)), math.log(_norm(c, d, order))
+    state, before, last = _norm(c, d, 0), _norm(c, d, order - 1), _norm(c, d, order)
+    if not state + before + last < math.inf:
+        return math.nan
+    shrink = min(-_LOG2_E, _log2(tolerance) / order)
+    factor = shrink - 0.7 * _LOG2_E / (order - 1)
+    before, last = _log2(before), _log2(last)
     h = 0.0
     if state != 0.0:
-        h = math.exp(_log_radius(math.log(state), before, last, order, 0) + factor)
+        h = _exp2(_log_radius(_log2(state), before, last, order, 0) + factor)
     if _norm(c, d, 1) * h >= state:
         q = _first_moving(c, d, order)
         if q == order:
             return math.inf
-        motion = math.log(_norm(c, d, q)) + shrink * q  # with h = ρ·exp(shrink), as the scale
-        moving = math.exp(_log_radius(motion, before, last, order, q) + factor)
-        if moving > h:
-            return moving
+        motion = _log2(_norm(c, d, q)) + shrink * q  # with h = ρ·2**shrink, as the scale
+        return max(h, _exp2(_log_radius(motion, before, last, order, q) + factor))
     return h
 
 

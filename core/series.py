@@ -29,7 +29,7 @@ class SeriesCode:
     """Lines that read the frame and the parameters, and use t, order, c and `shrink`, a power of two.
 
     They write `unit`, a length of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in time over
-    unit, for i = d those of g; the rows from d + 1 on are scratch. In units of its own no system's coefficients leave
+    unit, for i = d those of the height ±g over the surface; the rows from d + 1 on are scratch. In units of its own no system's coefficients leave
     floating point.
     """
 
@@ -39,7 +39,7 @@ class SeriesCode:
 
 
 def series_code(laws: Laws, side: Side) -> SeriesCode:
-    """Write the recurrences of one side's field, and of g along its solution.
+    """Write the recurrences of one side's field, and of the height ±g along its solution.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def series_code(laws: Laws, side: Side) -> SeriesCode:
         On a function that is not one of `expressions.FUNCTIONS`.
     """
     names = Names(laws)
-    given = [e.xreplace(names.symbols) for e in (*side.field, laws.g)]
+    given = [e.xreplace(names.symbols) for e in (*side.field, side.sign * laws.g)]
     writer = _Writer(names)
     shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")
     for symbol, value in shared:
@@ -336,8 +336,7 @@ class _Writer:
     def unit(self) -> list[str]:
         """About the time in which the state moves by its own size, a power of two, times `shrink`."""
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
-        return [f"size, speed = {size}, {speed}", "unit = size / speed",
-                "unit = shrink*(math.ldexp(1.0, math.frexp(unit)[1]) if 0.0 < unit < math.inf else 1.0)"]  # fmt: skip
+        return [f"size, speed = {size}, {speed}", "unit = shrink*power_of_two(size / speed)"]
 
     def code(self, field: list[_Sum], g: _Sum) -> SeriesCode:
         """The whole body."""

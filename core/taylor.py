@@ -31,12 +31,10 @@ def reach_text(laws: Laws, side: Side) -> str:
     """Text of `reach`: coefficients to memo, those of the height over the surface in row d; the length to w[LENGTH]."""
     code, d = _series(laws, side.sign), len(laws.x)
     first, second = ("+".join(f"abs(c[{i}, {k}])" for i in range(d)) for k in (1, 2))
-    attempt = [*code.lines, f"ratio = ({first}) / ({second})", f"if not 0.0 < ratio < {_SLOW}:", "    break",
-               "shrink = math.ldexp(1.0, math.frexp(ratio)[1])"]  # fmt: skip
+    attempt = [*code.lines, f"first, second = {first}, {second}", f"if not 0.0 < first < {_SLOW} * second:",
+               "    break", "shrink = power_of_two(first / second)"]  # fmt: skip
     lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", "shrink = 1.0"]
     lines += ["for _ in range(2):", *(f"    {line}" for line in attempt)]
-    if side.sign < 0:
-        lines += ["for k in range(order + 1):", f"    c[{d}, k] = -c[{d}, k]"]
     lines += [f"w[{UNIT}] = unit", f"length = reach(c, {d}, order, w[{TOLERANCE}])"]
     lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
     return function_text("reach", lines)
