@@ -1,10 +1,8 @@
-"""Taylor coefficients: the sums their recurrences are made of, and the step they allow.
+"""Taylor coefficients: the unit of time they are in, and the step they allow.
 
-Row i of c holds the coefficients c[i, 0], c[i, 1], … of one function of time. Every recurrence that `series` writes is
-built of three sums over 1 ≤ j ≤ k − 1; the two terms that hold the newest coefficients, j = 0 and j = k, are written
-out by `series` with values that are still in registers, so that they are all a coefficient has to wait for.
+Row i of c holds the coefficients c[i, 0], c[i, 1], … of one function of time.
 
-References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
+Reference: Jorba, Zou, Exp. Math. 14 (2005).
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -16,10 +14,9 @@ import math
 
 import numpy as np
 
-from core.doubled import fma
 from core.jit import always_inlined, jitted
 
-__all__ = ["MAX_ORDER", "convolution", "order_of", "power_of_two", "power_sum", "reach", "symmetric"]
+__all__ = ["MAX_ORDER", "order_of", "power_of_two", "reach", "unsigned"]
 
 #: Outside these orders a step gains less than it costs.
 _LEAST_ORDER, MAX_ORDER = 8, 24
@@ -28,56 +25,8 @@ _LOG2_E = math.log2(math.e)
 #: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
 _MANTISSA, _DIGITS, _EXPONENT, _ONE, _BIAS = 2**52 - 1, 52, 2047 << 52, 1023 << 52, 1023
 
-#: Indices known not to be negative, which need no test for counting from the end.
-_u = np.uint64
-
-
-@always_inlined
-def convolution(c, a, b, k):
-    """Σ aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1, of rows a and b.
-
-    From both ends at once: two independent sums, and the loads of one serve as those of the other's mirror image.
-    """
-    forward, backward = 0.0, 0.0
-    i, j = 1, k - 1
-    while i < j:
-        forward = fma(c[a, _u(i)], c[b, _u(j)], forward)
-        backward = fma(c[a, _u(j)], c[b, _u(i)], backward)
-        i += 1
-        j -= 1
-    if i == j:
-        forward += c[a, _u(i)] * c[b, _u(i)]
-    return forward + backward
-
-
-@always_inlined
-def symmetric(c, a, k):
-    """Σ aⱼ aₖ₋ⱼ over 1 ≤ j ≤ k − 1, of row a: each pair once, the middle term apart."""
-    half, middle = 0.0, 0.0
-    i, j = 1, k - 1
-    while i < j:
-        half = fma(c[a, _u(i)], c[a, _u(j)], half)
-        i += 1
-        j -= 1
-    if i == j:
-        middle = c[a, _u(i)] * c[a, _u(i)]
-    return (half + half) + middle
-
-
-@always_inlined
-def power_sum(c, a, b, k, exponent):
-    """Σ (j (exponent + 1) − k) aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1: the recurrence of b = a**exponent."""
-    forward, backward = 0.0, 0.0
-    step = exponent + 1.0
-    i, j = 1, k - 1
-    while i < j:
-        forward += (i * step - k) * (c[a, _u(i)] * c[b, _u(j)])
-        backward += (j * step - k) * (c[a, _u(j)] * c[b, _u(i)])
-        i += 1
-        j -= 1
-    if i == j:
-        forward += (i * step - k) * (c[a, _u(i)] * c[b, _u(i)])
-    return forward + backward
+#: Of indices known not to be negative, which need no test for counting from the end.
+unsigned = np.uint64
 
 
 @always_inlined
@@ -85,7 +34,7 @@ def _norm(c, d, k):
     """Sum of the sizes of the state's coefficients k. A sum, not a maximum: nan stays nan."""
     size = 0.0
     for i in range(d):
-        size += abs(c[i, _u(k)])
+        size += abs(c[i, unsigned(k)])
     return size
 
 
