@@ -13,7 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 from core.doubled import fma
-from core.isolation import DOUBLE, ROOT, first_root
+from core.isolation import DOUBLE, NARROW, ROOT, first_root
 from core.jit import inlined, internal
 from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
 
@@ -42,6 +42,7 @@ MAX_LOOKS = 64  #: into one step
 _MAX_PROBES = 100  # for one root
 _MAX_NEWTON = 6
 _ROUGH = 1e-4  # relative accuracy of a polynomial's root that is only a first guess
+_NARROW = 2.5 * NARROW  # of a bracket in the middle of which the root is known to be
 _MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
 
 
@@ -236,7 +237,7 @@ def first_crossing(motion, t, h, f_end, r_end):
 def _polynomial_root(row, order, low, high):
     """Root of Σ row[k] sᵏ between low and high, where it falls from positive values: by Newton's method, bisecting."""
     s = low + 0.5 * (high - low)
-    if abs(high - low) <= _ROUGH * abs(high):
+    if abs(high - low) <= _NARROW * abs(high):
         return s
     for _ in range(_MAX_PROBES):
         f, r = row[order], 0.0
