@@ -118,14 +118,14 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Iterable[float] | None
     start = system.x0 if x0 is None else system.check_state(x0)
     laws, d = system.laws, system.dimension
     wanted = (*laws.sides[-1].field, *laws.sides[1].field, laws.g, *laws.gradient)
-    values = laws.numbers("start", wanted, t0, start, system.parameter_array)
+    values = laws.numbers("start", wanted, t0, start, system.parameter_array).tolist()
     g, gradient = values[2 * d], values[2 * d + 1 :]
     for side, field in ((-1, values[:d]), (1, values[d : 2 * d])):
-        if not np.isfinite(field).all() and side * g >= 0:
+        if side * g >= 0 and not all(map(math.isfinite, field)):
             raise ValueError(f"x0 = {start!r}: the field has no finite value there; choose another state")
     if not math.isfinite(g):
         raise ValueError(f"x0 = {start!r}: g has no finite value there; choose another state")
-    if not gradient.any():
+    if not any(gradient):
         raise ValueError(f"x0 = {start!r}: the gradient of g vanishes there, so g has no surface; choose another state")
     return start
 
@@ -153,10 +153,9 @@ def checked_settings(
         if order <= 0:
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
         shift = _number(perturbation_scale, "perturbation_scale") * step**order
-    settings = Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
     given = {name: _count(n, name) for name, n in limits.items() if n is not None}
-    return Settings(**{**vars(settings), **given})
+    return Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel, **given)
 
 
 def _step_size(method: Method, tau: float | None) -> float:
