@@ -108,6 +108,7 @@ def levels_texts(laws: Laws, side: Side) -> list[str]:
     settle = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], side.conserved)]
     for j in range(m):
         settle += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
+    settle.append(f"w[{signatures.SETTLED}] = 1.0")
     excess = [*names.unpack, *excess_lines(names, side)]
     excess += [f"w[{names.frame.excess + j}] = {f'r{j}' if j < m else 'math.nan'}" for j in range(names.frame.m)]
     return [function_text(name, [*lines, "return 0"]) for name, lines in (("settle", settle), ("excess", excess))]

@@ -13,8 +13,23 @@ import math
 from typing import Any, NamedTuple
 
 from core.arithmetic import two_sum
+from core.isolation import NONE as NO_ROOT
+from core.isolation import ROOT
 from core.jit import inlined, internal
-from core.locating import FAILED, NONE, SHORT, TOUCH, arrive, climb, first_crossing, first_on_series, probe
+from core.locating import (
+    FAILED,
+    FOUND,
+    NONE,
+    SHORT,
+    TOUCH,
+    arrive,
+    climb,
+    first_beside_series,
+    first_crossing,
+    meets,
+    probe,
+    root_of_series,
+)
 from core.signatures import DELAY, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, G, call
 from core.trajectory import CROSSING_KINDS, Status
 
@@ -273,35 +288,40 @@ def cut_to_reach(motion, t, h):
 def move(motion, log, h):
     """Go on by h, or to the first crossing before that and onto its other side; run.rest is what is left of h."""
     run = motion.run
-    t = run.t + run.t_carry
+    t, found = run.t + run.t_carry, NONE
+    kind, low, high = NO_ROOT, 0.0, 0.0
+    run.rest = 0.0
     if run.adaptive == 1:
         h = cut_to_reach(motion, t, h)
-    height, rate = probe(motion, t, h), climb(motion)
-    if not arrive(motion):
-        return _ESCAPED if height == height else _NO_CONVERGENCE
-    if not abs(height) < math.inf or not abs(rate) < math.inf:
-        return _NO_CONVERGENCE
-    run.rest = 0.0
-    if run.follow == 0:
-        return step_over(motion, log, t, h, height, rate)
-    found = NONE
-    if run.adaptive == 1:
-        found = first_on_series(motion, t, h, height, rate)
-    elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
-        found = first_crossing(motion, t, h, height, rate)
-    if found == SHORT:
-        h, run.final = run.hit, 0
+        if run.follow == 1:
+            kind, low, high = root_of_series(motion, h)
+    if kind == ROOT and meets(motion, t, low, high):
+        found = FOUND  # and the end of the step need not be looked at
+    else:
         height, rate = probe(motion, t, h), climb(motion)
-        found = NONE
-    if found == NONE:
-        if run.probed != h:  # looking for a crossing has moved the increment
-            probe(motion, t, h)
-        accept(motion)
-        pass_time(run, h)
-        run.height, run.rate = height, rate
-        run.leaving = 0 if height > 0.0 else run.leaving
-        run.longest = max(run.longest, abs(h))
-        return RUNNING
+        if not arrive(motion):
+            return _ESCAPED if height == height else _NO_CONVERGENCE
+        if not abs(height) < math.inf or not abs(rate) < math.inf:
+            return _NO_CONVERGENCE
+        if run.follow == 0:
+            return step_over(motion, log, t, h, height, rate)
+        if run.adaptive == 1:
+            found = first_beside_series(motion, t, h, height, rate, kind, low, high)
+        elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
+            found = first_crossing(motion, t, h, height, rate)
+        if found == SHORT:
+            h, run.final = run.hit, 0
+            height, rate = probe(motion, t, h), climb(motion)
+            found = NONE
+        if found == NONE:
+            if run.probed != h:  # looking for a crossing has moved the increment
+                probe(motion, t, h)
+            accept(motion)
+            pass_time(run, h)
+            run.height, run.rate = height, rate
+            run.leaving = 0 if height > 0.0 else run.leaving
+            run.longest = max(run.longest, abs(h))
+            return RUNNING
     if found == FAILED or not land(motion, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:

@@ -11,7 +11,7 @@ import numpy as np
 from core.diagnostics import step_warning
 from core.laws import Floats
 from core.methods import METHODS, Method, method_named
-from core.runner import Runner, Settings
+from core.runner import Runner, Settings, no_crossings
 from core.system import PiecewiseSystem
 from core.trajectory import Status, Trajectory
 
@@ -118,14 +118,14 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Iterable[float] | None
     start = system.x0 if x0 is None else system.check_state(x0)
     laws, d = system.laws, system.dimension
     wanted = (*laws.sides[-1].field, *laws.sides[1].field, laws.g, *laws.gradient)
-    values = laws.numbers("start", wanted, t0, start, system.parameter_array)
+    values = laws.numbers("start", wanted, t0, start, system.parameter_array).tolist()
     g, gradient = values[2 * d], values[2 * d + 1 :]
     for side, field in ((-1, values[:d]), (1, values[d : 2 * d])):
-        if not np.isfinite(field).all() and side * g >= 0:
+        if side * g >= 0 and not all(map(math.isfinite, field)):
             raise ValueError(f"x0 = {start!r}: the field has no finite value there; choose another state")
     if not math.isfinite(g):
         raise ValueError(f"x0 = {start!r}: g has no finite value there; choose another state")
-    if not gradient.any():
+    if not any(gradient):
         raise ValueError(f"x0 = {start!r}: the gradient of g vanishes there, so g has no surface; choose another state")
     return start
 
@@ -153,10 +153,9 @@ def checked_settings(
         if order <= 0:
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
         shift = _number(perturbation_scale, "perturbation_scale") * step**order
-    settings = Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
     given = {name: _count(n, name) for name, n in limits.items() if n is not None}
-    return Settings(**{**vars(settings), **given})
+    return Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel, **given)
 
 
 def _step_size(method: Method, tau: float | None) -> float:
@@ -206,26 +205,33 @@ def _count(value: Any, what: str) -> int:
 
 def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) -> Trajectory:
     """Rows from the loop, with the first and the last state always among them."""
-    rows, crossings = runner.rows, runner.crossings()
-    t = np.concatenate([[t0], *rows.t, [runner.t]])
-    x = np.concatenate([x0[None], *rows.x, runner.x[None]])
-    side = np.concatenate([[runner.first_side], *rows.side, [runner.side]], dtype=np.int64)
-    segment = np.concatenate([[0], *rows.segment, [runner.segment]], dtype=np.int64)
+    rows = runner.rows
+    t = _between(t0, rows.t, runner.t)
+    x = _between(x0, rows.x, runner.x)
+    side = _between(runner.first_side, rows.side, runner.side)
+    segment = _between(0, rows.segment, runner.segment)
     if t[-1] == t[-2] and (x[-1] == x[-2]).all():  # it was recorded, or the run has not moved
         t, x, side, segment = t[:-1], x[:-1], side[:-1], segment[:-1]
-    entered_t = np.concatenate([[t0], crossings.t])
-    entered_x = np.concatenate([x0[None], crossings.x_after])
     if record == "end":
-        kept = min(runner.segment, len(crossings))  # of the crossings, the last alone is known
-        entered_t, entered_x = entered_t[[0, kept]], entered_x[[0, kept]]
-        segment = np.arange(len(t))
-        crossings = crossings.first(0)
+        entry = runner.entry()
+        entered_t, entered_x = np.array([t0, entry[0]]), np.array([x0, entry[1]])
+        segment, crossings = np.arange(len(t)), no_crossings(len(x0))
+    else:
+        crossings = runner.crossings()
+        entered_t = np.concatenate([[t0], crossings.t])
+        entered_x = np.concatenate([x0[None], crossings.x_after])
     tau = runner.longest if method.adaptive else runner.settings.tau
     return Trajectory(
         runner.system, method.name, tau, t, x, side, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
         _envelope(runner), step_warning,
     )  # fmt: skip
+
+
+def _between(first: Any, parts: list[Any], last: Any) -> Any:
+    """What was recorded, with the first and the last value around it."""
+    ends = np.array([first, last])
+    return np.concatenate([ends[:1], *parts, ends[1:]]) if parts else ends
 
 
 def _envelope(runner: Runner) -> Floats | None:

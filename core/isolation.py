@@ -20,6 +20,7 @@ import math
 
 import numpy as np
 
+from core.doubled import fma
 from core.jit import always_inlined, jitted
 
 __all__ = ["DEPTH", "DOUBLE", "NOISE", "NONE", "ROOT", "first_root", "scratch_shape"]
@@ -30,6 +31,12 @@ NONE, ROOT, DOUBLE = 0, 1, 2
 #: bound only ends what is not finite.
 DEPTH = 40
 NOISE = 2.0**-52
+#: Half the width of the bracket around a root that has been found, in parts of it.
+NARROW = 2.0**-8
+#: Corrections of Halley's method at most; the last is so small in parts of the root, and leaves its cube as an error.
+_MAX_HALLEY, _CLOSE = 4, 1e-4
+#: What is below zero by so much of the sum of all terms is so whatever their rounding.
+_SURE = 1e-12
 
 #: Indices known not to be negative, which need no test for counting from the end.
 _u = np.uint64
@@ -81,6 +88,9 @@ def first_root(row, order, h, leaving, scratch):
         n -= first  # it rises like s**(first + 1)
         for k in range(n + 1):
             scratch[0, k] = scratch[0, _u(k + first)]
+    s = _plain_root(scratch, n, size) if leaving == 0 or start > 0.0 else math.nan
+    if s == s:
+        return ROOT, (s - NARROW * s) * h, min(s + NARROW * s, 1.0) * h
     _to_bernstein(scratch, n)
     return _search(scratch, n, NOISE * size, h)
 
@@ -112,6 +122,64 @@ def _least(scratch, n):
     if b < 0.0 and -b < 2.0 * c:
         return a - b * b / (4.0 * c)
     return min(a, a + b + c)
+
+
+@always_inlined
+def _plain_root(scratch, n, size):
+    """The first root where it is plain to see, by Halley's method; nan where it is not so plain.
+
+    It is where the polynomial ends below zero, and falls, or is concave, from the start to a little beyond the root.
+    """
+    value, slope = 0.0, 0.0
+    for k in range(n + 1):
+        value += scratch[0, k]
+        slope += k * scratch[0, k]
+    if not value < -_SURE * size:
+        return math.nan
+    s = _first_guess(scratch, n, value, slope)
+    for _ in range(_MAX_HALLEY):
+        f, r, q = scratch[0, _u(n)], 0.0, 0.0  # value, derivative, half the second derivative
+        for k in range(n - 1, -1, -1):
+            q = fma(q, s, r)
+            r = fma(r, s, f)
+            f = fma(f, s, scratch[0, _u(k)])
+        change = f * r / (r * r - f * q)
+        s -= change
+        if not 0.0 < s <= 1.0:
+            return math.nan
+        if abs(change) <= _CLOSE * s:
+            return s if _falls_or_bends(scratch, n, min(s + NARROW * s, 1.0), size) else math.nan
+    return math.nan
+
+
+@always_inlined
+def _first_guess(scratch, n, value, slope):
+    """Where the inverse cubic is 0 that has the values and slopes of both ends; or else the parabola at the start."""
+    start, rate, bend = scratch[0, 0], scratch[0, 1], scratch[0, 2] if n > 1 else 0.0
+    if rate < 0.0 and slope < 0.0:
+        drop = value - start
+        z = -start / drop
+        guess = z * z * (3.0 - 2.0 * z) + z * (1.0 - z) * ((1.0 - z) * drop / rate - z * drop / slope)
+    else:
+        guess = 2.0 * start / (math.sqrt(max(rate * rate - 4.0 * start * bend, 0.0)) - rate)
+    return guess if 0.0 < guess < 1.0 else start / (start - value)
+
+
+@always_inlined
+def _falls_or_bends(scratch, n, s, size):
+    """Whether the first derivative is not above zero on [0, s], or the second one.
+
+    Σ bₖ uᵏ with u in [0, 1] is an average of the partial sums of the bₖ, and of 0 (Abel): none of them may be above.
+    """
+    falls, bends, highest_fall, highest_bend, power = 0.0, 0.0, -math.inf, -math.inf, 1.0
+    for k in range(1, n + 1):
+        power *= s
+        term = k * (scratch[0, k] * power)
+        falls += term
+        bends += (k - 1) * term
+        highest_fall, highest_bend = max(highest_fall, falls), max(highest_bend, bends)
+    noise = NOISE * size
+    return (highest_fall <= noise and falls < -_SURE * size) or highest_bend <= noise
 
 
 @always_inlined

@@ -13,7 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 from core.doubled import fma
-from core.isolation import DOUBLE, ROOT, first_root
+from core.isolation import DOUBLE, NARROW, ROOT, first_root
 from core.jit import inlined, internal
 from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
 
@@ -28,9 +28,11 @@ __all__ = [
     "Motion",
     "arrive",
     "climb",
+    "first_beside_series",
     "first_crossing",
-    "first_on_series",
+    "meets",
     "probe",
+    "root_of_series",
 ]
 
 NONE, FOUND, TOUCH, SHORT, FAILED = 0, 1, 2, 3, 4
@@ -40,6 +42,7 @@ MAX_LOOKS = 64  #: into one step
 _MAX_PROBES = 100  # for one root
 _MAX_NEWTON = 6
 _ROUGH = 1e-4  # relative accuracy of a polynomial's root that is only a first guess
+_NARROW = 2.5 * NARROW  # of a bracket in the middle of which the root is known to be
 _MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
 
 
@@ -234,6 +237,8 @@ def first_crossing(motion, t, h, f_end, r_end):
 def _polynomial_root(row, order, low, high):
     """Root of Σ row[k] sᵏ between low and high, where it falls from positive values: by Newton's method, bisecting."""
     s = low + 0.5 * (high - low)
+    if abs(high - low) <= _NARROW * abs(high):
+        return s
     for _ in range(_MAX_PROBES):
         f, r = row[order], 0.0
         for k in range(order - 1, -1, -1):
@@ -254,11 +259,13 @@ def _newton(motion, t, low, high):
     """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
     run = motion.run
     best, f_best, s, noise = run.hit, math.inf, run.hit, 0.0
-    for _ in range(_MAX_NEWTON):
+    for k in range(_MAX_NEWTON):
         f = probe(motion, t, s)
         if not abs(f) < abs(f_best):
             break
-        best, f_best, noise = s, f, slack(motion, t + s)
+        best, f_best = s, f
+        if k == 0:  # so near the surface the rounding of one state is that of another
+            noise = slack(motion, t + s)
         if abs(f) <= noise:
             break
         s -= math.copysign(1.0, s) * f / climb(motion)
@@ -269,28 +276,38 @@ def _newton(motion, t, low, high):
 
 
 @inlined
-def first_on_series(motion, t, h, f_end, r_end):
-    """Look for the first crossing on the Taylor polynomial of the height, and locate it on the scheme itself.
+def root_of_series(motion, h):
+    """What `first_root` says of the Taylor polynomial of the height, in its own unit of time."""
+    run, order, unit = motion.run, int(motion.w[ORDER]), motion.w[UNIT]
+    return first_root(motion.memo[motion.x.size], order, h / unit, run.leaving, motion.pieces)
+
+
+@inlined
+def meets(motion, t, low, high):
+    """Locate a root of the Taylor polynomial on the scheme itself; returns whether that has one beside it."""
+    unit, order = motion.w[UNIT], int(motion.w[ORDER])
+    motion.run.hit = unit * _polynomial_root(motion.memo[motion.x.size], order, low, high)
+    return _newton(motion, t, unit * low, unit * high)
+
+
+@inlined
+def first_beside_series(motion, t, h, f_end, r_end, kind, low, high):
+    """Look for the first crossing where the Taylor polynomial of the height leaves it open.
 
     SHORT: nothing up to run.hit, which is as far as can be said.
     """
-    run, row, unit = motion.run, motion.memo[motion.x.size], motion.w[UNIT]
-    kind, low, high = first_root(row, int(motion.w[ORDER]), h / unit, run.leaving, motion.pieces)
+    run, unit = motion.run, motion.w[UNIT]
     if kind == DOUBLE:  # two crossings or none, as round-off will have it
         run.hit = unit * (low + 0.5 * (high - low))
         height = probe(motion, t, run.hit)
         if height > 0.0:
             return SHORT
         return TOUCH if -height <= _MARGIN * slack(motion, t + run.hit) else FAILED
-    if kind == ROOT:
-        run.hit = unit * _polynomial_root(row, int(motion.w[ORDER]), low, high)
-        low, high = unit * low, unit * high
-        if _newton(motion, t, low, high):
-            return FOUND
-        # The scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later.
-        h, f_end, r_end = high, probe(motion, t, high), climb(motion)
+    if kind == ROOT:  # the scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later
+        h = unit * high
+        f_end, r_end = probe(motion, t, h), climb(motion)
         if f_end > 0.0:
-            run.hit = high
+            run.hit = h
             return SHORT
     elif f_end > 0.0:  # else round-off hides a root at the very end
         return NONE

@@ -137,7 +137,7 @@ def prk8(side: Side, step: StepCode) -> Sequence[Expr]:
 
 def taylor(side: Side, step: StepCode) -> Sequence[Expr]:
     """The Taylor series of the solution, its increment moved along the discrete gradient."""
-    return step.move_onto_levels(step.polynomial())
+    return step.move_onto_levels(step.polynomial(), prepared=True)
 
 
 #: Every integrator by name.

@@ -1,10 +1,8 @@
-"""Taylor coefficients: the sums their recurrences are made of, and the step they allow.
+"""Taylor coefficients: the unit of time they are in, and the step they allow.
 
-Row i of c holds the coefficients c[i, 0], c[i, 1], … of one function of time. Every recurrence that `series` writes is
-built of three sums over 1 ≤ j ≤ k − 1; the two terms that hold the newest coefficients, j = 0 and j = k, are written
-out by `series` with values that are still in registers, so that they are all a coefficient has to wait for.
+Row i of c holds the coefficients c[i, 0], c[i, 1], … of one function of time.
 
-References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
+Reference: Jorba, Zou, Exp. Math. 14 (2005).
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -16,64 +14,19 @@ import math
 
 import numpy as np
 
-from core.doubled import fma
 from core.jit import always_inlined, jitted
 
-__all__ = ["MAX_ORDER", "convolution", "order_of", "power_sum", "reach", "symmetric"]
+__all__ = ["MAX_ORDER", "order_of", "power_of_two", "reach", "unsigned"]
 
 #: Outside these orders a step gains less than it costs.
 _LEAST_ORDER, MAX_ORDER = 8, 24
 
-#: Indices known not to be negative, which need no test for counting from the end.
-_u = np.uint64
+_LOG2_E = math.log2(math.e)
+#: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
+_MANTISSA, _DIGITS, _EXPONENT, _ONE, _BIAS = 2**52 - 1, 52, 2047 << 52, 1023 << 52, 1023
 
-
-@always_inlined
-def convolution(c, a, b, k):
-    """Σ aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1, of rows a and b.
-
-    From both ends at once: two independent sums, and the loads of one serve as those of the other's mirror image.
-    """
-    forward, backward = 0.0, 0.0
-    i, j = 1, k - 1
-    while i < j:
-        forward = fma(c[a, _u(i)], c[b, _u(j)], forward)
-        backward = fma(c[a, _u(j)], c[b, _u(i)], backward)
-        i += 1
-        j -= 1
-    if i == j:
-        forward += c[a, _u(i)] * c[b, _u(i)]
-    return forward + backward
-
-
-@always_inlined
-def symmetric(c, a, k):
-    """Σ aⱼ aₖ₋ⱼ over 1 ≤ j ≤ k − 1, of row a: each pair once, the middle term apart."""
-    half, middle = 0.0, 0.0
-    i, j = 1, k - 1
-    while i < j:
-        half = fma(c[a, _u(i)], c[a, _u(j)], half)
-        i += 1
-        j -= 1
-    if i == j:
-        middle = c[a, _u(i)] * c[a, _u(i)]
-    return (half + half) + middle
-
-
-@always_inlined
-def power_sum(c, a, b, k, exponent):
-    """Σ (j (exponent + 1) − k) aⱼ bₖ₋ⱼ over 1 ≤ j ≤ k − 1: the recurrence of b = a**exponent."""
-    forward, backward = 0.0, 0.0
-    step = exponent + 1.0
-    i, j = 1, k - 1
-    while i < j:
-        forward += (i * step - k) * (c[a, _u(i)] * c[b, _u(j)])
-        backward += (j * step - k) * (c[a, _u(j)] * c[b, _u(i)])
-        i += 1
-        j -= 1
-    if i == j:
-        forward += (i * step - k) * (c[a, _u(i)] * c[b, _u(i)])
-    return forward + backward
+#: Of indices known not to be negative, which need no test for counting from the end.
+unsigned = np.uint64
 
 
 @always_inlined
@@ -81,19 +34,42 @@ def _norm(c, d, k):
     """Sum of the sizes of the state's coefficients k. A sum, not a maximum: nan stays nan."""
     size = 0.0
     for i in range(d):
-        size += abs(c[i, _u(k)])
+        size += abs(c[i, unsigned(k)])
     return size
 
 
 @always_inlined
+def power_of_two(u):
+    """The greatest power of two that is not above u; 1 where u is not positive and finite, or below 2⁻¹⁰²²."""
+    power = np.int64(np.float64(u).view(np.int64) & _EXPONENT).view(np.float64)
+    return power if 0.0 < power < math.inf and u > 0.0 else 1.0
+
+
+@always_inlined
+def _log2(u):
+    """Binary logarithm of a positive number, to within 0.01; 0 counts as 2⁻¹⁰²³.
+
+    A step length is the k-th root of a quotient: no more is needed of it, and `math.log` takes as long as ten terms.
+    """
+    bits = np.float64(u).view(np.int64)
+    mantissa = np.int64((bits & _MANTISSA) | _ONE).view(np.float64)
+    return (bits >> _DIGITS) - _BIAS - 5.0 / 3.0 + (2.0 - mantissa / 3.0) * mantissa
+
+
+@always_inlined
+def _exp2(y):
+    """Power of two, to within 0.4 %; beyond 2^±1000 that power."""
+    y = min(max(y, -1000.0), 1000.0)
+    whole = int(y + _BIAS)
+    rest = y + _BIAS - whole
+    return np.int64(whole << _DIGITS).view(np.float64) * (1.0 + rest * (2.0 + rest) / 3.0)
+
+
+@always_inlined
 def _log_radius(log_scale, log_before, log_last, order, power):
-    """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order; nan stays nan."""
+    """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order."""
     last = (log_scale - log_last) / (order - power)
-    if order - 1 > power:
-        before = (log_scale - log_before) / (order - 1 - power)
-        if before < last or before != before:
-            last = before
-    return last
+    return min(last, (log_scale - log_before) / (order - 1 - power)) if order - 1 > power else last
 
 
 @jitted
@@ -114,7 +90,7 @@ def _first_moving(c, d, order):
     return q
 
 
-@jitted
+@always_inlined
 def reach(c, d, order, tolerance):
     r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
 
@@ -145,21 +121,21 @@ def reach(c, d, order, tolerance):
         order = _last_nonzero(c, d, order)
         if order == 0:
             return math.inf
-    shrink = min(-1.0, math.log(tolerance) / order)
-    factor = shrink - 0.7 / (order - 1)
-    state = _norm(c, d, 0)
-    before, last = math.log(_norm(c, d, order - 1)), math.log(_norm(c, d, order))
+    state, before, last = _norm(c, d, 0), _norm(c, d, order - 1), _norm(c, d, order)
+    if not state + before + last < math.inf:
+        return math.nan
+    shrink = min(-_LOG2_E, _log2(tolerance) / order)
+    factor = shrink - 0.7 * _LOG2_E / (order - 1)
+    before, last = _log2(before), _log2(last)
     h = 0.0
     if state != 0.0:
-        h = math.exp(_log_radius(math.log(state), before, last, order, 0) + factor)
+        h = _exp2(_log_radius(_log2(state), before, last, order, 0) + factor)
     if _norm(c, d, 1) * h >= state:
         q = _first_moving(c, d, order)
         if q == order:
             return math.inf
-        motion = math.log(_norm(c, d, q)) + shrink * q  # with h = ρ·exp(shrink), as the scale
-        moving = math.exp(_log_radius(motion, before, last, order, q) + factor)
-        if moving > h:
-            return moving
+        motion = _log2(_norm(c, d, q)) + shrink * q  # with h = ρ·2**shrink, as the scale
+        return max(h, _exp2(_log_radius(motion, before, last, order, q) + factor))
     return h
 
 

@@ -26,11 +26,11 @@ from core.system import MAX_DIMENSION, PiecewiseSystem
 from core.taylor import memo_rows
 from core.trajectory import CROSSING_KINDS, Crossings, Status
 
-__all__ = ["Rows", "Runner", "Settings"]
+__all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 
 #: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
 _CHUNK = 131072
-_HITS = 4096
+_HITS, _FEW = 4096, 1024  #: crossings to a call of the loop; where they are not kept, few enough to stay in the cache
 _KINDS = np.array(CROSSING_KINDS)
 _RUNAWAY = 4.0  #: growth of the state from which a failed step may be an escape
 
@@ -90,7 +90,7 @@ class Runner:
         self._x = self._w[frame.x : frame.x + d]
         self._x[:] = x0
         self._hit_chunks: list[tuple[NDArray[Any], Floats]] = []
-        self._size0 = float(np.linalg.norm(self._x))
+        self._t0, self._x0 = t0, x0
         self.rows = Rows([], [], [], [])
         self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
         self.status, self.seconds = Status.RUNNING, 0.0
@@ -186,10 +186,21 @@ class Runner:
         ahead = self.twin()
         return ahead.x if ahead.advance(t) is Status.COMPLETED else None
 
+    def entry(self) -> tuple[float, Floats]:
+        """Time and state at which the segment was entered that the run is in; of the crossings, the last two serve."""
+        if self.segment == 0:
+            return self._t0, np.array(self._x0)
+        back = 1 + self.crossing_count - self.segment  # a crossing it stopped at has opened no segment
+        hits, places = self._hit_chunks[-1]
+        if back > len(hits):
+            back -= len(hits)
+            hits, places = self._hit_chunks[-2]
+        return float(hits["t"][-back]), places[-back, 2].copy()
+
     def crossings(self) -> Crossings:
         """Every crossing kept so far."""
         if not self._hit_chunks:
-            return _no_crossings(self.system.dimension)
+            return no_crossings(self.system.dimension)
         hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
         return _crossings(hits, places)
 
@@ -197,7 +208,8 @@ class Runner:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
         size, d = (budget if record else 1), self.system.dimension  # without recording, a buffer never full
         rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
-        hits = (np.empty(_HITS, dtype=HIT), np.empty((_HITS, 3, d)))
+        crossings = _HITS if keep_hits else _FEW
+        hits = (np.empty(crossings, dtype=HIT), np.empty((crossings, 3, d)))
         entered = self.side == 0
         started = time.thread_time()
         status = self._march(
@@ -208,7 +220,7 @@ class Runner:
         self._collect(int(self._run["rows"][0]), rows, rows_x)
         if n := int(self._run["hits"][0]):
             chunk = (hits[0][:n], hits[1][:n])
-            self._hit_chunks = [*self._hit_chunks, chunk] if keep_hits else [chunk]
+            self._hit_chunks = [*self._hit_chunks, chunk] if keep_hits else [*self._hit_chunks[-1:], chunk]
         if entered:
             self.first_side = int(self._run["first_side"][0])
         return Status(status)
@@ -228,7 +240,7 @@ class Runner:
         size = float(np.linalg.norm(self._x))
         with np.errstate(all="ignore"):
             ahead = self._x + float(self._run["tau"][0]) * self.system.field(self.side or 1, self.t, self._x)
-        return size > _RUNAWAY * self._size0 and not float(np.linalg.norm(ahead)) < 1.25 * size
+        return size > _RUNAWAY * float(np.linalg.norm(self._x0)) and not float(np.linalg.norm(ahead)) < 1.25 * size
 
 
 def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
@@ -238,5 +250,6 @@ def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
 
 
 @lru_cache(maxsize=MAX_DIMENSION)
-def _no_crossings(d: int) -> Crossings:
+def no_crossings(d: int) -> Crossings:
+    """None, in d dimensions."""
     return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, d)))

@@ -4,6 +4,10 @@ Every quantity u(t, x) has coefficients u₀, u₁, … along the solution: u(t 
 taken apart into operations, each of which gives its coefficient k from those of its operands up to k and its own up to
 k − 1; then x' = f gives xₖ₊₁ = fₖ / (k + 1). One loop over k serves every order.
 
+The recurrences hold sums Σ aⱼ bₖ₋ⱼ. Their two terms with the newest coefficients, j = 0 and j = k, are written out with
+values that are still in registers: they are all that a coefficient has to wait for. The others, 1 ≤ j ≤ k − 1, are
+known before (`sums`).
+
 References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
 """
 
@@ -20,6 +24,7 @@ from core.codegen import Names
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import printed
+from core.sums import Sums
 
 __all__ = ["SeriesCode", "series_code"]
 
@@ -29,8 +34,8 @@ class SeriesCode:
     """Lines that read the frame and the parameters, and use t, order, c and `shrink`, a power of two.
 
     They write `unit`, a length of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in time over
-    unit, for i = d those of g; the rows from d + 1 on are scratch. In units of its own no system's coefficients leave
-    floating point.
+    unit, for i = d those of the height ±g over the surface; the rows from d + 1 on are scratch. In units of its own no
+    system's coefficients leave floating point.
     """
 
     lines: list[str]
@@ -39,7 +44,7 @@ class SeriesCode:
 
 
 def series_code(laws: Laws, side: Side) -> SeriesCode:
-    """Write the recurrences of one side's field, and of g along its solution.
+    """Write the recurrences of one side's field, and of the height ±g along its solution.
 
     Parameters
     ----------
@@ -52,7 +57,7 @@ def series_code(laws: Laws, side: Side) -> SeriesCode:
         On a function that is not one of `expressions.FUNCTIONS`.
     """
     names = Names(laws)
-    given = [e.xreplace(names.symbols) for e in (*side.field, laws.g)]
+    given = [e.xreplace(names.symbols) for e in (*side.field, side.sign * laws.g)]
     writer = _Writer(names)
     shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")
     for symbol, value in shared:
@@ -95,6 +100,7 @@ class _Writer:
         self.d = len(names.x)
         self.nodes = [_Node(f"x{i}", f"y{i}", "", "", row=i) for i in range(self.d)]
         self.rows = self.d + 1
+        self.sums = Sums()
         self.constants: dict[Expr, str] = {}
         self.setup: list[tuple[int, str]] = []  # (before which node, line): what is worked out once
         self.known: dict[Any, int] = {}
@@ -220,26 +226,25 @@ class _Writer:
             other, row = (b, self.row(b)) if m == self.known["t"] else (a, self.row(a))
             return self.add(("*", *sorted((m, n))), first, lambda _: f"t*{other.newest} + unit*c[{row}, k - 1]")
         if m == n:
-            return self.add(
-                ("*", n, n), first, lambda _: f"2.0*({a.start}*{a.newest}) + symmetric(c, {self.row(a)}, k)"
-            )
+            inner = self.sums.product(self.row(a), self.row(a))
+            return self.add(("*", n, n), first, lambda _: f"2.0*({a.start}*{a.newest}) + {inner}")
         ends = f"({a.start}*{b.newest} + {b.start}*{a.newest})"
-        rows = f"{self.row(a)}, {self.row(b)}"
-        return self.add(("*", *sorted((m, n))), first, lambda _: f"{ends} + convolution(c, {rows}, k)")
+        inner = self.sums.product(self.row(a), self.row(b))
+        return self.add(("*", *sorted((m, n))), first, lambda _: f"{ends} + {inner}")
 
     def quotient(self, u: _Sum, below: int) -> int:
         b = self.nodes[below]
         inverse = self.once("q", below, f"1.0/{b.start}")
 
         def recurrence(w: _Node) -> str:
-            known = f"{w.start}*{b.newest} + convolution(c, {self.row(b)}, {self.row(w)}, k)"
+            known = f"{w.start}*{b.newest} + {self.sums.product(self.row(b), self.row(w))}"
             return f"({self.newest(u)} - ({known}))*{inverse}"
 
         return self.add(("/", *_key(u), below), f"({self.start(u)})/{b.start}", recurrence)
 
     def root(self, u: _Sum) -> int:
         def recurrence(w: _Node) -> str:
-            return f"({self.newest(u)} - symmetric(c, {self.row(w)}, k))*(0.5/{w.start})"
+            return f"({self.newest(u)} - {self.sums.product(self.row(w), self.row(w))})*(0.5/{w.start})"
 
         return self.add(("sqrt", *_key(u)), f"math.sqrt({self.start(u)})", recurrence)
 
@@ -248,7 +253,7 @@ class _Writer:
         inverse = self.once("q", base, f"1.0/{u.start}")
 
         def recurrence(w: _Node) -> str:
-            known = f"inverse*power_sum(c, {self.row(u)}, {self.row(w)}, k, {a})"
+            known = f"inverse*{self.sums.power(self.row(u), self.row(w), a)}"
             return f"({a}*{w.start}*{u.newest} + {known})*{inverse}"
 
         return self.add(("**", base, exponent), f"{u.start}**{a}", recurrence)
@@ -260,7 +265,7 @@ class _Writer:
         inverse = self.once("q", n, f"1.0/{a.start}")
 
         def rate(w: _Node) -> str:
-            return f"(k*{a.newest} - convolution(c, {self.row(a)}, {self.row(w)}, k))*{inverse}"
+            return f"(k*{a.newest} - {self.sums.product(self.row(a), self.row(w))})*{inverse}"
 
         slope = self.nodes[self.add(("rate of log", n), "0.0", rate)]
         return self.add(("log", n), f"math.log({a.start})", lambda _: f"inverse*{slope.newest}")
@@ -272,7 +277,7 @@ class _Writer:
             return lambda w: f"inverse*(unit*{self.constant(slope)}*c[{self.row(w)}, k - 1])"
         slope = self.nodes[self.add(("rate", *_key(u)), "0.0", lambda _: f"k*({self.newest(u)})")]
         row = self.row(slope)
-        return lambda w: f"inverse*({slope.newest}*{w.start} + convolution(c, {row}, {self.row(w)}, k))"
+        return lambda w: f"inverse*({slope.newest}*{w.start} + {self.sums.product(row, self.row(w))})"
 
     def exponential(self, u: _Sum) -> int:
         return self.add(("exp", *_key(u)), f"math.exp({self.start(u)})", self.rate(u))
@@ -292,7 +297,7 @@ class _Writer:
         if (name, *key) not in self.known:
             n = self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "")
             w = self.nodes[n]
-            square = f"{sign}(2.0*({w.start}*{w.newest}) + symmetric(c, {self.row(w)}, k))"
+            square = f"{sign}(2.0*({w.start}*{w.newest}) + {self.sums.product(self.row(w), self.row(w))})"
             value = first.format(u=self.start(u), w=w.start)
             w.recurrence = rate(self.nodes[self.add((f"slope of {name}", *key), value, lambda _: square)])
         return self.known[name, *key]
@@ -336,15 +341,15 @@ class _Writer:
     def unit(self) -> list[str]:
         """About the time in which the state moves by its own size, a power of two, times `shrink`."""
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
-        return [f"size, speed = {size}, {speed}", "unit = size / speed",
-                "unit = shrink*(math.ldexp(1.0, math.frexp(unit)[1]) if 0.0 < unit < math.inf else 1.0)"]  # fmt: skip
+        return [f"size, speed = {size}, {speed}", "unit = shrink*power_of_two(size / speed)"]
 
     def code(self, field: list[_Sum], g: _Sum) -> SeriesCode:
         """The whole body."""
         rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
         heights = f"c[{self.d}, 0] = {self.start(g)}", f"c[{self.d}, k] = {self.newest(g)}"
         before = [f"{name} = {printed(a)}" for a, name in self.constants.items()]
-        loop = ["inverse = 1.0 / k", "pace = unit*inverse", *(f"y{i} = pace*f{i}" for i in range(self.d))]
+        loop = [*self.sums.lines(), "inverse = 1.0 / k", "pace = unit*inverse"]
+        loop += [f"y{i} = pace*f{i}" for i in range(self.d)]
         for n, node in enumerate(self.nodes):
             if n >= self.d:
                 before.append(f"{node.start} = {node.first}")

@@ -8,13 +8,14 @@ functions of a system and method, in the order of `FUNCTIONS`:
 
 reach (one a side)
     Prepares a step from x: variable-step methods expand the solution in memo, in a unit of time that they write to
-    w[UNIT], and write the step length to w[LENGTH].
+    w[UNIT], and write the step length to w[LENGTH], and what ψ is above its level. w[SETTLED] is 1 where that is
+    nothing, for the levels have just been settled at this very state; it is reset.
 step (one a side)
     One step of length h from x + carry: writes the *increment* to w, and g and ġ at its end to w[G_END], w[RATE_END].
     Any h will do, of either sign: crossings are located on the scheme itself. Returns how often the field was
     evaluated, or `NO_SOLUTION`.
 settle (one a side)
-    The levels of ψ at x + carry, in double-double.
+    The levels of ψ at x + carry, in double-double; sets w[SETTLED].
 excess (one a side)
     ψ at x + carry, less its level.
 polish (one a side)
@@ -55,6 +56,7 @@ __all__ = [
     "RATE_END",
     "REACH",
     "SETTLE",
+    "SETTLED",
     "SLACK",
     "STEP",
     "TOLERANCE",
@@ -88,8 +90,8 @@ FUNCTIONS = (
 REACH, STEP, SETTLE, EXCESS, POLISH, LOOK, JUMP = (FUNCTIONS.index(f) for f in dict.fromkeys(FUNCTIONS))
 
 #: Scalars at the head of a frame. RATES: ġ with the field of the minus side, then of the plus side.
-G_END, RATE_END, G, RATES, SLACK, LENGTH, UNIT, ORDER, TOLERANCE, DELAY = 0, 1, 2, 3, 5, 6, 7, 8, 9, 10
-_HEAD = 11
+G_END, RATE_END, G, RATES, SLACK, LENGTH, UNIT, ORDER, TOLERANCE, DELAY, SETTLED = 0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11
+_HEAD = 12
 
 
 class Frame(NamedTuple):

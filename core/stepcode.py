@@ -189,17 +189,21 @@ class StepCode:
         at = {**self._names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
         return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._side.conserved]
 
-    def move_onto_levels(self, increments: Sequence[Expr]) -> list[Expr]:
+    def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> list[Expr]:
         """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(excess at the start).
 
-        With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017).
+        With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The excess is
+        worked out here, or has been by `reach` where the step is `prepared`.
         """
         side, d = self._side, len(self.x)
         m = len(side.conserved)
         if m == 0:
             return list(increments)
         lines = [*assignments([f"d{k}" for k in range(d)], increments, self._temporaries), "t1 = t + h"]
-        lines += [*excess_lines(self._names, side), *(f"o{j} = r{j}" for j in range(m))]
+        if prepared:
+            lines += [f"o{j} = w[{self._names.frame.excess + j}]" for j in range(m)]
+        else:
+            lines += [*excess_lines(self._names, side), *(f"o{j} = r{j}" for j in range(m))]
         rows = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
         slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))
         left = rows * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))

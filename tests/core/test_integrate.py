@@ -350,3 +350,16 @@ def test_conservative_methods_say_so_where_nothing_is_conserved():
     system = one_law("none", ("y", "-x - y/10"), psi=(), x0=(1.0, 0.0))
     with pytest.raises(ValueError, match="use one of rk2, rk4, rk8, taylor"):
         core.integrate(system, (0.0, 1.0), method="dmm2")
+
+
+@pytest.mark.parametrize(("name", "t_end"), [("elliptic_curve", 1200.0), ("coulomb_friction", 40.0)])
+def test_the_end_alone_knows_where_its_segment_was_entered(name, t_end):
+    # The one makes more crossings than a call of the loop holds; the other stops at its last.
+    end, whole = (
+        core.integrate(core.CATALOGUE[name], (0.0, t_end), method="prk8", tau=0.1, record=record)
+        for record in ("end", "crossings")
+    )
+    assert end.status is whole.status
+    assert end.crossing_count == len(whole.crossings) > 0
+    assert end.entered_t[-1] == whole.entered_t[whole.segment[-1]]
+    assert (end.entered_x[-1] == whole.entered_x[whole.segment[-1]]).all()

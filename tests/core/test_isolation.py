@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.isolation import DOUBLE, NONE, ROOT, first_root, scratch_shape
+from core.isolation import DOUBLE, NARROW, NONE, ROOT, first_root, scratch_shape
 
 FIXED = settings(derandomize=True, deadline=None, max_examples=150, database=None)
 
@@ -72,6 +72,25 @@ def test_the_first_of_many_roots_is_isolated(count: int, h: float) -> None:
         row = from_roots(generator.uniform(0.02, 1.5, count), [generator.uniform(0.01, 1, 2)])
         row = row / h ** np.arange(len(row))  # powers of two: exact
         assert_first(row, h, search(row, h))
+
+
+@pytest.mark.parametrize("h", [1.0, -1.0, 0.125])
+@pytest.mark.parametrize(
+    ("row", "leaving"),
+    [
+        ([1.0, -1.5, 0.25, -0.125], 0),  # falls
+        ([1.0, 0.5, -2.0, -0.25], 0),  # rises first, and is concave
+        ([1.0, -3.0, 0.5, 0.7], 0),  # ends rising
+        ([0.0, 1.0, 0.0, -1.5, 0.0, 0.6, 0.0, -0.2], 1),  # an arc
+    ],
+)
+def test_where_a_root_is_plain_to_see_it_is_in_the_middle_of_its_bracket(row: Any, leaving: int, h: float) -> None:
+    row = np.array(row) / h ** np.arange(len(row))
+    kind, low, high = search(row, h, leaving)
+    assert kind == ROOT
+    assert high - low == pytest.approx(NARROW * (high + low))
+    assert 0.5 * (low + high) / h == pytest.approx(float(real_roots(row, h)[0]), rel=1e-9)
+    assert_first(row, h, (kind, low, high))
 
 
 @pytest.mark.parametrize("gap", [2.0**-k for k in range(10, 24)])

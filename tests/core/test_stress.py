@@ -217,7 +217,8 @@ def test_starts_near_an_equilibrium_complete(method, distance, place):
     run = case.run(method)
     assert run.status is Status.COMPLETED
     if core.METHODS[method].conservative:
-        check_kept(case, run, 16)
+        # Long steps of the variable method take it e³ times as far from the saddle: 13 eps by the median, 32 at most.
+        check_kept(case, run, 64 if core.METHODS[method].adaptive else 16)
 
 
 def test_a_motion_of_a_few_ulps_a_step_far_from_the_surface_is_no_failure():

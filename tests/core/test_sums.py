@@ -1,0 +1,49 @@
+"""The sums of the recurrences, as the text that is compiled works them out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pytest
+from exact import EPS
+from frames import pointer
+
+from core.codegen import function_text, module_text
+from core.compiled import _load
+from core.sums import Sums
+
+LENGTH = 32
+
+
+@lru_cache(maxsize=1)
+def compiled() -> Callable[..., int]:
+    """A function that writes four sums of order k = t to w."""
+    sums = Sums()
+    names = [sums.product(1, 3), sums.product(2, 2), sums.power(0, 1, "-1.5"), sums.product(3, 1)]
+    assert names[3] == names[0]  # worked out once
+    lines = ["k = int(t)", f"c = carray(memo, (4, {LENGTH}))", *sums.lines()]
+    lines += [f"w[{i}] = {name}" for i, name in enumerate(names[:3])]
+    return _load(module_text([function_text("sums", [*lines, "return 0"])])).sums.ctypes
+
+
+def exact_sum(a: Any, b: Any, k: int, weights: Any = lambda _: 1) -> tuple[Fraction, Fraction]:
+    """Σ of the terms, and of their sizes."""
+    terms = [Fraction(weights(j)) * Fraction(a[j]) * Fraction(b[k - j]) for j in range(1, k)]
+    return sum(terms, Fraction(0)), sum(map(abs, terms), Fraction(0))
+
+
+@pytest.mark.parametrize("k", range(1, LENGTH))
+def test_sums_are_exact_but_for_one_rounding_a_term(k: int) -> None:
+    c = np.random.default_rng(20260102).uniform(-1, 1, (4, LENGTH))
+    values, nothing = np.empty(3), np.empty(1)
+    compiled()(float(k), 0.0, *(pointer(array) for array in (nothing, values, c)))
+    for value, (exact, size) in zip(values, (
+        exact_sum(c[1], c[3], k),
+        exact_sum(c[2], c[2], k),
+        exact_sum(c[0], c[1], k, lambda j: -0.5 * j - k),
+    ), strict=True):  # fmt: skip
+        assert abs(Fraction(value) - exact) <= Fraction((k + 4) * EPS / 2) * size
