@@ -28,6 +28,7 @@ class Desk:
         self.closed = False
         self._lanes: dict[str, Lane] = {}
         self._asked: dict[str, Hashable] = {}
+        self._short = Lock()
 
     def ask(
         self,
@@ -50,11 +51,13 @@ class Desk:
         advance : callable, optional
             Is told of progress there, as long as nothing else was asked for.
         quiet, patience : float
-            As in `worker.Job`.
+            As in `worker.Job`; what starts at once is taken to be short.
         """
         if self._asked.get(lane) == inputs:
             return False
         self._asked[lane] = inputs
+        if quiet == 0.0:
+            compute = partial(self._in_turn, compute)
         told = _Seldom(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
         report = told if advance is not None else _nobody
         job = Job(lambda cancel: compute(cancel, report), partial(self._deliver, show), quiet, patience)
@@ -99,6 +102,11 @@ class Desk:
         self.closed = True
         for lane in self._lanes.values():
             lane.cancel()
+
+    def _in_turn(self, compute: Callable[[Cancel, Report], Any], cancel: Cancel, report: Report) -> Any:
+        """Compute something short, one at a time: threads that take turns every other moment take longer together."""
+        with self._short:
+            return compute(cancel, report)
 
     def _pass_on(self, lane: str, inputs: Hashable, advance: Callable[..., None] | None, *news: Any) -> None:
         """Tell of progress, unless it is of something no longer wanted."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.util import edit_readonly
 from panel_material_ui.template.base import Page
 
 import core
@@ -241,8 +242,16 @@ class Explorer(pn.viewable.Viewer):
         if pn.state.location is not None:
             self.adopt(pn.state.location.search)
         page = Page(
-            title="pwsviz", header=self._header(), sidebar=[self.sidebar], main=[self], sidebar_width=300, sx=PAGE_SX
+            title="pwsviz",
+            header=self._header(),
+            sidebar=[self.sidebar],
+            main=[self],
+            sidebar_width=300,
+            busy_indicator=None,
+            sx=PAGE_SX,
         )
+        with edit_readonly(page):
+            page.busy = False  # no longer that of the server: at each event its change costs a walk over the whole page
         self.browser.jscallback({"page": page}, narrow="page.data.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback({"page": page}, dark="if (cb_obj.dark) page.data.dark_theme = true")
         self.browser.param.watch(lambda _: self.history.undo(), "undone")

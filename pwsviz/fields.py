@@ -10,6 +10,8 @@ import panel as pn
 import panel_material_ui as pmui
 
 SLIDER_DIGITS = 3
+SLIDER_RESTS = 5
+"""Milliseconds that Panel waits for further moves before it tells of one; it has 50, and no other way to say so."""
 
 
 class NumberField(pn.viewable.Viewer):
@@ -54,10 +56,12 @@ class NumberField(pn.viewable.Viewer):
 
     def _make_slider(self, bounds: tuple[float, float]) -> Any:
         low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
-        return pmui.FloatSlider(
+        slider = pmui.FloatSlider(
             start=low, end=high, value=low, step=(high - low) / 400, label="", show_value=False, tooltips=False,
             size="small", margin=(0, 10, 0, 10), sizing_mode="stretch_width",
         )  # fmt: skip
+        slider._debounce = SLIDER_RESTS
+        return slider
 
     def _from_slider(self, place: float) -> float:
         value = 10.0**place if self._log else place

@@ -1,6 +1,7 @@
 """Work goes to threads by lanes, and only what is still wanted comes back."""
 
 from threading import Event
+from time import sleep
 
 import pytest
 
@@ -60,12 +61,27 @@ def test_progress_is_told_while_it_is_wanted_and_not_too_often(desk):
     assert len(told) < 20
 
 
-def test_lanes_do_not_wait_for_one_another(desk):
+def test_what_is_short_does_not_wait_for_what_is_long(desk):
     gate, seen = Event(), []
-    desk.ask("long", 1, lambda _cancel, _report: gate.wait(5), seen.append)
+    desk.ask("long", 1, lambda _cancel, _report: gate.wait(5), seen.append, quiet=1e-3)
     desk.ask("short", 1, lambda _cancel, _report: "short", lambda outcome: (seen.append(outcome), gate.set()))
     assert desk.settle(5)
     assert seen == ["short", True]
+
+
+def test_short_work_is_done_one_at_a_time(desk):
+    under_way, most = [], []
+
+    def short(_cancel, _report):
+        under_way.append(1)
+        most.append(len(under_way))
+        sleep(0.005)
+        under_way.pop()
+
+    for k in range(8):
+        desk.ask(f"lane {k}", 1, short, lambda _: None)
+    assert desk.settle(5)
+    assert most == [1] * 8
 
 
 def test_a_closed_desk_delivers_nothing(desk):
