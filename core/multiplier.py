@@ -13,6 +13,7 @@ References: Wan, Bihlo, Nave, SIAM J. Numer. Anal. 55 (2017); McLachlan, Quispel
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,7 +33,7 @@ class DividedDifference(sympy.Function):
 
     nargs = 2
     phi: Any  # the sympy function
-    template: str  # LaTeX in (a, b)
+    template: str  # LaTeX in (A, B)
 
     @classmethod
     def eval(cls, a: Expr, b: Expr) -> Expr | None:
@@ -48,8 +49,8 @@ class DividedDifference(sympy.Function):
         return SECOND[type(self)](a, b)
 
     def _latex(self, printer: Any) -> str:
-        a, b = (printer.doprint(u) for u in self.args)
-        return self.template.replace("A", a).replace("B", b)
+        ends = dict(zip("AB", map(printer.doprint, self.args), strict=True))
+        return re.sub("[AB]", lambda found: ends[found[0]], self.template)  # at once: the ends may hold these letters
 
 
 class SecondDifference(sympy.Function):

@@ -56,7 +56,7 @@ class NumberField(pn.viewable.Viewer):
 
     def _make_slider(self, bounds: tuple[float, float]) -> Any:
         low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
-        slider = pmui.FloatSlider(
+        slider: Any = pmui.FloatSlider(
             start=low, end=high, value=low, step=(high - low) / 400, label="", show_value=False, tooltips=False,
             size="small", margin=(0, 10, 0, 10), sizing_mode="stretch_width",
         )  # fmt: skip

@@ -6,17 +6,14 @@ each value passes `Scene.accept` by itself: what is broken or unknown is named t
 
 from __future__ import annotations
 
-import json
 import logging
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import fields
-from typing import Any, NoReturn
+from typing import Any
 from urllib.parse import quote, unquote
 
 import core
 from pwsviz.checks import MAX_STEPS, require_few_steps
-from pwsviz.projection import PLANE
+from pwsviz.packing import packed, shown, unpacked, visible
 from pwsviz.scene import MAX_STARTS, PEERS, Scene, Start
 
 VERSION = 1
@@ -29,8 +26,8 @@ MAX_VALUE = 400
 MAX_COMPLAINTS = 20
 MAX_REASON = 400
 """Characters of what is said against one value."""
-SHOWN = 40
-"""Characters of a broken text that are shown, and of a number that is read."""
+MAX_DIGITS = 40
+"""Characters of a number."""
 
 _FIRST = ("methods", "own", "system")
 """Taken over first: integrators before a system that cannot use them all, then the system with all that is usual."""
@@ -88,7 +85,7 @@ def _text(scene: Scene, key: str) -> str:
     value, variables = getattr(scene, key), scene.declaration.variables
     match key:
         case "own":
-            return "" if value is None else _packed(value)
+            return "" if value is None else packed(value)
         case "starts":
             return ";".join(",".join(map(_decimal, start)) for start in value)
         case "axes":
@@ -154,12 +151,12 @@ class _Reader:
         for key in _LAST:
             self._take_setting(key)
         for key in self._given:
-            system = _shown(self.scene.declaration.name)
-            self._complain(f"“{_shown(key)}” is neither a setting of this page nor a parameter of {system}.")
+            system = shown(self.scene.declaration.name)
+            self._complain(f"“{shown(key)}” is neither a setting of this page nor a parameter of {system}.")
 
     def complaints(self) -> list[str]:
         """Return no more sentences than anybody reads."""
-        said = [_visible(f"{wrong} {self._instead(what)}") for wrong, what in self._wrong[:MAX_COMPLAINTS]]
+        said = [visible(f"{wrong} {self._instead(what)}") for wrong, what in self._wrong[:MAX_COMPLAINTS]]
         more = len(self._wrong) - len(said)
         return [*said, f"And so on: {more:,} more parts of the link are wrong."] if more else said
 
@@ -170,7 +167,7 @@ class _Reader:
         self._wrong.append((wrong, instead))
 
     def _complain_of(self, key: str, reason: ValueError) -> None:
-        self._complain(f"{key} in the link: {_shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
+        self._complain(f"{key} in the link: {shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
 
     def _split(self, text: str) -> dict[str, str]:
         """Return each key with its value; of several of one key the first."""
@@ -183,13 +180,13 @@ class _Reader:
             key, equals, value = piece.partition("=")
             key = unquote(key)
             if not equals:
-                self._complain(f"“{_shown(key)}” in the link has no value: it takes key=value.")
+                self._complain(f"“{shown(key)}” in the link has no value: it takes key=value.")
             elif key in given:
-                self._complain(f"“{_shown(key)}” stands in the link again.", "The first is used.")
+                self._complain(f"“{shown(key)}” stands in the link again.", "The first is used.")
             else:
                 given[key] = unquote(value)
         if (version := given.pop("v", str(VERSION))) != str(VERSION):
-            wrong = f"The link is of version “{_shown(version)}”, which this page does not know."
+            wrong = f"The link is of version “{shown(version)}”, which this page does not know."
             self._complain(wrong, f"It is read as version {VERSION}.")
         return given
 
@@ -208,7 +205,7 @@ class _Reader:
         if kept := [name for name in names if name in known]:
             self._given[key] = ",".join(dict.fromkeys(kept))
             for name in [name for name in names if name not in known]:
-                self._complain(f"{key} in the link: “{_shown(name)}” is none of {', '.join(known)}.")
+                self._complain(f"{key} in the link: “{shown(name)}” is none of {', '.join(known)}.")
 
     def _take_parameters(self) -> None:
         for name in self.scene.values:
@@ -279,7 +276,7 @@ def _take(scene: Scene, key: str, text: str) -> None:
     """Take over one setting from a link; ValueError where it makes no sense."""
     limit = {"own": MAX_OWN, "starts": MAX_LENGTH}.get(key, MAX_VALUE)
     if len(text) > limit:
-        raise ValueError(f"“{_shown(text)}” is {len(text):,} characters long; at most {limit:,} can be read.")
+        raise ValueError(f"“{shown(text)}” is {len(text):,} characters long; at most {limit:,} can be read.")
     value: object = text
     variables = scene.declaration.variables
     match key:
@@ -308,7 +305,7 @@ def _take(scene: Scene, key: str, text: str) -> None:
 def _use(scene: Scene, text: str) -> None:
     """Take over a person's own system, or refuse it, whatever goes wrong with its mathematics."""
     try:
-        scene.use(_unpacked(text))
+        scene.use(unpacked(text))
     except ValueError:
         raise
     except Exception as failure:  # sympy and NumPy were never tried on this text before; the page has to open
@@ -318,115 +315,12 @@ def _use(scene: Scene, text: str) -> None:
 
 def _number(text: str) -> str:
     """Return the text of a number, if it is plain decimals; Python reads more than these as numbers."""
-    if len(text) > SHOWN or not _NUMBER.fullmatch(text):
-        raise ValueError(f"“{_shown(text)}” is not a number. Write one such as 0.01 or 1e-3.")
+    if len(text) > MAX_DIGITS or not _NUMBER.fullmatch(text):
+        raise ValueError(f"“{shown(text)}” is not a number. Write one such as 0.01 or 1e-3.")
     return text
 
 
 def _index(name: str, variables: tuple[str, ...]) -> int:
     if name not in variables:
-        raise ValueError(f"“{_shown(name)}” is no variable of this system; it has {', '.join(variables)}.")
+        raise ValueError(f"“{shown(name)}” is no variable of this system; it has {', '.join(variables)}.")
     return variables.index(name)
-
-
-def _shown(text: str, most: int = SHOWN) -> str:
-    return _visible(text if len(text) <= most else text[: most - 1] + "…")
-
-
-def _quoted(value: object) -> str:
-    """Return what stands in place of something else in a description; a nest of lists is not written out."""
-    return f"“{_shown(str(value))}”" if isinstance(value, str | int | float) else f"a {type(value).__name__}"
-
-
-def _visible(text: str) -> str:
-    """Return a text with marks in place of characters that cannot be seen, or would turn others round."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
-
-
-# A person's own system -----------------------------------------------------------------------------------------------
-
-
-def _packed(system: core.PiecewiseSystem) -> str:
-    """Return a declaration as JSON, without what goes without saying."""
-    given, values = _differing(system), system.values
-    given["parameters"] = [_differing(parameter) for parameter in system.parameters]
-    given["values"] = {
-        q.name: values[q.name] for q in system.parameters if _decimal(values[q.name]) != _decimal(q.default)
-    }
-    return json.dumps({name: value for name, value in given.items() if value not in ({}, [])}, separators=(",", ":"))
-
-
-def _differing(record: Any) -> dict[str, Any]:
-    return {f.name: getattr(record, f.name) for f in fields(record) if getattr(record, f.name) != f.default}
-
-
-def _unpacked(text: str) -> core.PiecewiseSystem:
-    """Return the system that is declared so; ValueError where it is none."""
-    try:
-        given = json.loads(text, parse_constant=_refuse)
-    except (ValueError, RecursionError):
-        raise ValueError(f"“{_shown(text)}” is no description of a system.") from None
-    parts = _checked(given, _SYSTEM, "system", ("name", "variables", "f_minus", "f_plus", "g"))
-    system = core.PiecewiseSystem(**parts)
-    if system.dimension < PLANE:
-        raise ValueError(f"{system.variables[0]} alone makes no portrait: two variables are needed")
-    return system
-
-
-def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is no finite number")
-
-
-def _checked(given: Any, parts: dict[str, Callable[[Any], Any]], what: str, needed: Iterable[str]) -> dict[str, Any]:
-    """Return the parts of a record, each of its kind."""
-    if not isinstance(given, dict):
-        raise ValueError(f"{_quoted(given)} is no {what}.")
-    if missing := [name for name in needed if name not in given]:
-        raise ValueError(f"The {what} lacks its {missing[0]}.")
-    if unknown := [name for name in given if name not in parts]:
-        raise ValueError(f"“{_shown(unknown[0])}” is no part of a {what}.")
-    return {name: parts[name](value) for name, value in given.items()}
-
-
-def _word(value: Any) -> str:
-    if not isinstance(value, str):
-        raise ValueError(f"{_quoted(value)} is no text.")
-    return value
-
-
-def _float(value: Any) -> float:
-    if type(value) not in (int, float):
-        raise ValueError(f"{_quoted(value)} is no number.")
-    try:
-        return float(value)
-    except OverflowError:
-        raise ValueError(f"{_quoted(value)} is too large.") from None
-
-
-def _list_of(kind: Callable[[Any], Any]) -> Callable[[Any], tuple[Any, ...]]:
-    def checked(value: Any) -> tuple[Any, ...]:
-        if not isinstance(value, list):
-            raise ValueError(f"{_quoted(value)} is no list.")
-        return tuple(map(kind, value))
-
-    return checked
-
-
-def _parameter(value: Any) -> core.Parameter:
-    parts = {"name": _word, "default": _float, "bounds": _list_of(_float), "doc": _word, "latex": _word}
-    return core.Parameter(**_checked(value, parts, "parameter", ("name", "default")))
-
-
-def _values(value: Any) -> dict[str, float]:
-    if not isinstance(value, dict):
-        raise ValueError(f"{_quoted(value)} are no values of parameters.")
-    return {name: _float(number) for name, number in value.items()}
-
-
-_SYSTEM: dict[str, Callable[[Any], Any]] = {
-    **dict.fromkeys(("name", "g", "doc"), _word),
-    **dict.fromkeys(("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "jump"), _list_of(_word)),
-    "parameters": _list_of(_parameter),
-    "x0": _list_of(_float),
-    "values": _values,
-}

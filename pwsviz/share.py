@@ -87,7 +87,7 @@ class Share(pn.viewable.Viewer):
         return pmui.FileDownload(
             callback=data,
             filename=file_name(self.scene, piece.title, ending), label=ending.upper(), auto=True,
-            variant="outlined", size="small", margin=(4, 4),
+            size="small", margin=(4, 4),
         )  # fmt: skip
 
     def __panel__(self) -> pn.viewable.Viewable:

@@ -53,7 +53,7 @@ def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
     if study.crossings != STUDY_CROSSINGS:
         usual = ", ".join(map(str, STUDY_CROSSINGS))
         words += f" The trajectory ends too early to look at crossings {usual} as usual."
-    return as_text(words)
+    return words
 
 
 def method_notes(scene: Scene) -> str:

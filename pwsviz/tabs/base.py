@@ -12,8 +12,9 @@ from pwsviz.panes import fade, plot_pane, text_pane
 from pwsviz.progress import Progress
 from pwsviz.results import Report, Results
 from pwsviz.scene import Scene
+from pwsviz.style import describe
 from pwsviz.takeaway import Table
-from pwsviz.text import complaint
+from pwsviz.text import as_text, complaint
 from pwsviz.worker import Cancel
 
 Outcome = Any
@@ -51,6 +52,7 @@ class Tab(pn.viewable.Viewer):
         self.shown: Hashable = None
         self.built = False
         self.plots: list[pn.pane.Bokeh] = []
+        self._summaries: list[str] = []
         self._content = pn.Column(margin=0, sizing_mode="stretch_width")
 
     # For each tab to say ---------------------------------------------------------------------------------------------
@@ -68,7 +70,7 @@ class Tab(pn.viewable.Viewer):
         raise NotImplementedError
 
     def draw(self, outcome: Outcome) -> str:
-        """Show what was computed, whole or in part, and return it in words, as markup."""
+        """Show what was computed, whole or in part, and return it in words."""
         raise NotImplementedError
 
     def table(self) -> Table | None:
@@ -89,7 +91,7 @@ class Tab(pn.viewable.Viewer):
     def advance(self, done: int, total: int, partial: Outcome) -> None:
         """Show the part of a study that is there."""
         self.shown = None
-        self.words.object = self.draw(partial)
+        self._say(self.draw(partial))
         self._fade(past=False)
 
     def present(self, inputs: Hashable, outcome: Outcome | Exception) -> None:
@@ -100,13 +102,13 @@ class Tab(pn.viewable.Viewer):
             self._fade(past=True)
             return
         self.outcome, self.shown = outcome, inputs
-        self.words.object = self.draw(outcome)
+        self._say(self.draw(outcome))
         self._fade(past=False)
 
     def redraw(self) -> None:
         """Show the same outcome in another way."""
         if self.outcome is not None and self.built:
-            self.words.object = self.draw(self.outcome)
+            self._say(self.draw(self.outcome))
 
     def await_system(self, words: str) -> None:
         """Fade what is shown: it is another system's."""
@@ -118,7 +120,14 @@ class Tab(pn.viewable.Viewer):
         """Return a pane for one of the tab's figures."""
         pane = plot_pane(plot)
         self.plots.append(pane)
+        self._summaries.append(plot.html_attributes["aria-label"])
         return pane
+
+    def _say(self, words: str) -> None:
+        """Say what is shown: beside the figure, and to those who cannot see it."""
+        self.words.object = as_text(words)
+        for pane, summary in zip(self.plots, self._summaries, strict=True):
+            describe(pane.object, f"{summary}. {words}")
 
     def _fade(self, past: bool) -> None:
         for pane in self.plots:

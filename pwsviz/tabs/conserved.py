@@ -11,7 +11,6 @@ from pwsviz.projection import conserved_note
 from pwsviz.results import ErrorCurve, Report
 from pwsviz.tabs.base import Tab
 from pwsviz.takeaway import Table, run_table
-from pwsviz.text import as_text
 from pwsviz.views.conserved import ConservedView, conserved_text
 from pwsviz.worker import Cancel
 
@@ -52,8 +51,8 @@ class ConservedTab(Tab):
         self.plots[0].visible = there
         if there:
             self.view.show(outcome.curves, outcome.marks)
-        said = as_text(conserved_text(outcome.curves)) if there else ""
-        return said + as_text(conserved_note(system), "about")
+        said = conserved_text(outcome.curves) if there else ""
+        return f"{said} {conserved_note(system)}".strip()
 
     def table(self) -> Table | None:
         """Return the first integrator's run at its own steps."""

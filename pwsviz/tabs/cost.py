@@ -14,7 +14,6 @@ from pwsviz.results import Report
 from pwsviz.scene import COST_ACROSS, COST_UP, PEERS
 from pwsviz.tabs.base import LongTab
 from pwsviz.takeaway import Table
-from pwsviz.text import as_text
 from pwsviz.views.cost import CostView, cost_rows, cost_text
 from pwsviz.worker import Cancel
 
@@ -55,7 +54,7 @@ class CostTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)
-        return as_text(cost_text(outcome, across, up))
+        return cost_text(outcome, across, up)
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

@@ -13,7 +13,6 @@ from pwsviz.results import Report
 from pwsviz.scene import STABILITY_PARTS, STABILITY_SHOWN
 from pwsviz.tabs.base import LongTab
 from pwsviz.takeaway import Table
-from pwsviz.text import as_text
 from pwsviz.views.stability import StabilityView, stability_table, stability_text
 from pwsviz.worker import Cancel
 
@@ -72,7 +71,7 @@ class StabilityTab(LongTab):
         self._offer()
         scene = self.scene
         self.view.show(outcome, scene.stability_part, scene.looked_into, scene.stability_shown)
-        return as_text(stability_text(outcome, scene.stability_part, scene.looked_into))
+        return stability_text(outcome, scene.stability_part, scene.looked_into)
 
     def table(self) -> Table | None:
         """Return the columns of the part shown."""

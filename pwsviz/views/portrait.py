@@ -1,19 +1,19 @@
 """The phase portrait: orbits over the sides, the surface, the field and the level sets of ψ.
 
 Stars stand where the trajectories start. They are placed, chosen, dragged and removed by hand, with mouse or finger;
-the browser moves them (`GESTURES`), and tells the server where to.
+the browser moves them (`gestures`), and tells the server where to.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from bokeh.core.properties import value
-from bokeh.events import Event, MouseEnter, MouseLeave, PointEvent, Tap
-from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool
+from bokeh.events import Event, PointEvent, Tap
+from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
 from bokeh.plotting import figure
 
 import core
@@ -36,9 +36,8 @@ from pwsviz.style import (
     ranges,
     refit,
 )
-
-if TYPE_CHECKING:
-    from pwsviz.views.conserved import ConservedView
+from pwsviz.views.gestures import attach_gestures
+from pwsviz.views.linking import link_crossings as link_crossings
 
 KIND_MARKERS = {
     "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
@@ -61,171 +60,6 @@ BESIDE = 3.0
 """How far out trajectories from other starts may."""
 
 SUMMARY = "Phase portrait"
-
-GESTURES = """
-const view = cb_context.index.find_one(plot)
-const ground = view?.canvas_view.events_el
-if (ground == null || ground.dataset.gestures) { return }
-ground.dataset.gestures = "on"
-
-const FINGER = 22, MOUSE = 11, STILL = 4   // pixels
-const DOUBLE = 400, PAUSE = 50             // milliseconds
-let held = null      // the star under the hand
-let dropped = null   // the one that was there last, until the server has heard of it
-let last_tap = null  // of a finger on a star
-let pointed = false  // whether the pointer is over the figure
-
-const reach = event => event.pointerType == "mouse" ? MOUSE : FINGER
-const place = event => {
-  const box = ground.getBoundingClientRect()
-  return [event.clientX - box.left, event.clientY - box.top]
-}
-const screen = index =>
-  [view.frame.x_scale.compute(starts.data.x[index]), view.frame.y_scale.compute(starts.data.y[index])]
-const star_at = event => {
-  const [sx, sy] = place(event)
-  if (!view.frame.bbox.contains(sx, sy)) { return null }
-  let found = null, least = reach(event)
-  for (let index = 0; index < starts.data.x.length; index++) {
-    const [x, y] = screen(index)
-    const gap = Math.hypot(x - sx, y - sy) - (starts.data.chosen[index] ? 0.5 : 0)
-    if (gap <= least) { least = gap; found = index }
-  }
-  return found
-}
-const say = (act, index, x, y) => {
-  hand.data = { act: [act], index: [index], x: [x], y: [y], count: [hand.data.count[0] + 1] }
-}
-const put = star => {  // in place: the server knows it from `say`
-  if (star.index >= starts.data.x.length) { return }
-  starts.data.x[star.index] = star.x
-  starts.data.y[star.index] = star.y
-  starts.change.emit()
-}
-const tell = act => {
-  clearTimeout(held.timer)
-  held.timer = null
-  held.told = performance.now()
-  say(act, held.index, held.x, held.y)
-}
-const stop = event => {
-  event.stopImmediatePropagation()
-  event.preventDefault()
-}
-const drop = () => {
-  if (held.moved) {
-    tell("drop")
-    dropped = { ...held, count: hand.data.count[0] }
-  }
-  held = null
-}
-
-ground.addEventListener("pointerdown", event => {
-  if (held != null) { return stop(event) }
-  if (event.button != 0) { return }
-  const index = star_at(event)
-  if (index == null) { return }
-  stop(event)
-  ground.focus({ preventScroll: true })
-  ground.setPointerCapture(event.pointerId)
-  const [sx, sy] = place(event), [x, y] = screen(index)
-  held = { index, pointer: event.pointerId, sx, sy, dx: x - sx, dy: y - sy, x: starts.data.x[index],
-           y: starts.data.y[index], moved: false, told: -Infinity, timer: null }
-}, { capture: true })
-
-ground.addEventListener("pointermove", event => {
-  if (held == null) { return }
-  stop(event)
-  if (event.pointerId != held.pointer) { return }
-  const [sx, sy] = place(event), frame = view.frame.bbox
-  if (!held.moved && Math.hypot(sx - held.sx, sy - held.sy) < STILL) { return }
-  held.moved = true
-  ground.style.cursor = "grabbing"
-  held.x = view.frame.x_scale.invert(Math.min(Math.max(sx + held.dx, frame.left), frame.right))
-  held.y = view.frame.y_scale.invert(Math.min(Math.max(sy + held.dy, frame.top), frame.bottom))
-  put(held)
-  const wait = held.told + PAUSE - performance.now()
-  if (wait <= 0) { tell("drag") } else { held.timer ??= setTimeout(() => tell("drag"), wait) }
-}, { capture: true })
-
-ground.addEventListener("pointerup", event => {
-  if (held == null) { return }
-  stop(event)
-  if (event.pointerId != held.pointer) { return }
-  const { index, moved } = held
-  drop()
-  if (moved) { return }
-  const again = last_tap?.index == index && event.timeStamp - last_tap.time < DOUBLE
-  last_tap = event.pointerType == "mouse" || again ? null : { index, time: event.timeStamp }
-  say(again ? "remove" : "select", index, 0, 0)
-}, { capture: true })
-
-ground.addEventListener("pointercancel", event => {
-  if (held?.pointer == event.pointerId) { drop() }
-}, { capture: true })
-
-// After Bokeh's own, which sets the cursor too.
-ground.addEventListener("pointermove", event => { if (star_at(event) != null) { ground.style.cursor = "grab" } })
-ground.addEventListener("pointerenter", () => { pointed = true })
-ground.addEventListener("pointerleave", () => { pointed = false })
-
-ground.addEventListener("touchstart", event => { if (held != null) { event.preventDefault() } }, { passive: false })
-
-starts.connect(starts.properties.data.change, () => {  // answers to what was said some time ago
-  if (held?.moved) {
-    put(held)
-  } else if (dropped != null && starts.data.heard[0] < dropped.count) {
-    put(dropped)
-  } else {
-    dropped = null
-  }
-})
-
-const NO_TEXT = ["range", "checkbox", "radio", "button", "submit"]
-const typing = node => node.isContentEditable || ["TEXTAREA", "SELECT"].includes(node.tagName)
-  || node.tagName == "INPUT" && !NO_TEXT.includes(node.type)
-const keydown = event => {
-  if (!ground.isConnected) { return document.removeEventListener("keydown", keydown) }  // its figure was made anew
-  if (event.key != "Delete" && event.key != "Backspace" || event.repeat || held != null) { return }
-  const path = event.composedPath()
-  if (path.some(typing) || !(pointed || path[0] == ground)) { return }
-  event.preventDefault()
-  say("remove", starts.data.chosen.indexOf(true), 0, 0)
-}
-document.addEventListener("keydown", keydown)
-"""
-"""Takes what begins on a star before the tools of the figure see it: all other gestures are theirs as ever."""
-
-POINT = """
-const put = (source, columns) => {
-  const name = Object.keys(columns)[0], before = source.data[name], after = columns[name]
-  if (before.length == after.length && after.every((value, k) => value == before[k])) { return }
-  source.setv({ data: columns }, { sync: false })  // the server has no use for it
-}
-const point = (x, y, t) => {
-  put(portrait, x == null || !Number.isFinite(x) ? { x: [], y: [] } : { x: [x], y: [y] })
-  put(conserved, t == null ? { t: [] } : { t: [t] })
-}
-"""
-
-POINT_FROM_PORTRAIT = """
-const [i] = cb_data?.index?.indices ?? []
-const { x, y, time } = marks.data
-if (i == null) { point() } else { point(x[i], y[i], time[i]) }
-"""
-
-POINT_FROM_CONSERVED = """
-const [i] = cb_data?.index?.indices ?? []
-if (i == null) { point() } else {
-  const { t, x, y, number, method } = ticks.data
-  let place = [x[i], y[i]]
-  if (!Number.isFinite(x[i])) {  // not told: then where the portrait has the mark of this crossing
-    const j = marks.data.number.findIndex((other, k) => other == number[i] && marks.data.method[k] == method[i])
-    place = j < 0 ? [null, null] : [marks.data.x[j], marks.data.y[j]]
-  }
-  point(...place, t[i])
-}
-"""
 
 POINTED_SIZE = 19
 """Pixels across the ring around the crossing pointed at: a mark, and some room."""
@@ -402,11 +236,8 @@ class PortraitView:
                 on_place(x, y)
 
         self.figure.on_event(Tap, place)
-        self.hand = ColumnDataSource({"act": [""], "index": [0], "x": [0.0], "y": [0.0], "count": [0]})
+        self.hand = attach_gestures(self.figure, self.starts)
         self.hand.on_change("data", lambda _attribute, _old, new: self._obey(new))
-        attach = CustomJS(args={"plot": self.figure, "starts": self.starts, "hand": self.hand}, code=GESTURES)
-        self.figure.js_on_change("inner_width", attach)  # once it is laid out, the figure has its element
-        self.figure.js_on_event(MouseEnter, attach)  # and again where it was given another one of the same size
 
     def _obey(self, said: dict[str, Sequence[Any]]) -> None:
         """Pass on what the browser says the hand has done."""
@@ -526,19 +357,6 @@ def portrait_text(
         for one in pictures.summaries
     )
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {crossed}."
-
-
-def link_crossings(portrait: PortraitView, conserved: ConservedView) -> None:
-    """Mark a crossing that is pointed at in one of the views in the other too; the server hears nothing of it."""
-    args = {
-        "portrait": portrait.pointed, "conserved": conserved.pointed,
-        "marks": portrait.crossings, "ticks": conserved.instants,
-    }  # fmt: skip
-    from_portrait = CustomJS(args=args, code=POINT + POINT_FROM_PORTRAIT)
-    from_conserved = CustomJS(args=args, code=POINT + POINT_FROM_CONSERVED)
-    for view, callback in ((portrait, from_portrait), (conserved, from_conserved)):
-        view.hover.callback = callback
-        view.figure.js_on_event(MouseLeave, CustomJS(args=args, code=POINT + "point()"))
 
 
 def describe(plot: figure, words: str) -> None:

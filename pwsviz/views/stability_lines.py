@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models.renderers import DataRenderer
 
 import core
 from core.studies.stability import Grazing, outcome_words
@@ -95,7 +96,7 @@ class GrazingFigure:
         lines = _lines(plot, self.curves)
         points = ("x", "y", "colour", "method", "side", "crossings", "error", "status")
         self.points = [ColumnDataSource({name: [] for name in points}) for _ in range(2)]
-        marks = [
+        marks: list[DataRenderer] = [
             plot.scatter("x", "y", source=source, marker=marker, color="colour", size=9)
             for source, marker in zip(self.points, ("inverted_triangle", "triangle"), strict=True)
         ]

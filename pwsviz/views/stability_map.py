@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
-from bokeh.models import ColorBar, ColumnDataSource, DataRange1d, HoverTool, LogColorMapper
+from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, LogColorMapper
+from bokeh.models.annotations import ColorBar
 from bokeh.palettes import Cividis256
 
 import core
@@ -72,7 +73,7 @@ class MapFigure:
             y_range=DataRange1d(range_padding=0.0),
         )
         plot = self.figure
-        edges = {"left": "left", "right": "right", "bottom": "bottom", "top": "top", "line_width": 0}
+        edges: dict[str, Any] = {"left": "left", "right": "right", "bottom": "bottom", "top": "top", "line_width": 0}
         self.cells = ColumnDataSource({name: [] for name in (*_CELLS, "colour")})
         outcomes = plot.quad(**edges, source=self.cells, fill_color="colour")
         self.heat = ColumnDataSource({name: [] for name in (*_CELLS, "height")})
@@ -93,21 +94,11 @@ class MapFigure:
         self.limits = ColumnDataSource({name: [] for name in ("x", "y", "text", "colour", "dash")})
         self.figure.vspan("x", source=self.limits, line_color="#FFFFFF", line_width=5)
         self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
+        box: dict[str, Any] = {"background_fill_color": "#FFFFFF", "background_fill_alpha": 0.75, "padding": 1}
         self.figure.text(
-            "x",
-            "y",
-            "text",
-            source=self.limits,
-            angle=np.pi / 2,
-            text_color="#000000",
-            text_font_size="12px",
-            text_baseline="bottom",
-            x_offset=-3,
-            y_offset=-6,
-            background_fill_color="#FFFFFF",
-            background_fill_alpha=0.75,
-            padding=1,
-        )
+            "x", "y", "text", source=self.limits, angle=np.pi / 2, text_color="#000000", text_font_size="12px",
+            text_baseline="bottom", x_offset=-3, y_offset=-6, **box,
+        )  # fmt: skip
 
     def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
         """Draw the map of one integrator, or what there is of it, and where each integrator stops working."""

@@ -143,13 +143,6 @@ def test_a_system_that_came_with_values_of_its_own_keeps_them():
     assert found["own"].values["k"] == 0.3
 
 
-def test_a_jump_and_further_conserved_quantities_are_kept():
-    for key in ("bouncing_ball", "kepler", "gene_switch"):
-        scene = Scene()
-        scene.use(core.CATALOGUE[key])
-        assert read(query(scene)) == (scene.settings(), [])
-
-
 def test_a_system_too_long_for_a_link_is_refused_in_words():
     scene = Scene()
     scene.use(own_system(doc="é" * 5000))
@@ -214,25 +207,11 @@ HOSTILE = [
     ("starts=1,2;0,0;3,4", "Start 2", "no surface"),
     ("starts=" + "1,1;" * 1_000_000, "link", "cut"),
     ("starts=" + "1,1;" * 500 + "1,1", "501 starts", "first 12"),
-    ("own={}", "own", "lacks its name"),
     ("own=[]", "own", "a list is no system"),
-    ("own=null", "own", "is no system"),
-    ('own={"name":"m","variables":["x"],"f_minus":["1"],"f_plus":["1"],"g":"x"}', "own", "two variables"),
     ("own=" + "[" * 3000, "own", "no description"),
-    ("own=" + "[" * 900 + "]" * 900, "own", "is no system"),
-    ('own={"name":' + "[" * 900 + "]" * 900 + ',"variables":[],"f_minus":[],"f_plus":[],"g":"x"}', "own", "no text"),
-    ('own={"name":NaN}', "own", "no description"),
-    ('own={"name":"m","variables":"x","f_minus":["1"],"f_plus":["1"],"g":"x"}', "own", "is no list"),
-    ('own={"name":"m","variables":[],"f_minus":[],"f_plus":[],"g":"x","laws":1}', "own", "“laws” is no part"),
     (OWN_START + "[%22__import__('os').system('ls')%22]}", "own", "not allowed"),
-    (OWN_START + "[%22().__class__.__bases__%22]}", "own", "not allowed"),
-    (OWN_START + "[%22(lambda:0)()%22]}", "own", "not allowed"),
     (OWN_START + "[%229**9**9**9%22]}", "own", "f_minus"),
     (OWN_START + "[%22x%22],%22x0%22:[1e400]}", "own", "finite"),
-    (OWN_START + "[%22x%22],%22x0%22:[1" + "0" * 400 + "]}", "own", "too large"),
-    (OWN_START + "[%22x%22],%22x0%22:[true]}", "own", "is no number"),
-    (OWN_START + "[%22x%22],%22parameters%22:[{%22name%22:%22__class__%22,%22default%22:1}]}", "own", "not usable"),
-    (OWN_START + "[%22x%22],%22values%22:{%22k%22:1}}", "own", "unknown parameter"),
 ]
 
 

@@ -14,7 +14,7 @@ from pwsviz.player import Player
 from pwsviz.results import PortraitInputs, Results
 from pwsviz.scene import Scene
 from pwsviz.views.conserved import ConservedView
-from pwsviz.views.portrait import BESIDE, KIND_MARKERS, PortraitView, extent, link_crossings
+from pwsviz.views.portrait import BESIDE, KIND_MARKERS, PortraitView, extent
 
 TWO = ((-1.0, -1.0), (-0.5, 0.2))
 
@@ -168,14 +168,6 @@ def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
     view.draw(TWO, 1)
     assert "2 trajectories; number 2 starts at (-0.5, 0.2)" in view.figure.html_attributes["aria-label"]
     assert view.figure.html_attributes["role"] == "img"
-
-
-def test_links_of_the_views_name_the_sources_of_both():
-    portrait, conserved = Watched(), ConservedView()
-    link_crossings(portrait, conserved)
-    for view in (portrait, conserved):
-        assert view.hover.callback.args["portrait"] is portrait.pointed
-        assert view.hover.callback.args["conserved"] is conserved.pointed
 
 
 def test_a_closed_player_makes_and_sends_nothing():

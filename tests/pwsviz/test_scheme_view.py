@@ -161,51 +161,6 @@ def test_a_jump_and_a_surface_that_moves_are_in_the_equations() -> None:
     assert "g ( x-hat ) = 0" in said(scheme_markup(core.CATALOGUE["pendulum"], "dmm2"))
 
 
-def diagnosed(tau: float, method: str = "dmm2") -> tuple[core.PiecewiseSystem, core.Trajectory, core.Diagnosis]:
-    system = core.CATALOGUE["elliptic_curve"]
-    run = core.integrate(system, (0.0, 10.0), tau=tau, method=method)
-    return system, run, core.diagnose(run)
-
-
-def test_constants_of_a_run_are_the_worst_over_its_crossings() -> None:
-    system, run, diagnosis = diagnosed(0.01)
-    text = scheme_markup(system, "dmm2", diagnosis, run)
-    for value in (
-        diagnosis.alpha_S2, diagnosis.alpha_hat_S2, diagnosis.M.max(), diagnosis.M_hat.max(),
-        diagnosis.tau_minus.min(), diagnosis.tau_plus.min(), diagnosis.window.min(), diagnosis.window_hat.min(),
-    ):  # fmt: skip
-        assert f'<span class="number">{value:.3g}</span>' in text
-    assert "τ keeps every bound" in text
-    assert 'role="alert"' not in text
-
-
-def test_a_step_beyond_a_bound_is_warned_of_in_words() -> None:
-    system, run, diagnosis = diagnosed(0.6)
-    assert diagnosis.warnings
-    text = scheme_markup(system, "dmm2", diagnosis, run)
-    assert 'role="alert"' in text
-    assert "&lt; τ" in text
-    assert text.count("<li>") == len(diagnosis.warnings)
-    items = "".join(re.findall("<li>.*?</li>", text))
-    assert "α²/M" in items
-    assert not re.search("tau|alpha", items)
-
-
-def test_a_run_without_crossings_says_so() -> None:
-    system = core.CATALOGUE["elliptic_curve"]
-    run = core.integrate(system, (0.0, 1e-2), tau=1e-3)
-    assert "No crossings." in scheme_markup(system, "dmm2", core.diagnose(run), run)
-
-
-def test_accumulating_crossings_are_no_warning_against_the_step() -> None:
-    ball = core.CATALOGUE["bouncing_ball"]
-    run = core.integrate(ball, (0.0, 5.0))
-    assert run.status is core.Status.ZENO
-    text = scheme_markup(ball, "dmm2", core.diagnose(run), run)
-    assert "accumulate" in text
-    assert 'role="alert"' not in text
-
-
 def test_what_a_person_typed_is_never_markup() -> None:
     hostile = '<img src=x onerror="alert(1)">'
     parameters = (core.Parameter("k", 1.0, doc=hostile, latex=hostile),)

@@ -72,7 +72,7 @@ def stability_study(
     tau: float | None = None,
     steps: int = 1_000_000,
     executor: Executor | None = None,
-    progress: Callable[[int, int, StabilityStudy], None] | None = None,
+    progress: Callable[[int, int, StabilityStudy], object] | None = None,
     cancel: Cancel | None = None,
 ) -> StabilityStudy:
     """Find out how far a method can be trusted.

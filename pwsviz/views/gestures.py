@@ -1,0 +1,167 @@
+"""Stars that are dragged, chosen and removed by hand: what the browser does by itself, and what it tells the server."""
+
+from __future__ import annotations
+
+from bokeh.events import MouseEnter
+from bokeh.models import ColumnDataSource, CustomJS
+from bokeh.plotting import figure
+
+__all__ = ["GESTURES", "attach_gestures"]
+
+GESTURES = """
+const view = cb_context.index.find_one(plot)
+const ground = view?.canvas_view.events_el
+if (ground == null || ground.dataset.gestures) { return }
+ground.dataset.gestures = "on"
+
+const FINGER = 22, MOUSE = 11, STILL = 4   // pixels
+const DOUBLE = 400, PAUSE = 50             // milliseconds
+let held = null      // the star under the hand
+let dropped = null   // the one that was there last, until the server has heard of it
+let last_tap = null  // of a finger on a star
+let pointed = false  // whether the pointer is over the figure
+
+const reach = event => event.pointerType == "mouse" ? MOUSE : FINGER
+const place = event => {
+  const box = ground.getBoundingClientRect()
+  return [event.clientX - box.left, event.clientY - box.top]
+}
+const screen = index =>
+  [view.frame.x_scale.compute(starts.data.x[index]), view.frame.y_scale.compute(starts.data.y[index])]
+const star_at = event => {
+  const [sx, sy] = place(event)
+  if (!view.frame.bbox.contains(sx, sy)) { return null }
+  let found = null, least = reach(event)
+  for (let index = 0; index < starts.data.x.length; index++) {
+    const [x, y] = screen(index)
+    const gap = Math.hypot(x - sx, y - sy) - (starts.data.chosen[index] ? 0.5 : 0)
+    if (gap <= least) { least = gap; found = index }
+  }
+  return found
+}
+const say = (act, index, x, y) => {
+  hand.data = { act: [act], index: [index], x: [x], y: [y], count: [hand.data.count[0] + 1] }
+}
+const put = star => {  // in place: the server knows it from `say`
+  if (star.index >= starts.data.x.length) { return }
+  starts.data.x[star.index] = star.x
+  starts.data.y[star.index] = star.y
+  starts.change.emit()
+}
+const tell = act => {
+  clearTimeout(held.timer)
+  held.timer = null
+  held.told = performance.now()
+  say(act, held.index, held.x, held.y)
+}
+const stop = event => {
+  event.stopImmediatePropagation()
+  event.preventDefault()
+}
+const drop = () => {
+  if (held.moved) {
+    tell("drop")
+    dropped = { ...held, count: hand.data.count[0] }
+  }
+  held = null
+}
+
+ground.addEventListener("pointerdown", event => {
+  if (held != null) { return stop(event) }
+  if (event.button != 0) { return }
+  const index = star_at(event)
+  if (index == null) { return }
+  stop(event)
+  ground.focus({ preventScroll: true })
+  ground.setPointerCapture(event.pointerId)
+  const [sx, sy] = place(event), [x, y] = screen(index)
+  held = { index, pointer: event.pointerId, sx, sy, dx: x - sx, dy: y - sy, x: starts.data.x[index],
+           y: starts.data.y[index], moved: false, told: -Infinity, timer: null }
+}, { capture: true })
+
+ground.addEventListener("pointermove", event => {
+  if (held == null) { return }
+  stop(event)
+  if (event.pointerId != held.pointer) { return }
+  const [sx, sy] = place(event), frame = view.frame.bbox
+  if (!held.moved && Math.hypot(sx - held.sx, sy - held.sy) < STILL) { return }
+  held.moved = true
+  ground.style.cursor = "grabbing"
+  held.x = view.frame.x_scale.invert(Math.min(Math.max(sx + held.dx, frame.left), frame.right))
+  held.y = view.frame.y_scale.invert(Math.min(Math.max(sy + held.dy, frame.top), frame.bottom))
+  put(held)
+  const wait = held.told + PAUSE - performance.now()
+  if (wait <= 0) { tell("drag") } else { held.timer ??= setTimeout(() => tell("drag"), wait) }
+}, { capture: true })
+
+ground.addEventListener("pointerup", event => {
+  if (held == null) { return }
+  stop(event)
+  if (event.pointerId != held.pointer) { return }
+  const { index, moved } = held
+  drop()
+  if (moved) { return }
+  const again = last_tap?.index == index && event.timeStamp - last_tap.time < DOUBLE
+  last_tap = event.pointerType == "mouse" || again ? null : { index, time: event.timeStamp }
+  say(again ? "remove" : "select", index, 0, 0)
+}, { capture: true })
+
+ground.addEventListener("pointercancel", event => {
+  if (held?.pointer == event.pointerId) { drop() }
+}, { capture: true })
+
+// After Bokeh's own, which sets the cursor too.
+ground.addEventListener("pointermove", event => { if (star_at(event) != null) { ground.style.cursor = "grab" } })
+ground.addEventListener("pointerenter", () => { pointed = true })
+ground.addEventListener("pointerleave", () => { pointed = false })
+
+ground.addEventListener("touchstart", event => { if (held != null) { event.preventDefault() } }, { passive: false })
+
+starts.connect(starts.properties.data.change, () => {  // answers to what was said some time ago
+  if (held?.moved) {
+    put(held)
+  } else if (dropped != null && starts.data.heard[0] < dropped.count) {
+    put(dropped)
+  } else {
+    dropped = null
+  }
+})
+
+const NO_TEXT = ["range", "checkbox", "radio", "button", "submit"]
+const typing = node => node.isContentEditable || ["TEXTAREA", "SELECT"].includes(node.tagName)
+  || node.tagName == "INPUT" && !NO_TEXT.includes(node.type)
+const keydown = event => {
+  if (!ground.isConnected) { return document.removeEventListener("keydown", keydown) }  // its figure was made anew
+  if (event.key != "Delete" && event.key != "Backspace" || event.repeat || held != null) { return }
+  const path = event.composedPath()
+  if (path.some(typing) || !(pointed || path[0] == ground)) { return }
+  event.preventDefault()
+  say("remove", starts.data.chosen.indexOf(true), 0, 0)
+}
+document.addEventListener("keydown", keydown)
+"""
+"""Takes what begins on a star before the tools of the figure see it: all other gestures are theirs as ever."""
+
+
+def attach_gestures(plot: figure, starts: ColumnDataSource) -> ColumnDataSource:
+    """Let the stars of a figure be moved by hand.
+
+    Parameters
+    ----------
+    plot : figure
+        Where they are.
+    starts : ColumnDataSource
+        A row for each star, with columns x, y, chosen (one of them is) and heard: the last `count` the server knew of
+        when it sent them.
+
+    Returns
+    -------
+    ColumnDataSource
+        One row, replaced at each act of the hand: act ("drag", "drop", "select" or "remove"), index of the star, x and
+        y where it is now (of the first two), and count of the acts so far.
+    """
+    hand = ColumnDataSource({"act": [""], "index": [0], "x": [0.0], "y": [0.0], "count": [0]})
+    attach = CustomJS(args={"plot": plot, "starts": starts, "hand": hand}, code=GESTURES)
+    plot.js_on_change("inner_width", attach)  # once it is laid out, the figure has its element
+    plot.js_on_event(MouseEnter, attach)  # and again where it was given another one of the same size
+    return hand

@@ -1,0 +1,70 @@
+"""The table of the theory's constants: the worst of a run, and bounds that its step exceeds."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import core
+from pwsviz.views.constants import constants_markup
+from pwsviz.views.scheme import scheme_markup
+
+
+def diagnosed(tau: float, method: str = "dmm2") -> tuple[core.Trajectory, core.Diagnosis]:
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 10.0), tau=tau, method=method)
+    return run, core.diagnose(run)
+
+
+def test_constants_of_a_run_are_the_worst_over_its_crossings() -> None:
+    run, diagnosis = diagnosed(0.01)
+    text = constants_markup("dmm2", diagnosis, run)
+    for value in (
+        diagnosis.alpha_S2, diagnosis.alpha_hat_S2, diagnosis.M.max(), diagnosis.M_hat.max(),
+        diagnosis.tau_minus.min(), diagnosis.tau_plus.min(), diagnosis.window.min(), diagnosis.window_hat.min(),
+    ):  # fmt: skip
+        assert f'<span class="number">{value:.3g}</span>' in text
+    assert "τ keeps every bound" in text
+    assert 'role="alert"' not in text
+
+
+def test_a_step_beyond_a_bound_is_warned_of_in_words() -> None:
+    run, diagnosis = diagnosed(0.6)
+    assert diagnosis.warnings
+    text = constants_markup("dmm2", diagnosis, run)
+    assert 'role="alert"' in text
+    assert "&lt; τ" in text
+    assert text.count("<li>") == len(diagnosis.warnings)
+    items = "".join(re.findall("<li>.*?</li>", text))
+    assert "α²/M" in items
+    assert not re.search("tau|alpha", items)
+
+
+def test_a_run_without_crossings_says_so() -> None:
+    system = core.CATALOGUE["elliptic_curve"]
+    run = core.integrate(system, (0.0, 1e-2), tau=1e-3)
+    assert "No crossings." in constants_markup("dmm2", core.diagnose(run), run)
+
+
+def test_accumulating_crossings_are_no_warning_against_the_step() -> None:
+    ball = core.CATALOGUE["bouncing_ball"]
+    run = core.integrate(ball, (0.0, 5.0))
+    assert run.status is core.Status.ZENO
+    text = constants_markup("dmm2", core.diagnose(run), run)
+    assert "accumulate" in text
+    assert 'role="alert"' not in text
+
+
+def test_the_table_stands_in_the_scheme() -> None:
+    run, diagnosis = diagnosed(0.01)
+    assert constants_markup("dmm2", diagnosis, run) in scheme_markup(run.system, "dmm2", diagnosis, run)
+
+
+def test_without_a_run_there_is_no_table() -> None:
+    assert "there is none yet" in constants_markup("dmm2", None, None)
+
+
+@pytest.mark.parametrize(("method", "stands_in"), [("dmm2", ""), ("dmm4", "dmm2"), ("prk8", "classical Runge-Kutta")])
+def test_it_is_said_of_which_step_the_constants_are(method: str, stands_in: str) -> None:
+    run, diagnosis = diagnosed(0.01, method)
+    assert (stands_in in constants_markup(method, diagnosis, run).rpartition("</table>")[2]) is True
