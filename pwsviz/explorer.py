@@ -14,7 +14,6 @@ from panel_material_ui.template.base import Page
 import core
 from pwsviz.browser import Browser
 from pwsviz.desk import Desk
-from pwsviz.draft import Draft
 from pwsviz.editor import SystemEditor
 from pwsviz.history import History
 from pwsviz.link import adopt, query
@@ -95,9 +94,9 @@ class Explorer(pn.viewable.Viewer):
         link_crossings(self.stage.portrait, conserved.view)
         self.history = History(self.scene)
         self.sidebar = Sidebar(self.scene, self.edit)
-        self.editor = SystemEditor(self._use, current=self.scene.build)
+        self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
         self.editing = pmui.Dialog(
-            self.editor, title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
+            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
         )
         self.share = Share(self.scene, self._pieces)
         self.notice = text_pane("")
@@ -183,8 +182,10 @@ class Explorer(pn.viewable.Viewer):
 
     def edit(self) -> None:
         """Open the editor: on what was last written there, or else on the system at hand."""
-        if self.editor.draft == Draft():
+        if self.editor is None:
+            self.editor = SystemEditor(self._use, current=self.scene.build)
             self.editor.load(self.scene.build())
+            self.editing.objects = [self.editor]
         self.editing.open = True
 
     def _use(self, system: core.PiecewiseSystem) -> None:
@@ -225,7 +226,8 @@ class Explorer(pn.viewable.Viewer):
     def close(self) -> None:
         """Give up all work: the person has left."""
         self.desk.close()
-        self.editor.close()
+        if self.editor is not None:
+            self.editor.close()
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""

@@ -1,0 +1,83 @@
+"""The rest of the page in a real browser: views, own system, link, undo, taking away."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+from test_page import await_painted, type_into
+
+pytestmark = pytest.mark.browser
+
+
+def test_every_view_shows_itself_and_says_what_it_shows(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    type_into(page, "End time", "2")
+    for tab, words in (
+        ("Cost", re.compile("Fastest to an error")),
+        ("Stability", re.compile("Largest step size")),
+        ("Scheme", re.compile("The scheme: dmm2")),
+    ):
+        page.get_by_role("tab", name=tab).click()
+        page.get_by_text(words).first.wait_for(timeout=60_000)
+    assert page.locator("math").count() > 5
+
+
+def test_the_address_holds_the_scene_and_undo_brings_it_back(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    type_into(page, "Step size τ", "0.0125")
+    page.wait_for_url(re.compile(r"tau=0\.0125"))
+    page.get_by_role("combobox", name="System").click()
+    page.get_by_text("Pendulum", exact=True).click()
+    page.wait_for_url(re.compile("system=pendulum"))
+    page.reload()
+    page.get_by_text(re.compile("1,600 steps")).first.wait_for()
+    assert page.get_by_label("Step size τ").input_value() == "0.0125"
+    type_into(page, "Step size τ", "0.02")
+    page.get_by_text(re.compile("1,000 steps")).first.wait_for()
+    page.get_by_role("tab", name="Order").focus()
+    page.keyboard.press("Control+z")
+    page.get_by_text(re.compile("1,600 steps")).first.wait_for()
+
+
+def test_a_broken_link_is_told_and_harms_nothing(visit, address):
+    page = visit()
+    page.goto(f"{address}?v=1&system=pendulum&tau=soon&<script>alert(1)</script>=1&t_end=4.0")
+    page.get_by_text(re.compile("“soon”|soon")).first.wait_for()
+    await_painted(page, "Phase portrait")
+    page.get_by_text(re.compile("400 steps")).first.wait_for()
+    assert page.locator("script", has_text="alert(1)").count() == 0
+
+
+def test_a_system_is_typed_checked_and_used(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.get_by_role("button", name="Write your own").click()
+    page.get_by_text("This system is ready.").wait_for()
+    field = page.get_by_label("Field f₋, where g < 0")
+    field.fill("2*y\n3*x**2 + b")
+    page.get_by_text(re.compile("b")).first.wait_for()
+    page.get_by_role("button", name="Use this system").wait_for()
+    assert page.get_by_role("button", name="Use this system").is_disabled()
+    field.fill("2*y\n3*x**2 + a_minus")
+    page.get_by_text("This system is ready.").wait_for()
+    page.get_by_role("button", name="Use this system").click()
+    page.wait_for_url(re.compile("own="))
+    page.get_by_text(re.compile("21 crossings")).first.wait_for(timeout=60_000)
+
+
+def test_the_program_taken_away_computes_what_the_page_shows(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    page.get_by_role("button", name="Take away").click()
+    program = page.get_by_label("Python program")
+    program.wait_for()
+    out = subprocess.run([sys.executable, "-c", program.inner_text()], check=True, capture_output=True, text=True).stdout
+    assert "21 crossings" in out
+    for ending in ("CSV", "NPZ", "PNG"):
+        with page.expect_download() as download:
+            page.get_by_role("button", name=ending).first.click()
+        assert download.value.suggested_filename.endswith(ending.lower())
