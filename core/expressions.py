@@ -6,7 +6,7 @@ import ast
 import keyword
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -39,6 +39,7 @@ MAX_NODES = 400  #: operations and names
 MAX_EXPONENT = 64  #: size of a number used as an exponent
 MAX_DIGITS = 40  #: digits of one number
 MAX_BITS = 8000  #: of an exact constant on the way
+MAX_ROOT_BITS = 1100  #: of what stands under a root; more is no float
 _SMALLEST, _LARGEST = 1e-300, 1e300
 _CANCELS = 1e-12  #: a sum of constants smaller than this part of its terms is round-off
 
@@ -216,6 +217,7 @@ class _Reader:
         exact, real = operation
         if exact is _power:
             self.check_power(*operands)
+        self.check_roots(_roots_made(exact, *(e for e, _ in operands)))
         if all(v is not None for _, v in operands):
             self.check_value(_attempt(real, *(v for _, v in operands)))
         expression = exact(*(e for e, _ in operands))
@@ -242,6 +244,15 @@ class _Reader:
             raise self.fail(f"the exponent {exponent[1]:g} is beyond ±{MAX_EXPONENT}")
         if abs(exponent[1]) * _bits(base[0]) > MAX_BITS:
             raise self.fail("it contains a constant with too many digits")
+
+    def check_roots(self, roots: Sequence[tuple[sympy.Rational, sympy.Rational]]) -> None:
+        """Refuse long roots before sympy works them out: of 12**0.7123457 it makes (2**4246914*3**7123457)**1e-7."""
+        number = sympy.prod({base for base, _ in roots})  # equal exponents come together
+        if any(_root_bits(number, exponent) > MAX_ROOT_BITS for _, exponent in roots):
+            raise self.fail(
+                "a number to a fractional power is too long to work out exactly; write its value as a decimal number, "
+                "or make the number a parameter"
+            )
 
     def check_value(self, value: float, expression: sympy.Expr | None = None) -> None:
         """Refuse a constant that is no finite real number or, if given as an expression, too small to tell from 0."""
@@ -305,14 +316,55 @@ def _bits(term: sympy.Expr) -> int:
     return max(factor.p.bit_length(), factor.q.bit_length()) if factor.is_Rational else 0
 
 
+def _roots_made(exact: Callable[..., sympy.Expr], *operands: sympy.Expr) -> list[tuple[sympy.Rational, sympy.Rational]]:
+    """Rational numbers, each with its fractional exponent, that come together in an operation: u**r, exp(r*log(u)), u*v."""
+    if exact is _power and operands[0] is not sympy.E:
+        return _roots(*operands) if operands[1].is_Rational else []
+    if exact is sympy.sqrt:
+        return _roots(operands[0], sympy.Rational(1, 2))
+    if exact in (_power, sympy.exp):
+        terms = (term.as_coeff_Mul() for term in sympy.Add.make_args(operands[-1]))
+        return [root for factor, rest in terms if rest.func is sympy.log for root in _roots(rest.args[0], factor)]
+    if exact in (_times, _over):
+        left, right = (_roots(u, sympy.Integer(1)) for u in operands)
+        return [*left, *((base, -e if exact is _over else e) for base, e in right)]
+    return []
+
+
+def _roots(u: sympy.Expr, exponent: sympy.Rational) -> list[tuple[sympy.Rational, sympy.Rational]]:
+    """The rational factors of u, each with its exponent in u**exponent where that is a fraction."""
+    content, rest = u.primitive()
+    factors = [(content, 1), *(factor.as_base_exp() for factor in sympy.Mul.make_args(rest))]
+    numbers = [(abs(base), power * exponent) for base, power in factors if base.is_Rational and base not in (0, 1)]
+    return [(base, power) for base, power in numbers if power.is_Rational and not power.is_Integer]
+
+
+def _root_bits(number: sympy.Rational, exponent: sympy.Rational) -> int:
+    """Bound the bits of the integer under the root that sympy makes of number**exponent, by primes as sympy does."""
+    longest = 0
+    for n, p in ((number.p, exponent.p), (number.q, -exponent.p)):
+        powers = {prime: k * p % exponent.q for prime, k in sympy.Integer(n).factors(limit=2**15).items()}
+        common = math.gcd(*powers.values()) or 1
+        longest = max(longest, sum(power // common * prime.bit_length() for prime, power in powers.items()))
+    return longest
+
+
 def _power(base: sympy.Expr, exponent: sympy.Expr) -> sympy.Expr:
     return base**exponent
+
+
+def _times(u: sympy.Expr, v: sympy.Expr) -> sympy.Expr:
+    return u * v
+
+
+def _over(u: sympy.Expr, v: sympy.Expr) -> sympy.Expr:
+    return u / v
 
 
 _OPERATIONS: dict[type[ast.operator], tuple[Callable[..., sympy.Expr], Callable[..., float]]] = {
     ast.Add: (lambda a, b: a + b, lambda a, b: a + b),
     ast.Sub: (lambda a, b: a - b, lambda a, b: a - b),
-    ast.Mult: (lambda a, b: a * b, lambda a, b: a * b),
-    ast.Div: (lambda a, b: a / b, lambda a, b: a / b),
+    ast.Mult: (_times, lambda a, b: a * b),
+    ast.Div: (_over, lambda a, b: a / b),
     ast.Pow: (_power, lambda a, b: a**b),
 }

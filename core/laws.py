@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -20,6 +21,8 @@ __all__ = ["Laws", "Side", "derive"]
 
 #: numpy works out x*x*x ten times as fast as x**3.
 _POWERS_AS_PRODUCTS = create_expand_pow_optimization(4)
+
+_LONGEST = 2**53  #: of a whole number that is a float for certain
 
 Floats = NDArray[np.float64]
 
@@ -92,7 +95,7 @@ class Laws:
         """
         if key not in self._functions:
             names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
-            products = [_POWERS_AS_PRODUCTS(e.xreplace(names)) for e in expressions]
+            products = [_POWERS_AS_PRODUCTS(_with_floats(e).xreplace(names)) for e in expressions]
             self._functions[key] = sympy.lambdify(list(names.values()), products, "numpy")
         states = np.asarray(x, dtype=float)
         shape = np.broadcast_shapes(np.shape(t), states.shape[:-1])
@@ -107,12 +110,25 @@ class Laws:
         """Values of expressions at one state, as `evaluate` gives them, but in a tenth of its time."""
         if ("number", key) not in self._functions:
             names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
-            own = [e.xreplace(names) for e in expressions]
+            own = [_with_floats(e).xreplace(names) for e in expressions]
             self._functions["number", key] = sympy.lambdify(list(names.values()), own, "math")
         try:
             return np.array(self._functions["number", key](t, *x, *p.tolist()), dtype=float)
         except (ArithmeticError, ValueError, TypeError):  # no value, or a complex one, is nan or inf in numpy
             return self.evaluate(key, expressions, t, x, p)
+
+
+def _with_floats(expression: Expr) -> Expr:
+    """Return an expression whose long numbers are floats, as numpy has no integers of more than 64 bits."""
+    long = [n for n in expression.atoms(sympy.Rational) if max(abs(n.p), n.q) > _LONGEST]
+    return expression.xreplace({n: sympy.Float(_nearest(n), 17) for n in long})
+
+
+def _nearest(number: sympy.Rational) -> float:
+    try:
+        return float(number.p / number.q)
+    except OverflowError:
+        return math.copysign(math.inf, number.p)
 
 
 def _parse_all(texts: Sequence[Any], names: Sequence[str], what: str) -> tuple[Expr, ...]:

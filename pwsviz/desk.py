@@ -28,6 +28,8 @@ class Desk:
         self.closed = False
         self._lanes: dict[str, Lane] = {}
         self._asked: dict[str, Hashable] = {}
+        self._numbers: dict[str, int] = {}
+        self._shown: dict[str, int] = {}
         self._short = Lock()
 
     def ask(
@@ -60,7 +62,9 @@ class Desk:
             compute = partial(self._in_turn, compute)
         told = _Seldom(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
         report = told if advance is not None else _nobody
-        job = Job(lambda cancel: compute(cancel, report), partial(self._deliver, show), quiet, patience)
+        self._numbers[lane] = number = self._numbers.get(lane, 0) + 1
+        deliver = partial(self._deliver, partial(self._show_latest, lane, number, show))
+        job = Job(lambda cancel: compute(cancel, report), deliver, quiet, patience)
         self._lanes.setdefault(lane, Lane()).submit(job)
         return True
 
@@ -107,6 +111,12 @@ class Desk:
         """Compute something short, one at a time: threads that take turns every other moment take longer together."""
         with self._short:
             return compute(cancel, report)
+
+    def _show_latest(self, lane: str, number: int, show: Callable[[Any], None], outcome: Any) -> None:
+        """Show an outcome, unless a later one came before it: event loops promise no order."""
+        if number >= self._shown.get(lane, 0):
+            self._shown[lane] = number
+            show(outcome)
 
     def _pass_on(self, lane: str, inputs: Hashable, advance: Callable[..., None] | None, *news: Any) -> None:
         """Tell of progress, unless it is of something no longer wanted."""

@@ -62,6 +62,7 @@ PAGE_SX = {
         "borderBottom": "1px solid", "borderColor": "divider", "backgroundImage": "none",
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
+    ".MuiAppBar-root .MuiButton-root, .MuiAppBar-root .MuiIconButton-root": {"color": "text.primary"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
 }  # fmt: skip
 
@@ -86,6 +87,9 @@ class Explorer(pn.viewable.Viewer):
         super().__init__()
         self.scene = scene or Scene()
         self.results = results or RESULTS
+        self.notice = text_pane("")
+        if scene is None and pn.state.location is not None:
+            self.adopt(pn.state.location.search)  # before anything is asked for
         self.desk = Desk()
         self.views = {key: make(self.scene, self.results) for key, make in TABS.items()}
         conserved = self.views["conserved"]
@@ -99,7 +103,6 @@ class Explorer(pn.viewable.Viewer):
             title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
         )
         self.share = Share(self.scene, self._pieces)
-        self.notice = text_pane("")
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
         self.tabs = self._make_tabs()
@@ -141,6 +144,7 @@ class Explorer(pn.viewable.Viewer):
             self.desk.forget("view")
             return
         show, advance = partial(self._show, view, wanted), partial(self._advance, view)
+        view.expect(self.scene.declaration)
         asked = self.desk.ask(
             "view", (self.scene.view, wanted), partial(view.compute, wanted), show, advance, view.quiet, view.patience
         )
@@ -241,8 +245,6 @@ class Explorer(pn.viewable.Viewer):
     def page(self) -> Any:
         """Return the whole page, which gives up its work when the visitor leaves."""
         pn.state.on_session_destroyed(lambda _context: self.close())
-        if pn.state.location is not None:
-            self.adopt(pn.state.location.search)
         page = Page(
             title="pwsviz",
             header=self._header(),
@@ -264,9 +266,7 @@ class Explorer(pn.viewable.Viewer):
         undo = pmui.IconButton(icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=4)
         self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
         undo.on_click(lambda _: self.history.undo())
-        share = pmui.Button(
-            label="Take away", icon="ios_share", variant="text", color="primary", size="small", margin=4, sx=PLAIN_SX
-        )
+        share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=PLAIN_SX)
         share.on_click(lambda _: self.share.open(self._page_address()))
         return [undo, share]
 

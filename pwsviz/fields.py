@@ -10,6 +10,17 @@ import panel as pn
 import panel_material_ui as pmui
 
 SLIDER_DIGITS = 3
+SPOKEN_LABEL_SX = {
+    ".MuiFormLabel-root": {
+        "position": "absolute",
+        "width": "1px",
+        "height": "1px",
+        "overflow": "hidden",
+        "clipPath": "inset(50%)",
+    }
+}
+"""Of a slider: its name is said, and not shown; the field above it shows it."""
+
 SLIDER_RESTS = 5
 """Milliseconds that Panel waits for further moves before it tells of one; it has 50, and no other way to say so."""
 
@@ -48,17 +59,17 @@ class NumberField(pn.viewable.Viewer):
         self.text = pmui.TextInput(
             label=label, size="small", margin=(9, 0, 2, 0), sizing_mode="stretch_width", description=description
         )
-        self.slider = None if bounds is None else self._make_slider(bounds)
+        self.slider = None if bounds is None else self._make_slider(f"{label}, slider", bounds)
         self.sync()
         self.text.param.watch(lambda event: self._take(event.new), "value")
         if self.slider is not None:
             self.slider.param.watch(lambda event: self._take(self._from_slider(event.new)), "value")
 
-    def _make_slider(self, bounds: tuple[float, float]) -> Any:
+    def _make_slider(self, name: str, bounds: tuple[float, float]) -> Any:
         low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
         slider: Any = pmui.FloatSlider(
-            start=low, end=high, value=low, step=(high - low) / 400, label="", show_value=False, tooltips=False,
-            size="small", margin=(0, 10, 0, 10), sizing_mode="stretch_width",
+            start=low, end=high, value=low, step=(high - low) / 400, label=name, show_value=False, tooltips=False,
+            size="small", margin=(0, 10, 0, 10), sizing_mode="stretch_width", sx=SPOKEN_LABEL_SX,
         )  # fmt: skip
         slider._debounce = SLIDER_RESTS
         return slider

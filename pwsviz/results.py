@@ -37,6 +37,9 @@ STUDY_HORIZON, STUDY_PROBE = 500.0, 1e-2
 STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
 """Long computations that run at the same time, whoever asked for them: sliders keep a processor for themselves."""
 
+BEFORE_THE_END = 0.9
+"""Up to this part of the time in which a solution ends, run times are compared."""
+
 FAR = 8.0
 """How far out an orbit is drawn, in sizes of what it starts from."""
 
@@ -314,10 +317,22 @@ def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStu
 
 
 def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) -> core.WorkPrecision:
-    return core.work_precision(
-        inputs.ground.build(),
+    system, start = inputs.ground.build(), inputs.ground.x0
+    probe = core.integrate(
+        system,
         (0.0, inputs.t_end),
-        x0=inputs.ground.x0,
+        start,
+        STUDY_PROBE,
+        inputs.methods[0],
+        record="end",
+        cancel=cancel,
+        max_steps=MAX_STEPS,
+    )
+    there = probe.status in (core.Status.COMPLETED, core.Status.STEP_LIMIT)
+    return core.work_precision(
+        system,
+        (0.0, inputs.t_end if there else BEFORE_THE_END * float(probe.t[-1])),
+        x0=start,
         methods=inputs.methods,
         peers=inputs.peers,
         executor=pool,

@@ -13,7 +13,7 @@ import panel_material_ui as pmui
 from bokeh.plotting import figure
 
 from pwsviz.link import query
-from pwsviz.panes import TEXT_CSS, heading
+from pwsviz.panes import PLAIN_SX, TEXT_CSS, heading
 from pwsviz.scene import Scene
 from pwsviz.snippet import snippet
 from pwsviz.takeaway import Table, csv_bytes, file_name, npz_bytes, png_callback
@@ -22,6 +22,16 @@ PROGRAM_CSS = """
 pre { max-height: 40vh; overflow: auto; padding: 8px 12px; margin: 0; border-radius: 4px; font-size: 0.8rem;
       background: color-mix(in srgb, currentColor 7%, transparent); }
 """
+
+
+COPY = {
+    "value": "navigator.clipboard.writeText(source.data.value)",
+    "object": """
+const page = new DOMParser().parseFromString(source.text, "text/html")
+navigator.clipboard.writeText(new DOMParser().parseFromString(page.body.textContent, "text/html").body.textContent)
+""",
+}
+"""What a button does to copy a field, and a pane: its text is markup, sent escaped once more."""
 
 
 class Piece(NamedTuple):
@@ -45,11 +55,13 @@ class Share(pn.viewable.Viewer):
     def __init__(self, scene: Scene, pieces: Callable[[], Sequence[Piece]]) -> None:
         super().__init__()
         self.scene, self._pieces = scene, pieces
-        self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(4, 0))
+        self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
         self.dialog = pmui.Dialog(
-            self.link, heading("Python"), self.program, heading("Numbers and pictures"), self.numbers,
+            self.link, self._copy("Copy the link", self.link, "value"),
+            heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
+            heading("Numbers and pictures"), self.numbers,
             title="Take away", title_variant="h6", width_option="md", close_on_click=True, show_close_button=True,
         )  # fmt: skip
 
@@ -69,10 +81,17 @@ class Share(pn.viewable.Viewer):
         self.numbers.objects = [self._row(piece) for piece in self._pieces()]
         self.dialog.open = True
 
+    @staticmethod
+    def _copy(label: str, source: Any, name: str) -> Any:
+        """Return a button that puts a text on the clipboard, in the browser alone."""
+        button = pmui.Button(label=label, icon="content_copy", variant="text", size="small", margin=0, sx=PLAIN_SX)
+        button.js_on_click(args={"source": source}, code=COPY[name])
+        return button
+
     def _row(self, piece: Piece) -> pn.Row:
         buttons = [self._download(piece, "csv", csv_bytes), self._download(piece, "npz", npz_bytes)]
         if piece.figure is not None:
-            image = pmui.Button(label="PNG", icon="image", variant="outlined", size="small", margin=(4, 4))
+            image = pmui.Button(label="PNG", icon="image", color="primary", size="small", margin=(4, 4))
             image.js_on_click(args={"name": file_name(self.scene, piece.title, "png")}, code=png_callback(piece.figure))
             buttons.append(image)
         return pn.Row(pmui.Typography(piece.title, margin=(8, 8), width=170), *buttons, margin=0)
@@ -84,11 +103,21 @@ class Share(pn.viewable.Viewer):
             """Write it in a thread: a million rows take seconds, and other people's sliders do not wait."""
             return await asyncio.to_thread(lambda: io.BytesIO(write(piece.table() or {}, scene_link)))
 
-        return pmui.FileDownload(
+        button = pmui.FileDownload(
             callback=data,
-            filename=file_name(self.scene, piece.title, ending), label=ending.upper(), auto=True,
-            size="small", margin=(4, 4),
-        )  # fmt: skip
+            filename=file_name(self.scene, piece.title, ending),
+            label=ending.upper(),
+            auto=True,
+            size="small",
+            margin=(4, 4),
+        )
+
+        # The browser downloads when the data change: so they are forgotten at once, and the next click brings them again.
+        def forget() -> None:
+            button.data = None
+
+        button.param.watch(lambda event: event.new and pn.state.execute(forget), "data")
+        return button
 
     def __panel__(self) -> pn.viewable.Viewable:
         """The dialog, closed until it is opened."""

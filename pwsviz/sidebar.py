@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from html import escape
 from typing import Any
 
 import panel as pn
@@ -87,6 +88,7 @@ class Sidebar(pn.viewable.Viewer):
         self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
         self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
         self._built_for: core.PiecewiseSystem | None = None
+        self._preset: core.PiecewiseSystem | None = None  # of the preset that is told of
         self.methods.param.watch(self._take_methods, "value")
         scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
         scene.param.watch(self._choose, ["system", "own", "axes"])
@@ -115,7 +117,8 @@ class Sidebar(pn.viewable.Viewer):
         coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
         self.fields = {key: self._number(key, **options) for key, options in (parameters | coordinates).items()}
         self._built_for = system
-        self.plane.param.update(options={_plane_name(system, axes): axes for axes in planes(system)})
+        self.plane.value = None  # else the browser keeps the names of the system before
+        self.plane.options = {_plane_name(system, axes): axes for axes in planes(system)}
         self.plane.visible = system.dimension > PLANE
         self.about.object = as_text(system.doc, "about")
         self.parameters.objects = [self.fields[key] for key in parameters]
@@ -129,7 +132,9 @@ class Sidebar(pn.viewable.Viewer):
             field.sync()
 
     def _choose(self, *_: Any) -> None:
-        """Show which system and which plane are chosen."""
+        """Show which system and which plane are chosen; what a preset said of another system goes."""
+        if self._preset is not self.scene.declaration:
+            self.preset_note.object = ""
         self.system.param.update(options=self._systems(), value=self.scene.system)
         if self.scene.axes in self.plane.options.values():
             self.plane.value = self.scene.axes
@@ -159,7 +164,9 @@ class Sidebar(pn.viewable.Viewer):
         if event.new:
             preset = PRESETS[event.new]
             self.scene.load(preset.settings)
-            self.preset_note.object = as_text(preset.look, "about") + as_text(preset.try_, "about")
+            title = f"<p><b>{escape(preset.title)}</b></p>"
+            self.preset_note.object = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
+            self._preset = self.scene.declaration
             self.presets.value = ""
 
     def _take_methods(self, event: Any) -> None:
@@ -170,6 +177,7 @@ class Sidebar(pn.viewable.Viewer):
             self.methods_message.object = ""
         except ValueError as reason:
             self.methods_message.object = as_text(str(reason), "error")
+            self.methods.value = self.scene.used
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Top to bottom in the order one sets things up."""

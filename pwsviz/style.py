@@ -51,11 +51,11 @@ LINES = (
     Line(BLUE, (), "circle", 4.5),
     Line(SKY, (14, 4), "hex", 1.6),
     Line(PURPLE, (10, 4, 2, 4), "diamond", 1.6),
-    Line(ORANGE, (2, 3), "inverted_triangle", 1.6),
+    Line(ORANGE, (3, 3), "inverted_triangle", 2.4),
     Line(VERMILION, (8, 6), "square", 1.6),
     Line(GREEN, (4, 4), "triangle", 1.6),
     Line(BROWN, (10, 4, 2, 4, 2, 4), "star", 1.6),
-    Line(OCHRE, (2, 8), "plus", 1.6),
+    Line(OCHRE, (6, 2), "plus", 2.4),
     Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),
 )
 """One for each integrator, in the order of `core.METHODS`: no two agree in colour, nor in dash."""

@@ -50,6 +50,8 @@ def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
     """Return the slopes of a study in words: the same as the plot shows, for those who cannot see it."""
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
     words = f"{study.method}: {slopes}. Measured against: {study.reference}."
+    if not any(math.isfinite(row.slope) for row in rows):
+        words += " Too few errors are above round-off to fit a slope to."
     if study.crossings != STUDY_CROSSINGS:
         usual = ", ".join(map(str, STUDY_CROSSINGS))
         words += f" The trajectory ends too early to look at crossings {usual} as usual."

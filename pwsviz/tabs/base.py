@@ -8,6 +8,7 @@ from typing import Any
 import panel as pn
 from bokeh.plotting import figure
 
+import core
 from pwsviz.panes import fade, plot_pane, text_pane
 from pwsviz.progress import Progress
 from pwsviz.results import Report, Results
@@ -49,6 +50,7 @@ class Tab(pn.viewable.Viewer):
         self.scene, self.results = scene, results
         self.words = text_pane("")
         self.outcome: Outcome | None = None
+        self._system: core.PiecewiseSystem | None = None
         self.shown: Hashable = None
         self.built = False
         self.plots: list[pn.pane.Bokeh] = []
@@ -110,9 +112,15 @@ class Tab(pn.viewable.Viewer):
         if self.outcome is not None and self.built:
             self._say(self.draw(self.outcome))
 
+    def expect(self, system: core.PiecewiseSystem) -> None:
+        """Clear away the words, and fade the figures, of a system that is no longer the one at hand."""
+        if self._system not in (None, system):
+            self.await_system("")
+        self._system = system
+
     def await_system(self, words: str) -> None:
         """Fade what is shown: it is another system's."""
-        self.shown = None
+        self.shown = self.outcome = None
         self.words.object = words
         self._fade(past=True)
 

@@ -55,7 +55,11 @@ class OrderTab(LongTab):
         rows, order = self._rows(outcome), core.METHODS[outcome.method].order
         assert order is not None  # noqa: S101  (a study needs one)
         self.view.show(outcome.taus, rows, float(outcome.floor), order)
-        return study_text(outcome, rows)
+        words = study_text(outcome, rows)
+        chosen = self.scene.looked_into
+        if chosen != outcome.method and core.METHODS[chosen].adaptive:
+            words += f" {chosen} chooses its own steps and has no order; {outcome.method} is shown in its place."
+        return words
 
     def table(self) -> Table | None:
         """Return both errors over the step sizes."""

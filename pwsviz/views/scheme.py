@@ -284,7 +284,8 @@ class _Record:
     def hold(self, increments: Sequence[Expr]) -> Sequence[Expr]:
         return increments
 
-    move_onto_levels = hold
+    def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> Sequence[Expr]:
+        return increments
 
 
 def _recorded(laws: Laws, method: str) -> _Record:

@@ -133,8 +133,9 @@ def _drift(study: core.StabilityStudy, drift: Drift) -> list[str]:
             if message:
                 sentences.append(f"{name}: {message}")
             continue
-        end = f"|Δψ| ≤ {rounded_up(float(error[known].max()))} up to t = {drift.t[known[-1]]:.4g}"
         stopped = status not in (core.Status.COMPLETED, core.Status.RUNNING)
+        until = "until it stops" if stopped else f"up to t = {drift.t[known[-1]]:.4g}"
+        end = f"|Δψ| ≤ {rounded_up(float(error[known].max()))} {until}"
         sentences.append(f"{name}: {end}." + (f" It stops at {message}" if stopped else ""))
     if len(sentences) == 1:
         sentences.append("No conserved quantity is known, so there is no drift to see.")
