@@ -112,11 +112,14 @@ class Share(pn.viewable.Viewer):
             margin=(4, 4),
         )
 
-        # The browser downloads when the data change: so they are forgotten at once, and the next click brings them again.
         def forget() -> None:
-            button.data = None
+            button.data = None  # the browser downloads when they change: so the next click brings them again
 
-        button.param.watch(lambda event: event.new and pn.state.execute(forget), "data")
+        def after(event: Any) -> None:
+            if event.new is not None:
+                pn.state.execute(forget)
+
+        button.param.watch(after, "data")
         return button
 
     def __panel__(self) -> pn.viewable.Viewable:

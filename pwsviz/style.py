@@ -13,6 +13,7 @@ from bokeh.models import (
     DataRange1d,
     FixedTicker,
     LogAxis,
+    Scatter,
     WheelZoomTool,
 )
 from bokeh.models.annotations import Legend, LegendItem, Span
@@ -160,12 +161,27 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> 
         A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
     """
     items = [LegendItem(label=label, renderers=[renderer]) for label, renderer in entries]
+    for item, (_, renderer) in zip(items, entries, strict=True):
+        if isinstance(renderer.glyph, Scatter):
+            _show_while_there(item, renderer.data_source)
     look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
     legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
     # The page's theme narrows the glyphs in the browser, so far that dashes could not be told apart.
     legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
     plot.add_layout(legend, "below")
     return items
+
+
+def _show_while_there(item: LegendItem, source: ColumnDataSource) -> None:
+    """Name marks only while there are any; the browser fails to draw the mark of none."""
+
+    def follow(_attribute: str, _old: object, data: dict[str, Any]) -> None:
+        there = any(len(column) for column in data.values())
+        if item.visible != there:
+            item.visible = there
+
+    follow("data", None, source.data)
+    source.on_change("data", follow)
 
 
 def assign(source: ColumnDataSource, **columns: Any) -> None:
