@@ -6,7 +6,7 @@ import ast
 import keyword
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -42,6 +42,8 @@ MAX_BITS = 8000  #: of an exact constant on the way
 MAX_ROOT_BITS = 1100  #: of what stands under a root; more is no float
 _SMALLEST, _LARGEST = 1e-300, 1e300
 _CANCELS = 1e-12  #: a sum of constants smaller than this part of its terms is round-off
+
+Root = tuple[sympy.Rational, sympy.Rational]  #: a number and its fractional exponent
 
 _NOT_REAL = "it contains a constant that is not a finite real number"
 _ALLOWED = "numbers, the system's variables and parameters, t, pi, e, + - * / **, and " + " ".join(FUNCTIONS)
@@ -242,13 +244,15 @@ class _Reader:
             return
         if abs(exponent[1]) > MAX_EXPONENT and (base[1] is None or base[0].is_Rational):
             raise self.fail(f"the exponent {exponent[1]:g} is beyond ±{MAX_EXPONENT}")
+        if not exponent[0].is_Rational and abs(exponent[1] - round(exponent[1])) < _CANCELS:
+            # sympy would look for the minimal polynomial of their difference, to tell its sign
+            raise self.fail(f"an exponent cannot be told from {round(exponent[1])}; write {round(exponent[1])}")
         if abs(exponent[1]) * _bits(base[0]) > MAX_BITS:
             raise self.fail("it contains a constant with too many digits")
 
-    def check_roots(self, roots: Sequence[tuple[sympy.Rational, sympy.Rational]]) -> None:
+    def check_roots(self, roots: Sequence[Root]) -> None:
         """Refuse long roots before sympy works them out: of 12**0.7123457 it makes (2**4246914*3**7123457)**1e-7."""
-        number = sympy.prod({base for base, _ in roots})  # equal exponents come together
-        if any(_root_bits(number, exponent) > MAX_ROOT_BITS for _, exponent in roots):
+        if any(bits > MAX_ROOT_BITS for bits in _root_bits(roots)):
             raise self.fail(
                 "a number to a fractional power is too long to work out exactly; write its value as a decimal number, "
                 "or make the number a parameter"
@@ -316,8 +320,8 @@ def _bits(term: sympy.Expr) -> int:
     return max(factor.p.bit_length(), factor.q.bit_length()) if factor.is_Rational else 0
 
 
-def _roots_made(exact: Callable[..., sympy.Expr], *operands: sympy.Expr) -> list[tuple[sympy.Rational, sympy.Rational]]:
-    """Rational numbers, each with its fractional exponent, that come together in an operation: u**r, exp(r*log(u)), u*v."""
+def _roots_made(exact: Callable[..., sympy.Expr], *operands: sympy.Expr) -> list[Root]:
+    """Powers of numbers that come together in an operation: u**r, exp(r*log(u)), u*v."""
     if exact is _power and operands[0] is not sympy.E:
         return _roots(*operands) if operands[1].is_Rational else []
     if exact is sympy.sqrt:
@@ -327,11 +331,12 @@ def _roots_made(exact: Callable[..., sympy.Expr], *operands: sympy.Expr) -> list
         return [root for factor, rest in terms if rest.func is sympy.log for root in _roots(rest.args[0], factor)]
     if exact in (_times, _over):
         left, right = (_roots(u, sympy.Integer(1)) for u in operands)
-        return [*left, *((base, -e if exact is _over else e) for base, e in right)]
+        both = left and right  # else nothing is new
+        return [*left, *((base, -e if exact is _over else e) for base, e in right)] if both else []
     return []
 
 
-def _roots(u: sympy.Expr, exponent: sympy.Rational) -> list[tuple[sympy.Rational, sympy.Rational]]:
+def _roots(u: sympy.Expr, exponent: sympy.Rational) -> list[Root]:
     """The rational factors of u, each with its exponent in u**exponent where that is a fraction."""
     content, rest = u.primitive()
     factors = [(content, 1), *(factor.as_base_exp() for factor in sympy.Mul.make_args(rest))]
@@ -339,14 +344,23 @@ def _roots(u: sympy.Expr, exponent: sympy.Rational) -> list[tuple[sympy.Rational
     return [(base, power) for base, power in numbers if power.is_Rational and not power.is_Integer]
 
 
-def _root_bits(number: sympy.Rational, exponent: sympy.Rational) -> int:
-    """Bound the bits of the integer under the root that sympy makes of number**exponent, by primes as sympy does."""
-    longest = 0
-    for n, p in ((number.p, exponent.p), (number.q, -exponent.p)):
-        powers = {prime: k * p % exponent.q for prime, k in sympy.Integer(n).factors(limit=2**15).items()}
-        common = math.gcd(*powers.values()) or 1
-        longest = max(longest, sum(power // common * prime.bit_length() for prime, power in powers.items()))
-    return longest
+def _root_bits(roots: Sequence[Root]) -> Iterator[int]:
+    """Bound the bits of integers that sympy puts under roots, and factors, for numbers to fractional powers."""
+    numbers = {base for base, _ in roots}
+    if len(numbers) > 1:  # common factors are taken out, and equal exponents brought together
+        longest = max(exponent.q for _, exponent in roots)
+        yield longest * sum(max(n.p.bit_length(), n.q.bit_length()) for n in numbers) // 4
+        return
+    for base, exponent in roots:
+        yield _bits_under(base.p, exponent.p % exponent.q, exponent.q)
+        yield _bits_under(base.q, -exponent.p % exponent.q, exponent.q)
+
+
+def _bits_under(number: int, p: int, q: int) -> int:
+    """Bits under the root of number**(p/q) once all that can be is before it: 2**(2p mod q)*3**p of 12."""
+    powers = {prime: k * p % q for prime, k in sympy.Integer(number).factors(limit=2**15).items()}
+    common = math.gcd(*powers.values()) or 1
+    return sum(power // common * prime.bit_length() for prime, power in powers.items())
 
 
 def _power(base: sympy.Expr, exponent: sympy.Expr) -> sympy.Expr:

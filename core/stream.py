@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import sympy
 from sympy import Expr, Symbol
 
 from core.expressions import FUNCTIONS, TIME
-from core.identities import is_zero
+from core.identities import is_zero, size_expanded
 
 __all__ = ["stream_function"]
 
 #: Operations of one term that sympy is asked to integrate: what is larger could take it for ever.
 _MAX_OPERATIONS = 24
+_SOUGHT_TERMS, _SOUGHT_FACTORS, _SOUGHT_POWER = 60, 3, 8  #: of a field whose antiderivatives sympy is asked for
 _WHITELIST = tuple(exact for name, (exact, _) in FUNCTIONS.items() if name != "sqrt")
 
 
@@ -28,6 +30,8 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol]) -> Expr 
         (x, y).
     """
     if len(variables) != 2 or any(f.has(TIME) for f in field):
+        return None
+    if not _is_soon_integrated(field, variables):
         return None
     (x, y), (u, v) = variables, field
     if not is_zero(u.diff(x) + v.diff(y)):
@@ -66,3 +70,45 @@ def _is_plain(expression: Expr) -> bool:
         node.is_Symbol or node.is_number or node.is_Add or node.is_Mul or node.is_Pow or node.func in _WHITELIST
         for node in sympy.preorder_traversal(expression)
     )
+
+
+def _is_soon_integrated(field: Sequence[Expr], variables: Sequence[Symbol]) -> bool:
+    """Whether sympy finds the antiderivatives of a planar field, or gives up, in a fraction of a second.
+
+    It can spend minutes on a product of a few functions, or on high powers of one.
+    """
+    if any(size_expanded(f) > _SOUGHT_TERMS for f in field):
+        return False
+    terms = [
+        (term, v)
+        for f, v in zip(field, reversed(variables), strict=True)
+        for term in sympy.Add.make_args(sympy.expand(f))
+    ]
+    return sum(_effort(*term) for term in terms) <= _SOUGHT_FACTORS
+
+
+def _effort(term: Expr, variable: Symbol) -> float:
+    """Count the factors of a term that are no power of the variable, each as often as it stands there."""
+    powers = [part.as_base_exp() for part in sympy.Mul.make_args(term) if part.has(variable)]
+    others = [p for p in powers if p[0] != variable or not p[1].is_Integer]
+    if others and any(abs(exponent) > _SOUGHT_POWER for _, exponent in powers if exponent.is_Rational):
+        return math.inf
+    return sum(_effort_of_power(base, exponent, variable) for base, exponent in others)
+
+
+def _effort_of_power(base: Expr, exponent: Expr, variable: Symbol) -> float:
+    inner, most = (base.args[0], 2) if base.is_Function else (base, 4)
+    if _degree(inner, variable) > most or _degree(exponent, variable) > 2:
+        return math.inf
+    return max(1.0, abs(float(exponent))) if exponent.is_Rational else 1.0
+
+
+def _degree(expression: Expr, variable: Symbol) -> float:
+    """Degree of a polynomial in a variable, infinite where it is none."""
+    if not expression.has(variable):
+        return 0
+    if expression.is_Add or expression.is_Mul:
+        return (max if expression.is_Add else sum)(_degree(part, variable) for part in expression.args)
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return int(expression.exp) * _degree(expression.base, variable)
+    return 1 if expression == variable else math.inf

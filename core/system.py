@@ -14,7 +14,7 @@ import sympy
 from numpy.typing import ArrayLike
 
 from core.expressions import TIME, check_name, parse, to_text
-from core.identities import independent, is_larger, is_zero, size_expanded, tidied
+from core.identities import independent, is_larger, is_zero, tidied
 from core.laws import Floats, Laws, Side, derive
 from core.stream import stream_function
 
@@ -22,7 +22,6 @@ __all__ = ["Parameter", "PiecewiseSystem"]
 
 MAX_DIMENSION = 24
 _SHOWN_NODES = 200  #: of the time derivative of what is not conserved
-_SOUGHT_TERMS, _SOUGHT_FACTORS, _SOUGHT_POWER = 60, 3, 8  #: of a field whose antiderivatives sympy is asked for
 
 
 @dataclass(frozen=True)
@@ -269,7 +268,7 @@ class PiecewiseSystem:
         for sign, name in ((-1, "psi_minus"), (1, "psi_plus")):
             if self.dimension == 2 and not getattr(self, name):
                 side = self.laws.sides[sign]
-                found = stream_function(side.field, side.variables) if _is_soon_integrated(side) else None
+                found = stream_function(side.field, side.variables)
                 if found is not None and _is_readable(text := to_text(found), names):
                     object.__setattr__(self, name, (text,))
                     self.__dict__.pop("laws")  # they have a ψ more
@@ -302,48 +301,6 @@ def _is_readable(text: str, names: Iterable[str]) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _is_soon_integrated(side: Side) -> bool:
-    """Whether sympy finds the antiderivatives of a planar field, or gives up, in a fraction of a second.
-
-    It can spend minutes on a product of a few functions, or on high powers of one.
-    """
-    if any(size_expanded(f) > _SOUGHT_TERMS for f in side.field):
-        return False
-    terms = [
-        (term, v)
-        for f, v in zip(side.field, reversed(side.variables), strict=True)
-        for term in sympy.Add.make_args(sympy.expand(f))
-    ]
-    return sum(_effort(*term) for term in terms) <= _SOUGHT_FACTORS
-
-
-def _effort(term: sympy.Expr, variable: sympy.Symbol) -> float:
-    """Count the factors of a term that are no power of the variable, each as often as it stands there."""
-    powers = [part.as_base_exp() for part in sympy.Mul.make_args(term) if part.has(variable)]
-    others = [p for p in powers if p[0] != variable or not p[1].is_Integer]
-    if others and any(abs(exponent) > _SOUGHT_POWER for _, exponent in powers if exponent.is_Rational):
-        return math.inf
-    return sum(_effort_of_power(base, exponent, variable) for base, exponent in others)
-
-
-def _effort_of_power(base: sympy.Expr, exponent: sympy.Expr, variable: sympy.Symbol) -> float:
-    inner, most = (base.args[0], 2) if base.is_Function else (base, 4)
-    if _degree(inner, variable) > most or _degree(exponent, variable) > 2:
-        return math.inf
-    return max(1.0, abs(float(exponent))) if exponent.is_Rational else 1.0
-
-
-def _degree(expression: sympy.Expr, variable: sympy.Symbol) -> float:
-    """Degree of a polynomial in a variable, infinite where it is none."""
-    if not expression.has(variable):
-        return 0
-    if expression.is_Add or expression.is_Mul:
-        return (max if expression.is_Add else sum)(_degree(part, variable) for part in expression.args)
-    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
-        return int(expression.exp) * _degree(expression.base, variable)
-    return 1 if expression == variable else math.inf
 
 
 def _listed(given: Any, what: str) -> Sequence[Any]:

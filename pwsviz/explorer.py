@@ -31,7 +31,7 @@ from pwsviz.tabs.scheme import SchemeTab
 from pwsviz.tabs.stability import StabilityTab
 from pwsviz.takeaway import run_table
 from pwsviz.text import as_text
-from pwsviz.views.portrait import link_crossings
+from pwsviz.views.linking import link_crossings
 
 RESULTS = Results()
 """Shared by all sessions of the server: a second visitor finds the first picture ready."""
@@ -62,7 +62,7 @@ PAGE_SX = {
         "borderBottom": "1px solid", "borderColor": "divider", "backgroundImage": "none",
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
-    ".MuiAppBar-root .MuiButton-root, .MuiAppBar-root .MuiIconButton-root": {"color": "text.primary"},
+    ".MuiAppBar-root .MuiButton-root": {"color": "var(--mui-palette-text-primary) !important"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
 }  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,7 +14,6 @@ from bokeh.models import (
     DataRange1d,
     FixedTicker,
     LogAxis,
-    Scatter,
     WheelZoomTool,
 )
 from bokeh.models.annotations import Legend, LegendItem, Span
@@ -161,9 +161,6 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> 
         A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
     """
     items = [LegendItem(label=label, renderers=[renderer]) for label, renderer in entries]
-    for item, (_, renderer) in zip(items, entries, strict=True):
-        if isinstance(renderer.glyph, Scatter):
-            _show_while_there(item, renderer.data_source)
     look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
     legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
     # The page's theme narrows the glyphs in the browser, so far that dashes could not be told apart.
@@ -172,16 +169,13 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> 
     return items
 
 
-def _show_while_there(item: LegendItem, source: ColumnDataSource) -> None:
-    """Name marks only while there are any; the browser fails to draw the mark of none."""
+def unseen(columns: Iterable[str]) -> ColumnDataSource:
+    """Return a source of one mark that is nowhere.
 
-    def follow(_attribute: str, _old: object, data: dict[str, Any]) -> None:
-        there = any(len(column) for column in data.values())
-        if item.visible != there:
-            item.visible = there
-
-    follow("data", None, source.data)
-    source.on_change("data", follow)
+    A legend may be drawn before the first marks have arrived at their glyph; the browser fails to draw a mark of none.
+    """
+    words = {"marker": "circle", "colour": GREY, "fill": GREY, "label": "crossing"}
+    return ColumnDataSource({name: [words.get(name, np.nan)] for name in columns})
 
 
 def assign(source: ColumnDataSource, **columns: Any) -> None:

@@ -23,6 +23,7 @@ from pwsviz.style import (
     line_of,
     mark_levels,
     plain_figure,
+    unseen,
 )
 from pwsviz.text import rounded_up
 from pwsviz.views.portrait import KIND_COLOURS, KIND_MARKERS, describe
@@ -102,7 +103,7 @@ class ConservedView:
     def _tick_glyphs(self) -> None:
         plot = self.figure
         columns = ("t", "foot", "x", "y", "label", "kind", "marker", "colour", "number", "method")
-        self.instants = ColumnDataSource({name: [] for name in columns})
+        self.instants = unseen(columns)
         self.ticks = plot.scatter(
             "t", "foot", source=self.instants, marker="marker", size=9, fill_color="white", line_color="colour",
             line_width=1.8,

@@ -35,9 +35,9 @@ from pwsviz.style import (
     plain_figure,
     ranges,
     refit,
+    unseen,
 )
 from pwsviz.views.gestures import attach_gestures
-from pwsviz.views.linking import link_crossings as link_crossings
 
 KIND_MARKERS = {
     "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
@@ -161,7 +161,7 @@ class PortraitView:
     def _crossing_glyphs(self) -> None:
         plot = self.figure
         columns = ("x", "y", "label", "kind", "marker", "colour", "method", "number", "time")
-        self.crossings = ColumnDataSource({name: [] for name in columns})
+        self.crossings = unseen(columns)
         self.marks = plot.scatter(
             "x", "y", source=self.crossings, marker="marker", size=7, fill_color="white", line_color="colour",
             line_width=2,
@@ -182,7 +182,7 @@ class PortraitView:
     def _start_glyphs(self) -> None:
         plot = self.figure
         columns = ("x", "y", "number", "size", "fill", "chosen", "heard")
-        self.starts = ColumnDataSource({name: [] for name in columns})
+        self.starts = unseen(columns)
         self.stars = plot.scatter(
             "x", "y", source=self.starts, marker="star", size="size", fill_color="fill", line_color=RIM,
             line_width=1.2,

@@ -75,7 +75,9 @@ def test_the_program_taken_away_computes_what_the_page_shows(visit):
     page.get_by_role("button", name="Take away").click()
     program = page.get_by_label("Python program")
     program.wait_for()
-    out = subprocess.run([sys.executable, "-c", program.inner_text()], check=True, capture_output=True, text=True).stdout
+    out = subprocess.run(
+        [sys.executable, "-c", program.inner_text()], check=True, capture_output=True, text=True
+    ).stdout
     assert "21 crossings" in out
     for ending in ("CSV", "NPZ", "PNG"):
         with page.expect_download() as download:

@@ -167,6 +167,54 @@ def test_huge_powers_are_refused_before_they_are_worked_out(text: str) -> None:
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        *("(-1 + 1e300)**(1e-300/(-1))", "12**0.7123457", "(12*x)**0.7123457", "(12*x + 12*y)**0.7123457"),
+        *(
+            "exp(0.7123457*log(12))",
+            "e**(x + 0.7123457*log(12*y))",
+            "2**0.7123457*6**0.7123457*x",
+            "(1e300 - 1)**(9/13)",
+        ),
+        *(
+            "6**0.7123457/y/2**0.2876543",
+            "sqrt((9.81 - 1e-20)**(9.81 - 1e-20))",
+            "sqrt((1e300 - 1)/(1e299 - 1)*(1e298 - 1))",
+        ),
+    ],
+)
+def test_roots_that_take_for_ever_to_work_out_are_refused(text: str) -> None:
+    refused(text, "a decimal number, or make the number a parameter")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "((1e299 - 1)**1e-20)**(((1e299 - 1)**1e-20)**(1e-300**1e-300))",
+        "(x**y)**(1 + sqrt(2)*1e-200)",
+        "x**(3**1e-30 - 1)",
+    ],
+)
+def test_exponents_next_to_a_whole_number_are_refused(text: str) -> None:
+    refused(text, "")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("(3/1013.25)**0.190263*4", 4 * (3 / 1013.25) ** 0.190263),
+        ("10**0.30103", 10**0.30103),
+        ("2**0.3333333333333333", 2 ** (1 / 3)),
+        ("sqrt(1e300 - 1)", 1e150),
+        ("9.81**0.4567", 9.81**0.4567),
+        ("(2*5)**(1/3)*(12*7)**(2/3)", 10 ** (1 / 3) * 84 ** (2 / 3)),
+    ],
+)
+def test_common_powers_of_numbers_are_read(text: str, value: float) -> None:
+    assert float(sympy.N(parse(text, ()), 20)) == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(
     ("text", "says"),
     [
         ("x" * 10**6, "1000 at most"),

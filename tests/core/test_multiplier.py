@@ -14,7 +14,7 @@ from systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
 from core import PiecewiseSystem, divided
 from core.codegen import assignments
 from core.expressions import parse
-from core.multiplier import DiscreteField, Endpoints, slopes
+from core.multiplier import DIFFERENCES, DiscreteField, Endpoints, slopes
 
 X, Y, A, T = sympy.symbols("x y a t")
 ENDS = Endpoints.of((X, Y), {"x", "y", "a"})
@@ -197,3 +197,11 @@ def test_latex_of_the_discrete_field_shows_mathematics_only(system: PiecewiseSys
     assert text.count("{") == text.count("}")
     for internal in ("slope", "Symbol", "Dummy", "operatorname{sin_", "xi", "n_{"):
         assert internal not in text
+
+
+@pytest.mark.parametrize("phi", DIFFERENCES, ids=str)
+def test_ends_that_are_called_as_the_template_calls_them_are_not_mixed_up(phi: Any) -> None:
+    b, c = sympy.symbols("B C")
+    assert sympy.latex(DIFFERENCES[phi](b, c)) == sympy.latex(DIFFERENCES[phi](X, Y)).replace("y", "C").replace(
+        "x", "B"
+    )

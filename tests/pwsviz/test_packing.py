@@ -1,6 +1,7 @@
 """A system comes back from its description as it was; what is no description is refused in words."""
 
 import json
+import re
 
 import pytest
 
@@ -65,8 +66,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "says"), REFUSED, ids=[text[:40] for text, _ in REFUSED])
 def test_what_is_no_description_is_refused_in_words(text, says):
-    with pytest.raises(ValueError, match="^") as caught:
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
         unpacked(text)
-    assert says in str(caught.value)
     assert str(caught.value).isprintable()
     assert len(str(caught.value)) < 400
