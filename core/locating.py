@@ -53,7 +53,7 @@ class Motion(NamedTuple):
     run: Any
     p: Any
     w: Any  # frame; x, carry, increment, place are parts of it
-    memo: Any  # (rows, order + 1) of a variable-step method
+    memo: Any  # (rows, STRIDE) of a variable-step method
     x: Any
     carry: Any
     increment: Any

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 from core.codegen import Names, excess_lines, function_text
 from core.laws import Laws, Side
+from core.recurrences import STRIDE
 from core.series import SeriesCode, series_code
 from core.signatures import LENGTH, ORDER, SETTLED, TOLERANCE, UNIT
 
@@ -33,7 +34,7 @@ def reach_text(laws: Laws, side: Side) -> str:
     first, second = ("+".join(f"abs(c[{i}, {k}])" for i in range(d)) for k in (1, 2))
     attempt = [*code.lines, f"first, second = {first}, {second}", f"if not 0.0 < first < {_SLOW} * second:",
                "    break", "shrink = power_of_two(first / second)"]  # fmt: skip
-    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", "shrink = 1.0"]
+    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, {STRIDE}))", "shrink = 1.0"]
     lines += ["for _ in range(2):", *(f"    {line}" for line in attempt)]
     lines += _excess_lines(laws, side)
     lines += [f"w[{UNIT}] = unit", f"length = reach(c, {d}, order, w[{TOLERANCE}])"]
