@@ -70,8 +70,8 @@ def _exp2(y):
 @always_inlined
 def _log_radius(log_scale, log_before, log_last, order, power):
     """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order."""
-    last = (log_scale - log_last) / (order - power)
-    return min(last, (log_scale - log_before) / (order - 1 - power)) if order - 1 > power else last
+    last = (log_scale - log_last) * (1.0 / (order - power))  # the quotient is there before the coefficients are
+    return min(last, (log_scale - log_before) * (1.0 / (order - 1 - power))) if order - 1 > power else last
 
 
 @jitted

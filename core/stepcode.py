@@ -160,7 +160,7 @@ class StepCode:
             for line in (f"d{k} = fma(d{k}, square, c[{k}, j])", f"z{k} = fma(z{k}, square, c[{k}, j + 1])")
         ]
         self._lines += [f"order = int(w[{signatures.ORDER}])", f"c = carray(memo, ({len(d)}, {STRIDE}))"]
-        self._lines += [f"part = h / w[{signatures.UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
+        self._lines += [f"part = h * w[{signatures.PER_UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
         self._lines += [f"d{k}, z{k} = c[{k}, top], 0.0 if top == order else c[{k}, order]" for k in d]
         self._lines += ["for j in range(top - 2, 0, -2):", *(f"    {line}" for line in inner)]
         self._lines += [f"d{k} = d{k}*part + z{k}*square" for k in d]
