@@ -5,7 +5,7 @@ the others, which count some 2⁻⁵³ times less, in double precision. Where a 
 is as in double precision, with lo = 0.
 
 Relative errors as measured, at most, with u = 2⁻⁵³: exp 1.1 u², log 6 u² (near 1 too), sinh and cosh 3 u², tanh 7 u².
-Sine and cosine have an absolute error of 2.5 u² up to |a| = 2⁴⁶, and up to 10⁵ a relative one of 4 u² (tangent: 6 u²).
+Sine and cosine have an absolute error of 1.5 u² up to |a| = 2⁴⁶, and up to 10⁵ a relative one of 4 u² (tangent: 6 u²).
 The relative one grows beside the multiples of π/2: to 1900 u² at the doubles nearest to them, and without bound for
 pairs nearer still. Beyond 2⁴⁶ the result is one of double precision. Results below 2⁻⁹⁶⁸ lose digits, as low parts
 below 2⁻¹⁰²² do.
@@ -20,6 +20,7 @@ import math
 
 from numba import njit
 
+from core.arithmetic import two_sum
 from core.doubled import dd_add, dd_div, dd_mul, dd_scale, dd_square, fast_two_sum, fma, two_product
 from core.doubled_tables import (
     EXP_HIGH,
@@ -39,6 +40,7 @@ from core.doubled_tables import (
     SIN_STEPS_PER_UNIT,
     THIRD,
 )  # fmt: skip
+from core.pairs import pair_mul, pair_square
 
 __all__ = ["dd_cos", "dd_cosh", "dd_exp", "dd_log", "dd_pow", "dd_sin", "dd_sinh", "dd_tan", "dd_tanh"]
 
@@ -225,52 +227,75 @@ def dd_pow(ah, al, bh, bl):
 
 
 # Trigonometric functions --------------------------------------------------------------------------------------------
-# a = n π/64 + r, |r| ≤ π/128, and the functions of n π/64 from a table of the sine over a whole turn.
+# a = n π/512 + r, |r| ≤ π/1024, and the functions of n π/512 from a table of the sine over a whole turn.
 
-_QUARTER = 32
-#: n stays a whole number below 2⁵².
+_QUARTER, _TURN = 256, 1023
+#: Up to here three parts of π/512 are enough.
 _LARGEST_ANGLE = 2.0**46
+#: Beyond this the rounding of 512 a/π can make the n found another than the nearest, and leave more than π/1024.
+_CERTAIN_ANGLE = 2.0**35
+
+
+@_inline
+def _angle_reduced(ah, al, n):
+    """a − n π/512 of a whole number n beside 512 a/π."""
+    h, low = two_product(-n, SIN_STEP[0])
+    h, lost = fast_two_sum(h, ah)  # exact where |ah| is the larger: then they are within a factor of two (Sterbenz)
+    low, low_lost = two_sum(low, al)
+    mh, ml = two_product(-n, SIN_STEP[1])
+    low, rest = two_sum(low, mh)
+    h, low = two_sum(h, low)
+    return h, low + (lost + low_lost + rest + fma(-n, SIN_STEP[2], ml))
 
 
 @_inline
 def _sin_reduced(rh, rl, zh, zl):
-    """Sine of |r| ≤ π/128, z = r²."""
-    tail = 1 / 362880 - zh * (1 / 39916800 - zh * (1 / 6227020800))
-    h, low = fast_two_sum(-INVERSE_FACTORIALS[7][0], -INVERSE_FACTORIALS[7][1] + zh * tail)
-    h, low = _horner(zh, zl, h, low, INVERSE_FACTORIALS[5][0], INVERSE_FACTORIALS[5][1])
-    h, low = _horner(zh, zl, h, low, -INVERSE_FACTORIALS[3][0], -INVERSE_FACTORIALS[3][1])
-    h, low = _horner(zh, zl, h, low, 1.0, 0.0)
-    return dd_mul(rh, rl, h, low)
+    """Sine of |r| ≤ π/1024, z = r²."""
+    tail = -1 / 5040 + zh * (1 / 362880 - zh * (1 / 39916800))
+    h, low = fast_two_sum(INVERSE_FACTORIALS[5][0], INVERSE_FACTORIALS[5][1] + zh * tail)
+    h, low = pair_mul(zh, zl, h, low)
+    h, lost = fast_two_sum(-INVERSE_FACTORIALS[3][0], h)
+    h, low = pair_mul(zh, zl, h, lost + (low - INVERSE_FACTORIALS[3][1]))
+    h, low = pair_mul(rh, rl, h, low)
+    h, lost = fast_two_sum(rh, h)
+    return h, lost + (low + rl)
 
 
 @_inline
 def _cos_reduced(zh, zl):
-    """Cosine of |r| ≤ π/128, z = r²."""
-    tail = 1 / 40320 - zh * (1 / 3628800 - zh * (1 / 479001600))
-    h, low = fast_two_sum(-INVERSE_FACTORIALS[6][0], -INVERSE_FACTORIALS[6][1] + zh * tail)
-    h, low = _horner(zh, zl, h, low, INVERSE_FACTORIALS[4][0], INVERSE_FACTORIALS[4][1])
-    h, low = _horner(zh, zl, h, low, -0.5, 0.0)
-    return _horner(zh, zl, h, low, 1.0, 0.0)
+    """Cosine of |r| ≤ π/1024, less 1; z = r²."""
+    tail = -1 / 720 + zh * (1 / 40320 - zh * (1 / 3628800))
+    h, low = fast_two_sum(INVERSE_FACTORIALS[4][0], INVERSE_FACTORIALS[4][1] + zh * tail)
+    h, low = pair_mul(zh, zl, h, low)
+    h, lost = fast_two_sum(-0.5, h)
+    return pair_mul(zh, zl, h, lost + low)
 
 
 @_inline
 def _sin_parts(ah, al):
-    """n modulo 128, sin r and cos r."""
+    """n, sin r and cos r − 1."""
     n = math.floor(ah * SIN_STEPS_PER_UNIT + 0.5)
-    rh, rl = _reduce(ah, al, float(n), SIN_STEP)
-    zh, zl = dd_square(rh, rl)
+    rh, rl = _angle_reduced(ah, al, float(n))
+    if abs(ah) > _CERTAIN_ANGLE:
+        correction = math.floor(rh * SIN_STEPS_PER_UNIT + 0.5)
+        rh, rl = _angle_reduced(rh, rl, float(correction))
+        n += correction
+    zh, zl = pair_square(rh, rl)
     sh, sl = _sin_reduced(rh, rl, zh, zl)
     ch, cl = _cos_reduced(zh, zl)
-    return n & 127, sh, sl, ch, cl
+    return n, sh, sl, ch, cl
 
 
 @_inline
 def _sin_turned(n, sh, sl, ch, cl):
-    """Sine of n π/64 + r from sin r and cos r."""
-    i, j = n & 127, (n + _QUARTER) & 127
-    ph, pl = dd_mul(SIN_HIGH[i], SIN_LOW[i], ch, cl)
-    qh, ql = dd_mul(SIN_HIGH[j], SIN_LOW[j], sh, sl)
-    return dd_add(ph, pl, qh, ql)
+    """Sine of n π/512 + r from sin r and cos r − 1."""
+    i, j = n & _TURN, (n + _QUARTER) & _TURN
+    ph, pl = pair_mul(SIN_HIGH[i], SIN_LOW[i], ch, cl)
+    qh, ql = pair_mul(SIN_HIGH[j], SIN_LOW[j], sh, sl)
+    # The table's sine is 0, or larger than that of r, which is larger than what cos r takes from it.
+    h, lost = fast_two_sum(SIN_HIGH[i], qh)
+    h, rest = fast_two_sum(h, ph)
+    return fast_two_sum(h, lost + rest + (SIN_LOW[i] + (ql + pl)))
 
 
 @_inline

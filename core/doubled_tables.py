@@ -31,7 +31,7 @@ def _table(values: Iterable[Any]) -> Table:
 
 
 #: 1/n!, 1/3 and 1/5.
-INVERSE_FACTORIALS = tuple(_parts(1 / _mp.factorial(n)) for n in range(8))
+INVERSE_FACTORIALS = tuple(_parts(1 / _mp.factorial(n)) for n in range(6))
 THIRD = _parts(1 / _mp.mpf(3))
 FIFTH = _parts(1 / _mp.mpf(5))
 
@@ -46,7 +46,10 @@ LOG_FIRST = 90
 LOG_C = np.array([128.0 / i for i in range(LOG_FIRST, 182)])
 LOG_HIGH, LOG_LOW = _table(-_mp.log(c) for c in LOG_C.tolist())
 
-#: π/64 in three parts, its inverse, and the sine of n π/64 over a whole turn.
-SIN_STEP = _parts(_mp.pi / 64, 3)
-SIN_STEPS_PER_UNIT = float(64 / _mp.pi)
-SIN_HIGH, SIN_LOW = _table(_mp.sinpi(_mp.mpf(n) / 64) for n in range(128))
+#: π/512 in three parts, its inverse, and the sine of n π/512 over a whole turn.
+SIN_STEP = _parts(_mp.pi / 512, 3)
+SIN_STEPS_PER_UNIT = float(512 / _mp.pi)
+SIN_HIGH, SIN_LOW = (
+    np.concatenate((q[:-1], q[:0:-1], -q[:-1], -q[:0:-1]))
+    for q in _table(_mp.sinpi(_mp.mpf(n) / 512) for n in range(257))
+)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from core.doubled import fma
 from core.isolation import DOUBLE, NARROW, ROOT, first_root
 from core.jit import inlined, internal
-from core.signatures import G_END, LOOK, ORDER, RATE_END, SLACK, STEP, UNIT, call
+from core.signatures import G_END, LOOK, ORDER, PER_UNIT, RATE_END, SLACK, STEP, UNIT, call
 
 __all__ = [
     "BOUND",
@@ -53,7 +53,7 @@ class Motion(NamedTuple):
     run: Any
     p: Any
     w: Any  # frame; x, carry, increment, place are parts of it
-    memo: Any  # (rows, order + 1) of a variable-step method
+    memo: Any  # (rows, STRIDE) of a variable-step method
     x: Any
     carry: Any
     increment: Any
@@ -278,8 +278,8 @@ def _newton(motion, t, low, high):
 @inlined
 def root_of_series(motion, h):
     """What `first_root` says of the Taylor polynomial of the height, in its own unit of time."""
-    run, order, unit = motion.run, int(motion.w[ORDER]), motion.w[UNIT]
-    return first_root(motion.memo[motion.x.size], order, h / unit, run.leaving, motion.pieces)
+    run, order, w = motion.run, int(motion.w[ORDER]), motion.w
+    return first_root(motion.memo[motion.x.size], order, h * w[PER_UNIT], run.leaving, motion.pieces)
 
 
 @inlined

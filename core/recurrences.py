@@ -16,10 +16,12 @@ import numpy as np
 
 from core.jit import always_inlined, jitted
 
-__all__ = ["MAX_ORDER", "order_of", "power_of_two", "reach", "unsigned"]
+__all__ = ["MAX_ORDER", "STRIDE", "order_of", "power_of_two", "reach", "unsigned"]
 
 #: Outside these orders a step gains less than it costs.
 _LEAST_ORDER, MAX_ORDER = 8, 24
+#: Length of a row, whatever the order: a constant, so that one register points into all rows.
+STRIDE = MAX_ORDER + 1
 
 _LOG2_E = math.log2(math.e)
 #: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
@@ -68,8 +70,8 @@ def _exp2(y):
 @always_inlined
 def _log_radius(log_scale, log_before, log_last, order, power):
     """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order."""
-    last = (log_scale - log_last) / (order - power)
-    return min(last, (log_scale - log_before) / (order - 1 - power)) if order - 1 > power else last
+    last = (log_scale - log_last) * (1.0 / (order - power))  # the quotient is there before the coefficients are
+    return min(last, (log_scale - log_before) * (1.0 / (order - 1 - power))) if order - 1 > power else last
 
 
 @jitted

@@ -19,7 +19,7 @@ from core.laws import Floats
 from core.locating import MAX_LOOKS
 from core.march import compiled_march
 from core.methods import Method
-from core.recurrences import order_of
+from core.recurrences import STRIDE, order_of
 from core.signatures import ORDER, TOLERANCE, Frame
 from core.state import HIT, ROW, RUN
 from core.system import MAX_DIMENSION, PiecewiseSystem
@@ -110,7 +110,7 @@ class Runner:
         order = order_of(self.settings.tolerance)
         self._run["adaptive"] = 1
         self._w[ORDER], self._w[TOLERANCE] = order, self.settings.tolerance
-        self._memo = np.empty((memo_rows(self.system.laws), order + 1))
+        self._memo = np.empty((memo_rows(self.system.laws), STRIDE))
         self._scratch = (self._scratch[0], np.empty(scratch_shape(order)))
 
     @property

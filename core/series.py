@@ -227,10 +227,10 @@ class _Writer:
             return self.add(("*", *sorted((m, n))), first, lambda _: f"t*{other.newest} + unit*c[{row}, k - 1]")
         if m == n:
             inner = self.sums.product(self.row(a), self.row(a))
-            return self.add(("*", n, n), first, lambda _: f"2.0*({a.start}*{a.newest}) + {inner}")
-        ends = f"({a.start}*{b.newest} + {b.start}*{a.newest})"
+            return self.add(("*", n, n), first, lambda _: f"fma(2.0*{a.start}, {a.newest}, {inner})")
         inner = self.sums.product(self.row(a), self.row(b))
-        return self.add(("*", *sorted((m, n))), first, lambda _: f"{ends} + {inner}")
+        ends = f"fma({a.start}, {b.newest}, fma({b.start}, {a.newest}, {inner}))"
+        return self.add(("*", *sorted((m, n))), first, lambda _: ends)
 
     def quotient(self, u: _Sum, below: int) -> int:
         b = self.nodes[below]

@@ -8,8 +8,8 @@ functions of a system and method, in the order of `FUNCTIONS`:
 
 reach (one a side)
     Prepares a step from x: variable-step methods expand the solution in memo, in a unit of time that they write to
-    w[UNIT], and write the step length to w[LENGTH], and what ψ is above its level. w[SETTLED] is 1 where that is
-    nothing, for the levels have just been settled at this very state; it is reset.
+    w[UNIT], its inverse to w[PER_UNIT], and write the step length to w[LENGTH], and what ψ is above its level.
+    w[SETTLED] is 1 where that is nothing, for the levels have just been settled at this very state; it is reset.
 step (one a side)
     One step of length h from x + carry: writes the *increment* to w, and g and ġ at its end to w[G_END], w[RATE_END].
     Any h will do, of either sign: crossings are located on the scheme itself. Returns how often the field was
@@ -51,6 +51,7 @@ __all__ = [
     "LOOK",
     "NO_SOLUTION",
     "ORDER",
+    "PER_UNIT",
     "POLISH",
     "RATES",
     "RATE_END",
@@ -91,7 +92,8 @@ REACH, STEP, SETTLE, EXCESS, POLISH, LOOK, JUMP = (FUNCTIONS.index(f) for f in d
 
 #: Scalars at the head of a frame. RATES: ġ with the field of the minus side, then of the plus side.
 G_END, RATE_END, G, RATES, SLACK, LENGTH, UNIT, ORDER, TOLERANCE, DELAY, SETTLED = 0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11
-_HEAD = 12
+PER_UNIT = 12  #: 1 / UNIT
+_HEAD = 13
 
 
 class Frame(NamedTuple):

@@ -13,6 +13,7 @@ from core.elimination import KEPT, by_cofactors, least_change, with_pivots
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, named
+from core.recurrences import STRIDE
 
 __all__ = ["StepCode"]
 
@@ -158,8 +159,8 @@ class StepCode:
             for k in d
             for line in (f"d{k} = fma(d{k}, square, c[{k}, j])", f"z{k} = fma(z{k}, square, c[{k}, j + 1])")
         ]
-        self._lines += [f"order = int(w[{signatures.ORDER}])", f"c = carray(memo, ({len(d)}, order + 1))"]
-        self._lines += [f"part = h / w[{signatures.UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
+        self._lines += [f"order = int(w[{signatures.ORDER}])", f"c = carray(memo, ({len(d)}, {STRIDE}))"]
+        self._lines += [f"part = h * w[{signatures.PER_UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
         self._lines += [f"d{k}, z{k} = c[{k}, top], 0.0 if top == order else c[{k}, order]" for k in d]
         self._lines += ["for j in range(top - 2, 0, -2):", *(f"    {line}" for line in inner)]
         self._lines += [f"d{k} = d{k}*part + z{k}*square" for k in d]

@@ -6,8 +6,9 @@ from functools import lru_cache
 
 from core.codegen import Names, excess_lines, function_text
 from core.laws import Laws, Side
+from core.recurrences import STRIDE
 from core.series import SeriesCode, series_code
-from core.signatures import LENGTH, ORDER, SETTLED, TOLERANCE, UNIT
+from core.signatures import LENGTH, ORDER, PER_UNIT, SETTLED, TOLERANCE, UNIT
 
 __all__ = ["memo_rows", "reach_text"]
 
@@ -33,10 +34,10 @@ def reach_text(laws: Laws, side: Side) -> str:
     first, second = ("+".join(f"abs(c[{i}, {k}])" for i in range(d)) for k in (1, 2))
     attempt = [*code.lines, f"first, second = {first}, {second}", f"if not 0.0 < first < {_SLOW} * second:",
                "    break", "shrink = power_of_two(first / second)"]  # fmt: skip
-    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, order + 1))", "shrink = 1.0"]
+    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, {STRIDE}))", "shrink = 1.0"]
     lines += ["for _ in range(2):", *(f"    {line}" for line in attempt)]
     lines += _excess_lines(laws, side)
-    lines += [f"w[{UNIT}] = unit", f"length = reach(c, {d}, order, w[{TOLERANCE}])"]
+    lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", f"length = reach(c, {d}, order, w[{TOLERANCE}])"]
     lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
     return function_text("reach", lines)
 

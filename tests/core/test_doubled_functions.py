@@ -57,6 +57,14 @@ def test_sine_and_cosine_are_accurate_relative_to_one(a: Pair) -> None:
 
 
 @FIXED
+@given(pairs(sized(44.5, 45.9)))
+def test_sine_and_cosine_are_accurate_where_an_angle_is_rounded_by_more_than_a_step_of_the_table(a: Pair) -> None:
+    with mp.workdps(DIGITS):
+        assert error(dd_sin(*a), mp.sin(exact(a))) <= 1.0
+        assert error(dd_cos(*a), mp.cos(exact(a))) <= 1.0
+
+
+@FIXED
 @given(pairs(SMALL | st.floats(-1.5, 1.5)))
 def test_sine_and_tangent_are_accurate_relative_to_their_values_up_to_a_right_angle(a: Pair) -> None:
     with mp.workdps(DIGITS):
