@@ -62,9 +62,11 @@ PAGE_SX = {
         "borderBottom": "1px solid", "borderColor": "divider", "backgroundImage": "none",
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
-    ".MuiAppBar-root .MuiButton-root": {"color": "var(--mui-palette-text-primary) !important"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
 }  # fmt: skip
+
+HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
+"""Of a button in the header: the words of its theme are white there, on the assumption of a coloured bar."""
 
 TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "10px"}}
 """Titles as narrow as they can be; on a narrow screen the row scrolls."""
@@ -266,7 +268,7 @@ class Explorer(pn.viewable.Viewer):
         undo = pmui.IconButton(icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=4)
         self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
         undo.on_click(lambda _: self.history.undo())
-        share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=PLAIN_SX)
+        share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
         share.on_click(lambda _: self.share.open(self._page_address()))
         return [undo, share]
 

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from looking import field
 
 pytestmark = pytest.mark.browser
 
@@ -132,7 +133,7 @@ def test_a_key_removes_the_selected_one(page, key):
 
 def test_a_key_pressed_while_typing_removes_nothing(page):
     place_second(page)
-    entry = page.get_by_label("Step size τ")
+    entry = field(page, "Step size τ")
     entry.focus()
     entry.press("End")
     entry.press("Backspace")

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from test_page import await_painted, type_into
+from looking import await_painted, field, type_into
 
 pytestmark = pytest.mark.browser
 
@@ -34,7 +34,7 @@ def test_the_address_holds_the_scene_and_undo_brings_it_back(visit):
     page.wait_for_url(re.compile("system=pendulum"))
     page.reload()
     page.get_by_text(re.compile("1,600 steps")).first.wait_for()
-    assert page.get_by_label("Step size τ").input_value() == "0.0125"
+    assert field(page, "Step size τ").input_value() == "0.0125"
     type_into(page, "Step size τ", "0.02")
     page.get_by_text(re.compile("1,000 steps")).first.wait_for()
     page.get_by_role("tab", name="Order").focus()
@@ -56,12 +56,12 @@ def test_a_system_is_typed_checked_and_used(visit):
     await_painted(page, "Phase portrait")
     page.get_by_role("button", name="Write your own").click()
     page.get_by_text("This system is ready.").wait_for()
-    field = page.get_by_label("Field f₋, where g < 0")
-    field.fill("2*y\n3*x**2 + b")
+    law = field(page, "Field f₋, where g < 0")
+    law.fill("2*y\n3*x**2 + b")
     page.get_by_text(re.compile("b")).first.wait_for()
     page.get_by_role("button", name="Use this system").wait_for()
     assert page.get_by_role("button", name="Use this system").is_disabled()
-    field.fill("2*y\n3*x**2 + a_minus")
+    law.fill("2*y\n3*x**2 + a_minus")
     page.get_by_text("This system is ready.").wait_for()
     page.get_by_role("button", name="Use this system").click()
     page.wait_for_url(re.compile("own="))
