@@ -1,7 +1,5 @@
-"""A server with the real page, and a headless Chromium to look at it."""
+"""A server with the real page, and visits to it."""
 
-import os
-import shutil
 import socket
 import subprocess
 import sys
@@ -13,10 +11,6 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-FLAGS = [
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--no-first-run",
-]  # fmt: skip
 
 
 @pytest.fixture(scope="session")
@@ -54,26 +48,18 @@ def _await_server(url, server, log):
 
 
 @pytest.fixture(scope="session")
-def chromium():
-    """Start Chromium with a fresh profile; without one the tests are skipped, except in continuous integration."""
-    path = shutil.which("chromium")
-    if path is None:
-        reason = "no chromium on the PATH: install the package of that name to run the browser tests"
-        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(reason)
-    sync_api = pytest.importorskip("playwright.sync_api")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield browser.new_context()
-        browser.close()
+def window(chromium):
+    """A window whose pages share what they fetched, as the tabs of one visitor do."""
+    return chromium.new_context()
 
 
 @pytest.fixture
-def visit(chromium, address):
+def visit(window, address):
     """Open the page in a window of a given size; afterwards, no script may have complained."""
     complaints, pages = [], []
 
     def open_page(width=1400, height=900):
-        page = chromium.new_page()
+        page = window.new_page()
         pages.append(page)
         page.set_viewport_size({"width": width, "height": height})
         page.set_default_timeout(20_000)

@@ -4,7 +4,6 @@ import base64
 import csv
 import io
 import re
-import shutil
 import zipfile
 
 import numpy as np
@@ -188,10 +187,6 @@ def test_the_archive_is_one_that_other_programs_open():
 
 # Pictures ------------------------------------------------------------------------------------------------------------
 
-FLAGS = [
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--no-first-run",
-]  # fmt: skip
 PIXELS = """async address => {
     const image = new Image()
     image.src = address
@@ -208,28 +203,23 @@ PIXELS = """async address => {
 
 @pytest.mark.browser
 @pytest.mark.parametrize(("scale", "ground"), [(1, [250, 250, 250, 255]), (2, [17, 18, 19, 255])])
-def test_a_picture_is_saved_at_the_resolution_of_the_device_on_the_ground_of_the_page(scale, ground):
-    path = shutil.which("chromium")
-    if path is None:
-        pytest.skip("no chromium on the PATH")
-    sync_api = pytest.importorskip("playwright.sync_api")
+def test_a_picture_is_saved_at_the_resolution_of_the_device_on_the_ground_of_the_page(chromium, scale, ground):
     plot = plain_figure("A line", sizing_mode="fixed", width=400, height=300, border_fill_color=None)
     plot.line([0, 1, 2], [0, 1, 0])
     button = Button(label="PNG")
     button.js_on_click(CustomJS(args={"name": "pwsviz-line.png"}, code=png_callback(plot)))
     page_text = file_html([button, plot], INLINE)
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        page = browser.new_context(device_scale_factor=scale).new_page()
-        page.set_content(page_text)
-        page.add_style_tag(content=f"body {{ background: rgb({', '.join(map(str, ground[:3]))}) }}")
-        page.wait_for_function("Bokeh.documents.length && Bokeh.documents[0].is_idle")
-        with page.expect_download() as download:
-            page.get_by_role("button", name="PNG").click()
-        assert download.value.suggested_filename == "pwsviz-line.png"
-        saved = base64.b64encode(download.value.path().read_bytes()).decode()
-        picture = page.evaluate(PIXELS, f"data:image/png;base64,{saved}")
-        browser.close()
+    window = chromium.new_context(device_scale_factor=scale)
+    page = window.new_page()
+    page.set_content(page_text)
+    page.add_style_tag(content=f"body {{ background: rgb({', '.join(map(str, ground[:3]))}) }}")
+    page.wait_for_function("Bokeh.documents.length && Bokeh.documents[0].is_idle")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="PNG").click()
+    assert download.value.suggested_filename == "pwsviz-line.png"
+    saved = base64.b64encode(download.value.path().read_bytes()).decode()
+    picture = page.evaluate(PIXELS, f"data:image/png;base64,{saved}")
+    window.close()
     assert picture["width"] == 400 * scale
     assert picture["corner"] == ground
     assert picture["shades"] > 10
