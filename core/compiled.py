@@ -32,8 +32,10 @@ __all__ = ["Compiled", "compile_run"]
 
 MAX_MODULES = 200  #: kept in memory
 MAX_FILES = 1000  #: kept on disk
+MAX_REGISTERED = 50  #: kept in `sys.modules`
 
 _lock = threading.RLock()
+_registered: dict[str, None] = {}
 
 
 class Compiled(NamedTuple):
@@ -95,12 +97,23 @@ def _load(text: str) -> ModuleType:
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot load {path}")
     module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module  # where numba looks for a cached function's globals
-    try:
-        spec.loader.exec_module(module)
-    finally:
-        del sys.modules[path.stem]  # the functions keep it alive for as long as they are needed
+    _register(module)
+    spec.loader.exec_module(module)
     return module
+
+
+def _register(module: ModuleType) -> None:
+    """Let numba find a module, where it looks for a cached function's globals, while it is being loaded.
+
+    The last ones stay: other threads that look through `sys.modules` meanwhile find nothing gone that was just there.
+    """
+    sys.modules[module.__name__] = module
+    _registered.pop(module.__name__, None)
+    _registered[module.__name__] = None  # as the last
+    if len(_registered) > MAX_REGISTERED:
+        first = next(iter(_registered))
+        del _registered[first]
+        sys.modules.pop(first, None)  # the functions keep it alive for as long as they are needed
 
 
 def _stands(path: Path, text: str) -> bool:

@@ -68,6 +68,12 @@ PAGE_SX = {
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 """Of a button in the header: the words of its theme are white there, on the assumption of a coloured bar."""
 
+LOADING_HTML = """{% extends "base.html" %}
+{% block loader_css %}{{ super() }}
+#loader:not(.error) { background: none; pointer-events: none; }
+{% endblock %}"""
+"""The page under way: a wheel that turns, but no sheet over what is there already, to be seen and touched."""
+
 TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "10px"}}
 """Titles as narrow as they can be; on a narrow screen the row scrolls."""
 
@@ -255,6 +261,7 @@ class Explorer(pn.viewable.Viewer):
             sidebar_width=300,
             busy_indicator=None,
             sx=PAGE_SX,
+            template=LOADING_HTML,
         )
         with edit_readonly(page):
             page.busy = False  # no longer that of the server: at each event its change costs a walk over the whole page

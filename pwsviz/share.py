@@ -59,9 +59,6 @@ class Share(pn.viewable.Viewer):
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
         self.dialog = pmui.Dialog(
-            self.link, self._copy("Copy the link", self.link, "value"),
-            heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
-            heading("Numbers and pictures"), self.numbers,
             title="Take away", title_variant="h6", width_option="md", close_on_click=True, show_close_button=True,
         )  # fmt: skip
 
@@ -79,7 +76,16 @@ class Share(pn.viewable.Viewer):
             self.link.param.update(value="", error_state=True, helper_text=str(reason))
         self.program.object = f'<pre tabindex="0" aria-label="Python program">{escape(snippet(self.scene))}</pre>'
         self.numbers.objects = [self._row(piece) for piece in self._pieces()]
+        self.dialog.objects = self.dialog.objects or self._contents()
         self.dialog.open = True
+
+    def _contents(self) -> list[Any]:
+        """Made at the first opening: a page that does not hold them is there sooner."""
+        return [
+            self.link, self._copy("Copy the link", self.link, "value"),
+            heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
+            heading("Numbers and pictures"), self.numbers,
+        ]  # fmt: skip
 
     @staticmethod
     def _copy(label: str, source: Any, name: str) -> Any:

@@ -72,6 +72,15 @@ def test_a_tampered_cache_file_is_not_run(tmp_path, monkeypatch):
     compiled._folder.cache_clear()
 
 
+def test_one_who_looks_through_the_modules_meanwhile_finds_none_gone_and_in_the_long_run_few_stay():
+    loaded = []
+    for number in range(2 * compiled.MAX_REGISTERED):
+        before = set(sys.modules)
+        loaded.append(compiled._load(f"NUMBER = {number}\n").__name__)
+        assert loaded[-1] in set(sys.modules) - before
+    assert [name for name in loaded if name in sys.modules] == loaded[-compiled.MAX_REGISTERED :]
+
+
 def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, monkeypatch):
     tmp_path.chmod(0o777)
     monkeypatch.setenv("PWSVIZ_CACHE", str(tmp_path))
