@@ -7,12 +7,12 @@ so numba can keep the machine code beside it, and a second process loads it inst
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import os
 import sys
 import tempfile
 import threading
 from functools import lru_cache
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
@@ -93,12 +93,9 @@ def _load(text: str) -> ModuleType:
         partial.write_text(text, encoding="utf-8")
         partial.replace(path)
         _prune(path.parent)
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"cannot load {path}")
-    module = importlib.util.module_from_spec(spec)
+    module = ModuleType(path.stem)  # without the file's name: it is none of those that a user works on
     _register(module)
-    spec.loader.exec_module(module)
+    SourceFileLoader(path.stem, str(path)).exec_module(module)
     return module
 
 

@@ -117,12 +117,13 @@ def check_places(case, run):
 
 
 def check_kept(case, run, bound):
-    """H stays at its level within each visit of a side, to so many eps of its largest term."""
+    """H stays at its level within each visit of a side, to so many eps of its largest term at either end of a step."""
     for side in (-1, 1):
         rows = run.side == side
         now, largest = case.hamiltonian(side, run.x[rows])
         entered, at_entry = case.hamiltonian(side, run.entered_x[run.segment[rows]])
-        assert (np.abs(now - entered) <= bound * EPS * np.maximum(largest, at_entry)).all()
+        before = np.concatenate([largest[:1], largest[:-1]])  # of which a long step from there has a rounding left
+        assert (np.abs(now - entered) <= bound * EPS * np.maximum.reduce([largest, before, at_entry])).all()
 
 
 def check_truthful(case, run):
