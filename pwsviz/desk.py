@@ -31,6 +31,9 @@ class Desk:
         self._numbers: dict[str, int] = {}
         self._shown: dict[str, int] = {}
         self._short = Lock()
+        self._early: list[Callable[[], None]] = []
+        if self.document is not None:
+            pn.state.onload(self._catch_up)
 
     def ask(
         self,
@@ -133,10 +136,27 @@ class Desk:
             self.document.add_next_tick_callback(partial(self._apply, show, *outcome))
 
     def _apply(self, show: Callable[..., None], *outcome: Any) -> None:
-        """Send all changes in one message: the browser then paints each figure once."""
-        if not self.closed:
-            with pn.io.hold(self.document):
-                show(*outcome)
+        """Send all changes in one message: the browser then paints each figure once.
+
+        While a browser builds the page it was sent, Panel drops what changes: that waits until the page is there.
+        """
+        if self.closed:
+            return
+        if self._being_built():
+            self._early.append(partial(show, *outcome))
+            return
+        with pn.io.hold(self.document):
+            show(*outcome)
+
+    def _being_built(self) -> bool:
+        """Whether a browser has fetched this page, or is about to, and has not said yet that all of it is there."""
+        session = getattr(self.document and self.document.session_context, "session", None)
+        return session is not None and session.connection_count > 0 and not pn.state.loaded
+
+    def _catch_up(self) -> None:
+        early, self._early = self._early, []
+        for show in early:
+            self._deliver(show)
 
 
 class _Seldom:

@@ -70,9 +70,9 @@ HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 
 LOADING_HTML = """{% extends "base.html" %}
 {% block loader_css %}{{ super() }}
-#loader:not(.error) { background: none; pointer-events: none; }
+#loader:not(.error) { background: none; cursor: progress; }
 {% endblock %}"""
-"""The page under way: a wheel that turns, but no sheet over what is there already, to be seen and touched."""
+"""The page being built: a wheel turns, and what is there already is seen, but not touched: Panel would not hear it."""
 
 TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "10px"}}
 """Titles as narrow as they can be; on a narrow screen the row scrolls."""

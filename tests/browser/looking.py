@@ -24,6 +24,11 @@ def await_painted(page, figure, colours=30):
     raise AssertionError(f"{figure}: nothing was painted")
 
 
+def await_built(page):
+    """Wait until the page takes what a mouse does: a sheet lies over it while it is built."""
+    page.locator("#loader").wait_for(state="hidden")
+
+
 def picture(drawing):
     return drawing.evaluate("canvas => canvas.toDataURL()")
 

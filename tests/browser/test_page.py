@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from looking import await_other_picture, await_painted, field, picture, type_into
+from looking import await_built, await_other_picture, await_painted, field, picture, type_into
 
 pytestmark = pytest.mark.browser
 
@@ -70,8 +70,8 @@ def test_bad_input_is_told_and_the_picture_stays(visit):
 def test_a_click_places_the_start(visit):
     page = visit()
     drawing = await_painted(page, "Phase portrait")
+    await_built(page)
     box = drawing.bounding_box()
-    page.wait_for_timeout(300)
     page.mouse.click(box["x"] + 0.35 * box["width"], box["y"] + 0.45 * box["height"])
     for _ in range(100):
         if field(page, "x at start").input_value() != "-1.0":

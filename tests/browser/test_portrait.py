@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from looking import field
+from looking import await_built, field
 
 pytestmark = pytest.mark.browser
 
@@ -42,17 +42,6 @@ CONSERVED = f"""() => {{
              pointed: Array.from(pointed.t), now: now.visible ? now.location : null}}
 }}"""
 
-REACHABLE = f"""() => {{  // a sheet lies over the page while it is being loaded
-    const figure = ({FIGURE})("Phase portrait"), [left, top, width, height] = figure.frame
-    let there = null, inner = document
-    while (inner != null) {{
-        const found = inner.elementFromPoint(left + 0.9 * width, top + 0.1 * height)
-        inner = found != there ? found?.shadowRoot : null
-        there = found
-    }}
-    return there == figure.view.canvas_view.events_el
-}}"""
-
 
 def await_that(page, what, true=bool):
     """Wait until a look at a figure satisfies a condition, and return it."""
@@ -75,7 +64,7 @@ def page(visit):
 
 def await_still(page):
     """Wait until the first picture is laid out and fitted: until it can be touched, and nothing moves for a while."""
-    await_that(page, REACHABLE)
+    await_built(page)
     before = None
     for _ in range(50):
         seen = page.evaluate(PORTRAIT)
