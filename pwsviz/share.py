@@ -58,9 +58,15 @@ class Share(pn.viewable.Viewer):
         self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
+        self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # in it, what comes late hears a click too
         self.dialog = pmui.Dialog(
-            title="Take away", title_variant="h6", width_option="md", close_on_click=True, show_close_button=True,
-        )  # fmt: skip
+            self.contents,
+            title="Take away",
+            title_variant="h6",
+            width_option="md",
+            close_on_click=True,
+            show_close_button=True,
+        )
 
     def open(self, address: str) -> None:
         """Show everything as it is now.
@@ -76,10 +82,10 @@ class Share(pn.viewable.Viewer):
             self.link.param.update(value="", error_state=True, helper_text=str(reason))
         self.program.object = f'<pre tabindex="0" aria-label="Python program">{escape(snippet(self.scene))}</pre>'
         self.numbers.objects = [self._row(piece) for piece in self._pieces()]
-        self.dialog.objects = self.dialog.objects or self._contents()
+        self.contents.objects = self.contents.objects or self._make_contents()
         self.dialog.open = True
 
-    def _contents(self) -> list[Any]:
+    def _make_contents(self) -> list[Any]:
         """Made at the first opening: a page that does not hold them is there sooner."""
         return [
             self.link, self._copy("Copy the link", self.link, "value"),
