@@ -8,8 +8,7 @@ from threading import Lock
 from time import monotonic
 from typing import Any
 
-import panel as pn
-
+from pwsviz.delivery import Delivery
 from pwsviz.results import Report
 from pwsviz.worker import Cancel, Job, Lane
 
@@ -24,16 +23,13 @@ class Desk:
     """
 
     def __init__(self) -> None:
-        self.document = pn.state.curdoc
+        self._delivery = Delivery()
         self.closed = False
         self._lanes: dict[str, Lane] = {}
         self._asked: dict[str, Hashable] = {}
         self._numbers: dict[str, int] = {}
         self._shown: dict[str, int] = {}
         self._short = Lock()
-        self._early: list[Callable[[], None]] = []
-        if self.document is not None:
-            pn.state.onload(self._catch_up)
 
     def ask(
         self,
@@ -93,8 +89,8 @@ class Desk:
 
     def later(self, milliseconds: int, callback: Callable[[], None]) -> None:
         """Call back from the event loop after a while; not at all where there is none."""
-        if self.document is not None:
-            self.document.add_timeout_callback(callback, milliseconds)
+        if self._delivery.document is not None:
+            self._delivery.document.add_timeout_callback(callback, milliseconds)
 
     def settle(self, timeout: float) -> bool:
         """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""
@@ -127,36 +123,12 @@ class Desk:
             advance(*news)
 
     def _deliver(self, show: Callable[..., None], *outcome: Any) -> None:
-        """Hand an outcome from a thread to the event loop of this page."""
-        if self.closed:
-            return
-        if self.document is None:
+        """Hand an outcome from a thread to this page, unless it is gone meanwhile."""
+        self._delivery(partial(self._while_open, show), *outcome)
+
+    def _while_open(self, show: Callable[..., None], *outcome: Any) -> None:
+        if not self.closed:
             show(*outcome)
-        else:
-            self.document.add_next_tick_callback(partial(self._apply, show, *outcome))
-
-    def _apply(self, show: Callable[..., None], *outcome: Any) -> None:
-        """Send all changes in one message: the browser then paints each figure once.
-
-        While a browser builds the page it was sent, Panel drops what changes: that waits until the page is there.
-        """
-        if self.closed:
-            return
-        if self._being_built():
-            self._early.append(partial(show, *outcome))
-            return
-        with pn.io.hold(self.document):
-            show(*outcome)
-
-    def _being_built(self) -> bool:
-        """Whether a browser has fetched this page, or is about to, and has not said yet that all of it is there."""
-        session = getattr(self.document and self.document.session_context, "session", None)
-        return session is not None and session.connection_count > 0 and not pn.state.loaded
-
-    def _catch_up(self) -> None:
-        early, self._early = self._early, []
-        for show in early:
-            self._deliver(show)
 
 
 class _Seldom:

@@ -11,6 +11,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
+from pwsviz.delivery import Delivery
 from pwsviz.draft import FIELDS, Checked, Draft, Finding, check, examples
 from pwsviz.panes import TEXT_CSS, heading
 from pwsviz.text import as_text, complaint
@@ -89,7 +90,7 @@ class SystemEditor(pn.viewable.Viewer):
     ) -> None:
         super().__init__()
         self._on_use, self._current = on_use, current
-        self._deliver = deliver or partial(_deliver_to, pn.state.curdoc)
+        self._deliver = deliver or Delivery()
         self._lane = Lane()
         self._filling = False
         self._system: core.PiecewiseSystem | None = None
@@ -220,19 +221,6 @@ class SystemEditor(pn.viewable.Viewer):
             margin=(4, 12),
             sizing_mode="stretch_width",
         )
-
-
-def _deliver_to(document: Any, show: Callable[[Any], None], outcome: Any) -> None:
-    """Show an outcome in the event loop of a page, with all changes in one message."""
-    if document is None:
-        show(outcome)
-        return
-
-    def apply() -> None:
-        with pn.io.hold(document):
-            show(outcome)
-
-    document.add_next_tick_callback(apply)
 
 
 def _markup_pane() -> pn.pane.HTML:

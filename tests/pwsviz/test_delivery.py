@@ -1,0 +1,99 @@
+"""Outcomes reach a page whatever it is doing: being made, being built in a browser, or there."""
+
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
+from threading import Thread
+from types import SimpleNamespace
+
+import panel as pn
+import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
+
+from pwsviz.delivery import Delivery
+
+
+@pytest.fixture
+def served():
+    """A page's document with a session, and how many browsers have fetched it."""
+    session = SimpleNamespace(connection_count=0)
+    context = SimpleNamespace(session=session, id="one", request=None, destroyed=False)
+    document = Document()
+    document._session_context = lambda: context
+    return document, session
+
+
+def in_a_loop(coroutine):
+    """Run in a thread of its own: the browser of other tests has left its event loop running in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result()
+
+
+def call_back(document):
+    """Do what the event loop of a server does next."""
+    with set_curdoc(document):
+        for callback in list(document.session_callbacks):
+            document.remove_next_tick_callback(callback)
+            callback.callback()
+
+
+def test_without_a_page_an_outcome_is_shown_at_once():
+    seen = []
+    Delivery()(seen.append, "outcome")
+    assert seen == ["outcome"]
+
+
+def test_what_comes_while_the_page_is_made_is_shown_once_it_is(served):
+    document, _ = served
+    seen = []
+
+    async def serve():
+        with set_curdoc(document):
+            delivery = Delivery()
+        document.hold()  # as Panel does
+        thread = Thread(target=delivery, args=(seen.append, "outcome"))
+        thread.start()
+        thread.join()
+        assert not document.session_callbacks, "what is added now Panel forgets"
+        document.unhold()
+        await asyncio.sleep(0.01)
+        call_back(document)
+
+    in_a_loop(serve())
+    assert seen == ["outcome"]
+
+
+def test_what_comes_while_a_browser_builds_the_page_waits_until_it_is_there(served):
+    document, session = served
+    seen = []
+
+    async def serve():
+        with set_curdoc(document):
+            delivery = Delivery()
+        session.connection_count = 1
+        for outcome in "ab":
+            delivery(seen.append, outcome)
+        await asyncio.sleep(0.01)
+        call_back(document)
+        assert seen == []
+        pn.state._on_load(document)
+        await asyncio.sleep(0.01)
+        call_back(document)
+        assert seen == ["a", "b"]
+        delivery(seen.append, "c")
+        await asyncio.sleep(0.01)
+        call_back(document)
+
+    in_a_loop(serve())
+    assert seen == ["a", "b", "c"]
+
+
+def test_what_comes_after_the_server_has_stopped_is_let_go(served):
+    document, _ = served
+
+    async def serve():
+        with set_curdoc(document):
+            return Delivery()
+
+    delivery = in_a_loop(serve())
+    delivery(lambda: pytest.fail("there is nobody to show it to"))
