@@ -8,6 +8,7 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+import param
 from panel.util.parameters import edit_readonly
 from panel_material_ui.template.base import Page
 
@@ -74,10 +75,16 @@ LOADING_HTML = """{% extends "base.html" %}
 {% endblock %}"""
 """The page being built: a wheel turns, and what is there already is seen, but not touched: Panel would not hear it."""
 
+THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
+
 TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "10px"}}
 """Titles as narrow as they can be; on a narrow screen the row scrolls."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
+
+
+class _Calm(param.Parameterized):
+    busy = param.Boolean(default=False)
 
 
 class Explorer(pn.viewable.Viewer):
@@ -264,9 +271,11 @@ class Explorer(pn.viewable.Viewer):
             template=LOADING_HTML,
         )
         with edit_readonly(page):
-            page.busy = False  # no longer that of the server: at each event its change costs a walk over the whole page
-        self.browser.jscallback({"page": page}, narrow="page.data.sidebar_open = !cb_obj.narrow")
-        self.browser.jscallback({"page": page}, dark="if (cb_obj.dark) page.data.dark_theme = true")
+            # No longer that of the server: its changes walk over all pages, and it would hold this one for good.
+            page.busy = _Calm().param.busy
+        # The page is looked up, not named: Panel walks over all that a component names whenever it changes.
+        self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
+        self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         self.browser.param.watch(lambda _: self.history.undo(), "undone")
         page.main.append(self.browser)
         return page
