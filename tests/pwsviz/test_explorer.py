@@ -1,7 +1,14 @@
 """The page without a browser: what it computes when, and what it shows."""
 
+import gc
+import weakref
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from bokeh.document import Document
+from panel.io.document import _cleanup_doc
+from panel.io.state import set_curdoc
 
 import core
 from pwsviz.explorer import Explorer
@@ -348,3 +355,18 @@ def test_a_run_that_stops_early_says_why_and_shows_what_there_is(explorer):
     assert "stopped" in explorer.stage.status.object
     frame = explorer.stage.portrait.frame
     assert max(frame.width, frame.height) < 100
+
+
+def test_a_page_that_is_left_is_let_go():
+    document = Document()
+    with set_curdoc(document):
+        explorer = Explorer(Scene(), Results())
+        explorer.page().server_doc(document)
+        explorer.settle(20)
+    left = weakref.ref(explorer)
+    del explorer
+    for callback in document.session_destroyed_callbacks:
+        callback(SimpleNamespace(id="one", _document=document))
+    _cleanup_doc(document)
+    gc.collect()
+    assert left() is None
