@@ -357,16 +357,19 @@ def test_a_run_that_stops_early_says_why_and_shows_what_there_is(explorer):
     assert max(frame.width, frame.height) < 100
 
 
-def test_a_page_that_is_left_is_let_go():
+def visit_and_leave():
     document = Document()
     with set_curdoc(document):
         explorer = Explorer(Scene(), Results())
         explorer.page().server_doc(document)
         explorer.settle(20)
-    left = weakref.ref(explorer)
-    del explorer
     for callback in document.session_destroyed_callbacks:
         callback(SimpleNamespace(id="one", _document=document))
     _cleanup_doc(document)
+    return weakref.ref(explorer)
+
+
+def test_a_page_that_is_left_is_let_go():
+    left = visit_and_leave()
     gc.collect()
     assert left() is None
