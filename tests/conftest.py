@@ -1,4 +1,4 @@
-"""Who runs where, and a headless Chromium: one for all tests of a process, which refuses a second."""
+"""A headless Chromium, one for all tests of a process: a second one beside it is refused."""
 
 import os
 import shutil
@@ -9,14 +9,6 @@ FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
     "--disable-sync", "--no-first-run",
 ]  # fmt: skip
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Keep each file on one processor, with what it has compiled, and all that wait for a browser on the same one."""
-    for item in items:
-        group = "browser" if item.get_closest_marker("browser") else item.path.stem
-        item.add_marker(pytest.mark.xdist_group(group))
 
 
 @pytest.fixture(scope="session")
