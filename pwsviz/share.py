@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import io
 from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
 from html import escape
 from typing import Any, NamedTuple
 
@@ -67,6 +68,12 @@ class Share(pn.viewable.Viewer):
             close_on_click=True,
             show_close_button=True,
         )
+        self.dialog.param.watch(self._let_go, "open")
+
+    def _let_go(self, event: Any) -> None:
+        """Forget the files once the dialog is closed: they may be large."""
+        if not event.new:
+            self.numbers.objects = []
 
     def open(self, address: str) -> None:
         """Show everything as it is now.
@@ -112,10 +119,15 @@ class Share(pn.viewable.Viewer):
         scene_link = self.link.value.partition("?")[2]
 
         async def data() -> io.BytesIO:
-            """Write it in a thread: a million rows take seconds, and other people's sliders do not wait."""
-            return await asyncio.to_thread(lambda: io.BytesIO(write(piece.table() or {}, scene_link)))
+            """Write it in a thread: a million rows take seconds, and other people's sliders do not wait.
 
-        button = pmui.FileDownload(
+            The browser saves what differs from what it has. So the time is written too, and a second click saves a
+            second file; taking the data back in between made it save some twice (the widget wrote its own back).
+            """
+            about = f"{scene_link} {datetime.now(UTC).isoformat()}"
+            return await asyncio.to_thread(lambda: io.BytesIO(write(piece.table() or {}, about)))
+
+        return pmui.FileDownload(
             callback=data,
             filename=file_name(self.scene, piece.title, ending),
             label=ending.upper(),
@@ -123,16 +135,6 @@ class Share(pn.viewable.Viewer):
             size="small",
             margin=(4, 4),
         )
-
-        def forget() -> None:
-            button.data = None  # the browser downloads when they change: so the next click brings them again
-
-        def after(event: Any) -> None:
-            if event.new is not None:
-                pn.state.execute(forget)
-
-        button.param.watch(after, "data")
-        return button
 
     def __panel__(self) -> pn.viewable.Viewable:
         """The dialog, closed until it is opened."""
