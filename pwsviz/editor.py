@@ -80,6 +80,8 @@ class SystemEditor(pn.viewable.Viewer):
         the page being served, or at once where there is none.
     current : callable, optional
         Returns the system on the page, to start from.
+    on_ready : callable, optional
+        Is told of each system that could be used, in the event loop: to get ready for it.
     """
 
     def __init__(
@@ -87,9 +89,10 @@ class SystemEditor(pn.viewable.Viewer):
         on_use: Callable[[core.PiecewiseSystem], None],
         deliver: Deliver | None = None,
         current: Callable[[], core.PiecewiseSystem] | None = None,
+        on_ready: Callable[[core.PiecewiseSystem], None] = lambda _: None,
     ) -> None:
         super().__init__()
-        self._on_use, self._current = on_use, current
+        self._on_use, self._current, self._on_ready = on_use, current, on_ready
         self._deliver = deliver or Delivery()
         self._lane = Lane()
         self._filling = False
@@ -172,6 +175,8 @@ class SystemEditor(pn.viewable.Viewer):
             self.maths[name].object += "".join(map(_finding, outcome.conserved.get(side, ())))
         self._system, self.use.disabled = outcome.system, outcome.system is None
         self.status.object = _verdict(outcome)
+        if outcome.system is not None:
+            self._on_ready(outcome.system)
 
     def _show_complaint(self, text: Any, words: str | None, usual: str) -> None:
         wanted = {"error_state": words is not None, "helper_text": usual if words is None else _without_icons(words)}

@@ -17,6 +17,7 @@ from pwsviz.browser import Browser
 from pwsviz.desk import Desk
 from pwsviz.editor import SystemEditor
 from pwsviz.history import History
+from pwsviz.inputs import run_inputs
 from pwsviz.link import adopt, query
 from pwsviz.panes import PLAIN_SX, text_pane
 from pwsviz.results import Results
@@ -33,6 +34,7 @@ from pwsviz.tabs.stability import StabilityTab
 from pwsviz.takeaway import run_table
 from pwsviz.text import as_text
 from pwsviz.views.linking import link_crossings
+from pwsviz.worker import Cancel
 
 RESULTS = Results()
 """Shared by all sessions of the server: a second visitor finds the first picture ready."""
@@ -51,6 +53,9 @@ ADDRESS_RESTS = 400
 
 SOON = 200
 """Milliseconds after which a long study is said to be under way: one that is remembered is there before."""
+
+AHEAD = 0.4
+"""Seconds for which a system of one's own has to be ready before it is compiled, wanted or not."""
 
 GRID_CSS = """
 :host { display: grid !important; grid-template-columns: repeat(auto-fit, minmax(min(100%, 430px), 1fr)); gap: 8px 20px;
@@ -202,10 +207,26 @@ class Explorer(pn.viewable.Viewer):
     def edit(self) -> None:
         """Open the editor: on what was last written there, or else on the system at hand."""
         if self.editor is None:
-            self.editor = SystemEditor(self._use, current=self.scene.build)
+            self.editor = SystemEditor(self._use, current=self.scene.build, on_ready=self._prepare)
             self.editor.load(self.scene.build())
             self.editing.objects = [self.editor]
         self.editing.open = True
+
+    def _prepare(self, system: core.PiecewiseSystem) -> None:
+        """Have a typed system's first runs computed before they are asked for: compiling takes longer than a click."""
+        ahead = Scene()
+        ahead.restore(self.scene.settings())
+        try:
+            ahead.use(system)
+        except ValueError:  # told when it is used
+            return
+        runs = run_inputs(ahead)
+
+        def compute(cancel: Cancel, _: Any) -> None:
+            for one in runs:
+                self.results.run(one, cancel)
+
+        self.desk.ask("ahead", runs, compute, lambda _: None, quiet=AHEAD)
 
     def _use(self, system: core.PiecewiseSystem) -> None:
         self.scene.use(system)

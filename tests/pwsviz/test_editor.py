@@ -17,8 +17,8 @@ class Desk:
     """Keeps what was used, and where outcomes came from."""
 
     def __init__(self):
-        self.used, self.threads = [], []
-        self.editor = SystemEditor(self.used.append, self.deliver, lambda: ELLIPTIC)
+        self.used, self.ready, self.threads = [], [], []
+        self.editor = SystemEditor(self.used.append, self.deliver, lambda: ELLIPTIC, self.ready.append)
 
     def deliver(self, show, outcome):
         """Show at once, and note the thread."""
@@ -59,6 +59,14 @@ def test_a_valid_system_is_used_at_a_click(desk):
     desk.editor.use.clicks += 1
     assert [system.name for system in desk.used] == ["My oscillator"]
     assert desk.used[0].values == {"k": 3.0}
+
+
+def test_a_system_is_told_of_as_soon_as_it_is_one(desk):
+    assert [system.name for system in desk.ready] == ["My oscillator"]
+    desk.type(g="x +")
+    assert len(desk.ready) == 1
+    desk.type(g="x + 1")
+    assert str(desk.ready[1].g) == "x + 1"
 
 
 def test_checks_run_off_the_event_loop(desk):

@@ -260,6 +260,21 @@ def test_a_system_of_ones_own_is_used_like_any_other(explorer):
     assert "<b>mine" not in explorer.stage.note.object + explorer.view.mathematics.object
 
 
+def test_a_typed_system_is_computed_before_it_is_wanted(explorer):
+    explorer.settle(20)
+    explorer.edit()
+    explorer.editor.texts["g"].value_input = "x + 0.125"
+    assert explorer.editor.settle(20)
+    assert explorer.settle(60)
+    computed = explorer.results.computed["run"]
+    assert explorer.scene.system == "elliptic_curve"
+    explorer.editor.use.clicks += 1
+    assert explorer.settle(20)
+    assert explorer.scene.declaration.g == "x + 0.125"
+    assert "crossings" in explorer.stage.status.object
+    assert explorer.results.computed["run"] == computed
+
+
 def test_a_link_is_adopted_and_what_is_wrong_with_it_is_told(explorer):
     explorer.adopt("?v=1&system=pendulum&tau=0.125&t_end=never&<script>=1")
     assert (explorer.scene.system, explorer.scene.tau) == ("pendulum", 0.125)
