@@ -87,6 +87,13 @@ class Desk:
         """Let the same be asked for again."""
         self._asked.pop(lane, None)
 
+    def soon(self, callback: Callable[[], None]) -> None:
+        """Call back from the event loop as soon as it is free, where figures may be changed; at once without one.
+
+        Panel calls what a click does without that right, if a field was left for it and has a change to tell yet.
+        """
+        self._deliver(callback)
+
     def later(self, milliseconds: int, callback: Callable[[], None]) -> None:
         """Call back from the event loop after a while; not at all where there is none."""
         if self._delivery.document is not None:

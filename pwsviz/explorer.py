@@ -125,10 +125,11 @@ class Explorer(pn.viewable.Viewer):
         self.share = Share(self.scene, self._pieces)
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
+        self._behind: set[str] = set()
         self.tabs = self._make_tabs()
         for tab in self.views.values():
             if isinstance(tab, LongTab):
-                tab.on_cancel, tab.on_again = self._cancel, self._again
+                tab.on_cancel, tab.on_again = self._cancel, partial(self.desk.soon, self._again)
         self.scene.param.watch(self._follow, [name for name in self.scene.param if name != "name"])
         self.refresh()
 
@@ -147,8 +148,16 @@ class Explorer(pn.viewable.Viewer):
         return self.views[self.scene.view]
 
     def _follow(self, *events: Any) -> None:
+        waiting = bool(self._behind)
+        self._behind |= {event.name for event in events}
+        if not waiting:
+            self.desk.soon(self._catch_up)
+
+    def _catch_up(self) -> None:
+        """Bring the page up to date with the scene."""
+        behind, self._behind = self._behind, set()
         self.refresh()
-        if {event.name for event in events} & set(self.view.settings):
+        if behind & set(self.view.settings):
             self.view.redraw()
         self._changes += 1
         self.desk.later(ADDRESS_RESTS, partial(self._write_address, self._changes))

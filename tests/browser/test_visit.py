@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from looking import await_painted, field, type_into
+from looking import await_other_picture, await_painted, field, picture, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -66,6 +66,23 @@ def test_a_system_is_typed_checked_and_used(visit):
     page.get_by_role("button", name="Use this system").click()
     page.wait_for_url(re.compile("own="))
     page.get_by_text(re.compile("21 crossings")).first.wait_for(timeout=60_000)
+
+
+def test_a_field_and_a_button_told_of_at_once_are_both_heard(visit):
+    page = visit()
+    portrait = await_painted(page, "Phase portrait")
+    page.get_by_role("button", name="Write your own").click()
+    page.get_by_text("This system is ready.").wait_for()
+    before = picture(portrait)
+    field(page, "Field f₊, where g > 0").fill("4*y\n6*x**2 - 2.5")
+    field(page, "Conserved quantities ψ₊").fill("")
+    use = page.get_by_role("button", name="Use this system")
+    sync_api.expect(use).to_be_disabled()
+    sync_api.expect(use).to_be_enabled()
+    use.click()  # leaves the field
+    page.get_by_role("dialog").wait_for(state="hidden")
+    await_other_picture(page, portrait, before)
+    page.wait_for_url(re.compile("own="))
 
 
 def test_the_program_taken_away_computes_what_the_page_shows(visit):
