@@ -54,8 +54,8 @@ ADDRESS_RESTS = 400
 SOON = 200
 """Milliseconds after which a long study is said to be under way: one that is remembered is there before."""
 
-AHEAD = 0.4
-"""Seconds for which a system of one's own has to be ready before it is compiled, wanted or not."""
+AHEAD = 0.05
+"""Seconds after which a system of one's own that is ready is compiled, wanted or not; its check has waited already."""
 
 GRID_CSS = """
 :host { display: grid !important; grid-template-columns: repeat(auto-fit, minmax(min(100%, 430px), 1fr)); gap: 8px 20px;
