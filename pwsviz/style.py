@@ -148,7 +148,7 @@ def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
     return across, up
 
 
-def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> list[LegendItem]:
+def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], widest: int = 115) -> list[LegendItem]:
     """Put a legend under the plot, where it covers nothing, and return its entries.
 
     Parameters
@@ -156,7 +156,9 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> 
     plot : figure
         Gets the legend.
     columns : int
-        Entries a row.
+        Entries a row, at the most.
+    widest : int
+        Pixels that an entry may need: of a narrow plot a row has so many fewer.
     entries : list of (label, renderer)
         A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
     """
@@ -165,6 +167,8 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]]) -> 
     legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
     # The page's theme narrows the glyphs in the browser, so far that dashes could not be told apart.
     legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
+    fewer = f"legend.ncols = Math.max(1, Math.min({columns}, Math.floor(cb_obj.outer_width / {widest})))"
+    plot.js_on_change("outer_width", CustomJS(args={"legend": legend}, code=fewer))
     plot.add_layout(legend, "below")
     return items
 

@@ -121,6 +121,7 @@ class OrderView:
                 ({"field": "label"}, lines),
                 ("fit", fits),
             ],
+            widest=200,
         )
 
     def show(self, taus: Floats, rows: list[Row], floor: float, order: int) -> None:

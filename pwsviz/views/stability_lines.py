@@ -110,7 +110,7 @@ class GrazingFigure:
         tips = [("", "@method, @side"), ("δ", "@x"), ("crossings", "@crossings"), ("|Δψ|", "@error"), ("", "@status")]
         plot.add_tools(HoverTool(renderers=marks, tooltips=tips))
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
-        self._entries = legend_below(plot, 3, entries)[1:3]
+        self._entries = legend_below(plot, 3, entries, widest=195)[1:3]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what there is of the runs beside a tangency."""

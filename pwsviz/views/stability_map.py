@@ -86,7 +86,7 @@ class MapFigure:
         fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
         tips = [("", "@words"), ("τ", "@tau"), ("start", "@value"), ("crossings", "@crossings"), ("|Δψ|", "@error")]
         plot.add_tools(HoverTool(renderers=[outcomes, errors], tooltips=tips))
-        legend_below(plot, 2, [({"field": "words"}, outcomes)])
+        legend_below(plot, 2, [({"field": "words"}, outcomes)], widest=240)
         self._legend = plot.legend[0]
 
     def _limit_glyphs(self) -> None:
