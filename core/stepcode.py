@@ -241,7 +241,11 @@ class StepCode:
 
 
 def _verdict(n: int, d: int) -> list[str]:
-    """Lines that end Newton's loop: solved, or not to be solved."""
+    """Lines that end Newton's loop: solved, or not to be solved.
+
+    The correction to come is foretold from the last two, as K·size² with K = size/last²; and with K = last/whole², of
+    the two before, for one of them may be small by chance.
+    """
     state = ", ".join(f"abs(x{k})" for k in range(d))
     kept = ""
     check = []
@@ -260,6 +264,7 @@ def _verdict(n: int, d: int) -> list[str]:
         *check,
         f"fast = last <= {_CLOSE} * whole and size <= {_CLOSING} * last",
         "fast = fast and size * size * size < 1e-17 * whole * last * last",
+        "fast = fast and size * size * last < 1e-16 * whole * whole * whole",
         f"if {kept}(size == 0.0 or fast):",
         "    break",
         f"if {kept}size >= last and size <= {_STAGNATION} * max(whole, {state}):",

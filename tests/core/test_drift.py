@@ -54,6 +54,14 @@ def test_psi_does_not_drift_where_no_crossing_sets_it_right(method, steps):
     assert np.abs(run.envelope).max() <= 4 * EPS  # one step's rounding of terms up to 3
 
 
+def test_a_correction_that_is_small_by_chance_does_not_end_newtons_loop():
+    # Steps of nearly a turn: in the ninth, the second of Newton's corrections is small, and the third was left out.
+    run = core.integrate(core.CATALOGUE["pendulum"], (0.0, 20.0), x0=(1.5870064853819477, 0.0), tau=1.4570923537052198)
+    assert run.status is core.Status.COMPLETED
+    # One step's rounding of terms up to 13, and half an ulp of q = -78 times the force of 3.7. It was 12000 eps.
+    assert np.abs(run.conserved_error()).max() <= (4 * 13 + 32 * 3.7) * EPS
+
+
 def test_symmetric_methods_come_back():
     f, psi = ("y", "-x"), ("x**2 + y**2",)
     system = core.PiecewiseSystem("smooth", ("x", "y"), f, f, "x - 10", psi, psi, x0=(1.0, 1.0))
