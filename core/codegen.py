@@ -10,7 +10,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from core import arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures
-from core.elimination import least_change
+from core.elimination import least_change, row_lines
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, doubled_assignments, named
@@ -66,11 +66,11 @@ class Names:
         """A system's expressions in these names."""
         return [e.xreplace(self.symbols) for e in expressions]
 
-    def doubled(self, targets: Sequence[str], expressions: Iterable[Expr]) -> list[str]:
+    def doubled(self, targets: Sequence[str], expressions: Iterable[Expr], quick: bool = False) -> list[str]:
         """Lines that work a system's expressions out in double-double, at state + carry."""
         known = {x: (str(x), str(c)) for x, c in zip(self.x, self.carry, strict=True)}
         exact = {s: (str(s), None) for s in (*self.p, Symbol("t"))}
-        return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries)
+        return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries, quick)
 
 
 def look_text(laws: Laws) -> str:
@@ -91,10 +91,13 @@ def jump_text(laws: Laws) -> str:
     return function_text("jump", [*names.unpack, *assignments(targets, after, names.temporaries), "return 0"])
 
 
-def excess_lines(names: Names, side: Side) -> list[str]:
-    """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double."""
+def excess_lines(names: Names, side: Side, quick: bool = False) -> list[str]:
+    """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double.
+
+    In a step it may be `quick`: what is wrong with one excess is not added to the next.
+    """
     m, level = len(side.conserved), names.frame.level
-    lines = names.doubled([f"u{j}" for j in range(m)], side.conserved)
+    lines = names.doubled([f"u{j}" for j in range(m)], side.conserved, quick)
     for j in range(m):
         lines.append(f"r{j}, q = pair_add(u{j}, u{j}_low, -w[{level + j}], -w[{level + names.frame.m + j}])")
         lines.append(f"r{j} += q")
@@ -126,7 +129,8 @@ def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
     lines = [*names.unpack, *(excess_lines(names, side) if conservative else [])]
     lines += [*names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
     gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
-    lines += least_change(gradients, moves, names.temporaries)
+    rows, worked_out = row_lines(gradients, names.temporaries)
+    lines += [*worked_out, *least_change(rows, moves, names.temporaries)]
     lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)
     size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
     lines += [f"size, speed = {size}, {speed}", f"w[{signatures.DELAY}] = 0.0"]

@@ -9,7 +9,7 @@ from sympy import Expr, Symbol
 
 from core.printing import assignments
 
-__all__ = ["KEPT", "by_cofactors", "least_change", "with_pivots"]
+__all__ = ["KEPT", "by_cofactors", "least_change", "row_lines", "with_pivots"]
 
 #: A pivot of so many parts of its column is round-off.
 _DEPENDENT = 4 * 2.0**-52
@@ -68,8 +68,14 @@ def _back_substitution(n: int) -> list[str]:
     return lines
 
 
+def row_lines(rows: Sequence[Sequence[Expr]], temporaries: Iterable[Symbol]) -> tuple[list[list[Symbol]], list[str]]:
+    """Names for the entries of `least_change`'s rows, and lines that work them out."""
+    names = [[Symbol(f"g{j}_{k}") for k in range(len(row))] for j, row in enumerate(rows)]
+    return names, assignments([str(g) for row in names for g in row], [e for row in rows for e in row], temporaries)
+
+
 def least_change(
-    rows: Sequence[Sequence[Expr]],
+    along: Sequence[Sequence[Symbol]],
     changes: Sequence[Symbol],
     temporaries: Iterable[Symbol],
     slopes: Sequence[Sequence[Expr]] | None = None,
@@ -77,11 +83,11 @@ def least_change(
     """Lines that give `changes` the v along the rows A with B·v = r0, r1, …: v = Aᵀ(BAᵀ)⁻¹r, B being `slopes`, or A.
 
     With B = A the smallest such v. Rows that vanish, or depend on those before them but for round-off, bind nothing.
+    The entries of A are those of `row_lines`, and lost.
     """
-    m, d = len(rows), len(rows[0])
-    along = [[Symbol(f"g{j}_{k}") for k in range(d)] for j in range(m)]
+    m, d = len(along), len(along[0])
     against = along if slopes is None else [[Symbol(f"b{j}_{k}") for k in range(d)] for j in range(m)]
-    lines = assignments([str(g) for row in along for g in row], [e for row in rows for e in row], temporaries)
+    lines = []
     if slopes is not None:
         lines += assignments([str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries)
     product = sympy.Matrix(against) * sympy.Matrix(along).T

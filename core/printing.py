@@ -77,10 +77,17 @@ Pair = tuple[str, str | None]
 
 
 def doubled_assignments(
-    targets: Sequence[str], expressions: Sequence[Expr], known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol]
+    targets: Sequence[str],
+    expressions: Sequence[Expr],
+    known: Mapping[Symbol, Pair],
+    temporaries: Iterable[Symbol],
+    quick: bool = False,
 ) -> list[str]:
-    """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double."""
-    writer = _Doubled(known, temporaries)
+    """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double.
+
+    Where `quick`, sines and cosines are good to 2⁻⁷⁸ only.
+    """
+    writer = _Doubled(known, temporaries, quick)
     for target, expression in zip(targets, expressions, strict=True):
         high, low = writer.pair(expression)
         writer.lines.append(f"{target}, {target}_low = {high}, {low or '0.0'}")
@@ -90,8 +97,9 @@ def doubled_assignments(
 class _Doubled:
     """The recursion of `doubled_assignments`, which works out every shared subexpression once."""
 
-    def __init__(self, known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol]) -> None:
+    def __init__(self, known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol], quick: bool = False) -> None:
         self.known: dict[Expr, Pair] = dict(known)
+        self.kinds = dict.fromkeys(("sin", "cos"), "quick") if quick else {}
         self.temporaries = iter(temporaries)
         self.lines: list[str] = []
 
@@ -135,7 +143,8 @@ class _Doubled:
             return self.product(above) if below == 1 else self.call("dd_div", self.product(above), self.product(below))
         if u.is_Pow:
             return self.power(u.base, u.exp)
-        return self.call(f"dd_{type(u).__name__}", self.pair(u.args[0]))
+        name = type(u).__name__
+        return self.call(f"{self.kinds.get(name, 'dd')}_{name}", self.pair(u.args[0]))
 
     def product(self, u: Expr) -> Pair:
         total, *others = map(self.pair, sympy.Mul.make_args(u))

@@ -98,7 +98,7 @@ def reach(c, d, order, tolerance):
 
     h = min ρₘ · tolerance**(1/order) · exp(−0.7 / (order − 1)) over m = order − 1 and order, with
     ρₘ = (scale / ‖c[:, m]‖)**(1/m): the terms left out are then about `tolerance` parts of the scale. (Jorba and Zou
-    take the order that makes the second factor e⁻²; here it is e⁻¹ at most.) The scale is ‖x‖ or, where that is larger,
+    take the order that makes the second factor e⁻²; here it is ½ at most.) The scale is ‖x‖ or, where that is larger,
     the motion in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 at which the state moves: so units of state or time make
     no difference, and x = 0 may be passed.
 
@@ -126,7 +126,7 @@ def reach(c, d, order, tolerance):
     state, before, last = _norm(c, d, 0), _norm(c, d, order - 1), _norm(c, d, order)
     if not state + before + last < math.inf:
         return math.nan
-    shrink = min(-_LOG2_E, _log2(tolerance) / order)
+    shrink = min(-1.0, _log2(tolerance) / order)
     factor = shrink - 0.7 * _LOG2_E / (order - 1)
     before, last = _log2(before), _log2(last)
     h = 0.0
@@ -147,4 +147,4 @@ def order_of(tolerance: float) -> int:
     Jorba and Zou's −½ ln(tolerance) + 1 counts the coefficients alone; with what else a step costs, longer steps of
     higher order pay.
     """
-    return min(max(_LEAST_ORDER, math.ceil(6.0 - 0.6 * math.log(tolerance))), MAX_ORDER)
+    return min(max(_LEAST_ORDER, math.ceil(8.0 - 0.55 * math.log(tolerance))), MAX_ORDER)

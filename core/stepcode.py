@@ -9,7 +9,7 @@ from sympy import Expr, Symbol
 
 from core import signatures
 from core.codegen import Names, excess_lines, function_text
-from core.elimination import KEPT, by_cofactors, least_change, with_pivots
+from core.elimination import KEPT, by_cofactors, least_change, row_lines, with_pivots
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, named
@@ -176,9 +176,10 @@ class StepCode:
             return list(increments)
         changes = named("e", len(self.x))
         given = self.let(increments)
-        self._lines += excess_lines(self._names, self._side)
+        self._lines += excess_lines(self._names, self._side, quick=True)
         # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
-        self._lines += least_change(self._gradients_at_end(), changes, self._temporaries)
+        gradients, lines = row_lines(self._gradients_at_end(), self._temporaries)
+        self._lines += [*lines, *least_change(gradients, changes, self._temporaries)]
         size = f"max({', '.join(f'abs({e})' for e in changes)})"
         whole = f"max({', '.join(f'abs({d})' for d in given)}, 0.0)"
         self._lines.append(f"if not {size} <= {_ROUNDING} * {whole}:")
@@ -204,14 +205,15 @@ class StepCode:
         if prepared:
             lines += [f"o{j} = w[{self._names.frame.excess + j}]" for j in range(m)]
         else:
-            lines += [*excess_lines(self._names, side), *(f"o{j} = r{j}" for j in range(m))]
-        rows = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
+            lines += [*excess_lines(self._names, side, quick=True), *(f"o{j} = r{j}" for j in range(m))]
+        gradient = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
+        rows, inner = row_lines(gradient.tolist(), self._temporaries)
         slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))
-        left = rows * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
+        left = sympy.Matrix(rows) * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
         changes = named("e", d)
         slopes = self._gradients_at_end()
-        inner = self._arrive + assignments([f"r{j}" for j in range(m)], list(left), self._temporaries)
-        inner += least_change(rows.tolist(), changes, self._temporaries, slopes)
+        inner = [*self._arrive, *inner, *assignments([f"r{j}" for j in range(m)], list(left), self._temporaries)]
+        inner += least_change(rows, changes, self._temporaries, slopes)
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
         whole, state = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in "dx")

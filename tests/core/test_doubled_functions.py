@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core import doubled_functions
-from core.doubled_functions import dd_cos, dd_log, dd_pow, dd_sin, dd_tan
+from core.doubled_functions import dd_cos, dd_log, dd_pow, dd_sin, dd_tan, quick_cos, quick_sin
 
 SMALL = sized(-100, 0)
 #: Arguments, by function: sizes of every order, what is usual, all up to where a result nears the ends of the range.
@@ -54,6 +54,14 @@ def test_sine_and_cosine_are_accurate_relative_to_one(a: Pair) -> None:
     with mp.workdps(DIGITS):
         assert error(dd_sin(*a), mp.sin(exact(a))) <= 1.0
         assert error(dd_cos(*a), mp.cos(exact(a))) <= 1.0
+
+
+@FIXED
+@given(pairs(ANGLES))
+def test_the_quick_sine_and_cosine_are_good_to_78_bits(a: Pair) -> None:
+    with mp.workdps(DIGITS):
+        assert error(quick_sin(*a), mp.sin(exact(a))) <= 2.0**26
+        assert error(quick_cos(*a), mp.cos(exact(a))) <= 2.0**26
 
 
 @FIXED
