@@ -237,14 +237,14 @@ class _Writer:
         inverse = self.once("q", below, f"1.0/{b.start}")
 
         def recurrence(w: _Node) -> str:
-            known = f"{w.start}*{b.newest} + {self.sums.product(self.row(b), self.row(w))}"
+            known = f"{w.start}*{b.newest} + {self.sums.product(self.row(b), self.row(w), awaited=True)}"
             return f"({self.newest(u)} - ({known}))*{inverse}"
 
         return self.add(("/", *_key(u), below), f"({self.start(u)})/{b.start}", recurrence)
 
     def root(self, u: _Sum) -> int:
         def recurrence(w: _Node) -> str:
-            return f"({self.newest(u)} - {self.sums.product(self.row(w), self.row(w))})*(0.5/{w.start})"
+            return f"({self.newest(u)} - {self.sums.product(self.row(w), self.row(w), awaited=True)})*(0.5/{w.start})"
 
         return self.add(("sqrt", *_key(u)), f"math.sqrt({self.start(u)})", recurrence)
 
@@ -265,7 +265,7 @@ class _Writer:
         inverse = self.once("q", n, f"1.0/{a.start}")
 
         def rate(w: _Node) -> str:
-            return f"(k*{a.newest} - {self.sums.product(self.row(a), self.row(w))})*{inverse}"
+            return f"(k*{a.newest} - {self.sums.product(self.row(a), self.row(w), awaited=True)})*{inverse}"
 
         slope = self.nodes[self.add(("rate of log", n), "0.0", rate)]
         return self.add(("log", n), f"math.log({a.start})", lambda _: f"inverse*{slope.newest}")
@@ -277,7 +277,10 @@ class _Writer:
             return lambda w: f"inverse*(unit*{self.constant(slope)}*c[{self.row(w)}, k - 1])"
         slope = self.nodes[self.add(("rate", *_key(u)), "0.0", lambda _: f"k*({self.newest(u)})")]
         row = self.row(slope)
-        return lambda w: f"inverse*({slope.newest}*{w.start} + {self.sums.product(row, self.row(w))})"
+        # The term j = k, whose slope is k uₖ, needs no division by k: it may be the last to come.
+        return lambda w: (
+            f"fma({self.newest(u)}, {w.start}, inverse*{self.sums.product(row, self.row(w), awaited=True)})"
+        )
 
     def exponential(self, u: _Sum) -> int:
         return self.add(("exp", *_key(u)), f"math.exp({self.start(u)})", self.rate(u))
@@ -297,7 +300,8 @@ class _Writer:
         if (name, *key) not in self.known:
             n = self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "")
             w = self.nodes[n]
-            square = f"{sign}(2.0*({w.start}*{w.newest}) + {self.sums.product(self.row(w), self.row(w))})"
+            inner = self.sums.product(self.row(w), self.row(w), awaited=True)
+            square = f"{sign}(2.0*({w.start}*{w.newest}) + {inner})"
             value = first.format(u=self.start(u), w=w.start)
             w.recurrence = rate(self.nodes[self.add((f"slope of {name}", *key), value, lambda _: square)])
         return self.known[name, *key]
@@ -343,6 +347,9 @@ class _Writer:
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
         return [f"size, speed = {size}, {speed}", "unit = shrink*power_of_two(size / speed)"]
 
+    def _newest_of_row(self, row: int) -> str:
+        return next(node.newest for node in self.nodes if node.row == row)
+
     def code(self, field: list[_Sum], g: _Sum) -> SeriesCode:
         """The whole body."""
         rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
@@ -359,7 +366,8 @@ class _Writer:
                 loop.append(f"c[{node.row}, k] = {node.newest}")
             before += [line for m, line in self.setup if m == n]
         before += [*(first for first, _ in rates), heights[0], *self.unit()]
-        loop += [*(rate for _, rate in rates), heights[1]]
+        loop += [*(rate for _, rate in rates), heights[1], *self.sums.after(self._newest_of_row)]
+        before += self.sums.before()
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)
 

@@ -2,11 +2,27 @@
 
 The terms i and j = k − i go in pairs, i < j, from the middle outwards, so that the newest coefficients are waited for
 last. One loop for all sums loads every coefficient once, and has its end mispredicted once.
+
+Where a function's next coefficient waits for such a sum of its own last one, as that of sine and cosine does, the last
+pair comes after the loop, from registers: of row r, ``last{r}`` is coefficient k − 1, and ``one{r}`` is coefficient 1
+(0 before k = 2), as ``again{r}`` is (0 before k = 3: the pair of k = 2 is one term).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 __all__ = ["Sums"]
+
+
+class _Text(NamedTuple):
+    """Lines for one sum: before the loop over its pairs, in that loop, after it without the last pair, and with it."""
+
+    begin: str
+    pairs: tuple[str, ...]
+    rest: str
+    last: str
 
 
 class Sums:
@@ -14,52 +30,80 @@ class Sums:
 
     def __init__(self) -> None:
         self._names: dict[tuple[object, ...], str] = {}
-        self._begin: list[str] = []
-        self._pair: list[str] = []
-        self._end: list[str] = []
+        self._texts: list[_Text] = []
+        self._rows: set[int] = set()
+        self._awaited = False
 
-    def product(self, a: int, b: int) -> str:
-        """Name of Σ aⱼ bₖ₋ⱼ, of two rows."""
+    def product(self, a: int, b: int, awaited: bool = False) -> str:
+        """Name of Σ aⱼ bₖ₋ⱼ, of two rows; `awaited` by a function one of whose rows this is."""
         if a == b:
-            return self._square(a)
-        name, new = self._named("product", *sorted((a, b)))
+            return self._square(a, awaited)
+        name, new = self._named("product", *sorted((a, b)), awaited=awaited)
         if new:
-            self._begin.append(f"{name}, {name}_back = c[{a}, m]*c[{b}, m] if even else 0.0, 0.0")
-            self._pair.append(f"{name} = fma(c[{a}, i], c[{b}, j], {name})")
-            self._pair.append(f"{name}_back = fma(c[{a}, j], c[{b}, i], {name}_back)")
-            self._end.append(f"{name} += {name}_back")
+            rest = f"{name} + {name}_back"
+            self._add({a, b}, _Text(
+                f"{name}, {name}_back = c[{a}, m]*c[{b}, m] if even else 0.0, 0.0",
+                (f"{name} = fma(c[{a}, i], c[{b}, j], {name})",
+                 f"{name}_back = fma(c[{a}, j], c[{b}, i], {name}_back)"),
+                f"{name} = {rest}", f"{name} = fma(one{a}, last{b}, fma(again{b}, last{a}, {rest}))",
+            ))  # fmt: skip
         return name
 
     def power(self, a: int, b: int, exponent: str) -> str:
         """Name of Σ (j (exponent + 1) − k) aⱼ bₖ₋ⱼ: the recurrence of b = a**exponent."""
-        name, new = self._named("power", a, b, exponent)
+        name, new = self._named("power", a, b, exponent, awaited=True)
         if new:
-            weight = f"({{}}*({exponent} + 1.0) - k)"
-            middle = f"{weight.format('m')}*(c[{a}, m]*c[{b}, m])"
-            self._begin.append(f"{name}, {name}_back = {middle} if even else 0.0, 0.0")
-            self._pair.append(f"{name} += {weight.format('i')}*(c[{a}, i]*c[{b}, j])")
-            self._pair.append(f"{name}_back += {weight.format('j')}*(c[{a}, j]*c[{b}, i])")
-            self._end.append(f"{name} += {name}_back")
+            weight = f"({{}}*({exponent} + 1.0) - k)".format
+            rest = f"{name} + {name}_back"
+            ends = f"{weight('1.0')}*(one{a}*last{b}) + {weight('(k - 1)')}*(last{a}*again{b})"
+            self._add({a, b}, _Text(
+                f"{name}, {name}_back = {weight('m')}*(c[{a}, m]*c[{b}, m]) if even else 0.0, 0.0",
+                (f"{name} += {weight('i')}*(c[{a}, i]*c[{b}, j])",
+                 f"{name}_back += {weight('j')}*(c[{a}, j]*c[{b}, i])"),
+                f"{name} = {rest}", f"{name} = {ends} + ({rest})",
+            ))  # fmt: skip
+        return name
+
+    def _square(self, a: int, awaited: bool) -> str:
+        """Each pair once, and the term in the middle."""
+        name, new = self._named("square", a, awaited=awaited)
+        if new:
+            rest = f"({name} + {name}) + (c[{a}, m]*c[{a}, m] if even else 0.0)"
+            self._add({a}, _Text(
+                f"{name} = 0.0", (f"{name} = fma(c[{a}, i], c[{a}, j], {name})",),
+                f"{name} = {rest}", f"{name} = fma(one{a} + again{a}, last{a}, {rest})",
+            ))  # fmt: skip
         return name
 
     def lines(self) -> list[str]:
         """Lines that work all sums out from the coefficients below k."""
-        if not self._names:
+        if not self._texts:
             return []
-        head = ["m, even = unsigned(k >> 1), k & 1 == 0", *self._begin]
+        even, least = ("k & 1 == 0 and k > 2", 1) if self._awaited else ("k & 1 == 0", 0)
+        head = [f"m, even = unsigned(k >> 1), {even}", *(text.begin for text in self._texts)]
         head.append("i, j = unsigned((k - 1) >> 1), unsigned((k >> 1) + 1)")
-        loop = [*self._pair, "i, j = unsigned(i - 1), unsigned(j + 1)"]
-        return [*head, "while i > 0:", *(f"    {line}" for line in loop), *self._end]
+        loop = [*(line for text in self._texts for line in text.pairs), "i, j = unsigned(i - 1), unsigned(j + 1)"]
+        ends = [text.last if self._awaited else text.rest for text in self._texts]
+        return [*head, f"while i > {least}:", *(f"    {line}" for line in loop), *ends]
 
-    def _square(self, a: int) -> str:
-        """Each pair once, and the term in the middle."""
-        name, new = self._named("square", a)
-        if new:
-            self._begin.append(f"{name} = 0.0")
-            self._pair.append(f"{name} = fma(c[{a}, i], c[{a}, j], {name})")
-            self._end.append(f"{name} = ({name} + {name}) + (c[{a}, m]*c[{a}, m] if even else 0.0)")
-        return name
+    def before(self) -> list[str]:
+        """Lines that go before the loop over k."""
+        return [f"last{r} = one{r} = again{r} = 0.0" for r in sorted(self._rows)] if self._awaited else []
 
-    def _named(self, *key: object) -> tuple[str, bool]:
+    def after(self, newest: Callable[[int], str]) -> list[str]:
+        """Lines that keep the coefficients k for the sums of the next k; `newest` names that of a row."""
+        if not self._awaited:
+            return []
+        rows = sorted(self._rows)
+        kept = [f"last{r} = {newest(r)}" for r in rows]
+        first, second = ([f"    {to}{r} = {of}{r}" for r in rows] for to, of in (("one", "last"), ("again", "one")))
+        return [*kept, "if k == 1:", *first, "elif k == 2:", *second]
+
+    def _named(self, *key: object, awaited: bool) -> tuple[str, bool]:
+        self._awaited = self._awaited or awaited
         new = key not in self._names
         return self._names.setdefault(key, f"sum{len(self._names)}"), new
+
+    def _add(self, rows: set[int], text: _Text) -> None:
+        self._rows |= rows
+        self._texts.append(text)

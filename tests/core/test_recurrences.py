@@ -21,7 +21,7 @@ def geometric(radius: float, size: float = 1.0) -> Any:
 
 
 def safety(order: int, tolerance: float) -> float:
-    return math.exp(min(-1.0, math.log(tolerance) / order) - 0.7 / (order - 1))
+    return math.exp(min(-math.log(2.0), math.log(tolerance) / order) - 0.7 / (order - 1))
 
 
 @pytest.mark.parametrize("order", [2, 3, 8, 16, 30])
@@ -81,7 +81,7 @@ def test_reach_of_what_is_not_finite_is_no_step(place: tuple[int, int]) -> None:
 
 
 def test_higher_orders_are_for_smaller_tolerances() -> None:
-    orders = [order_of(tolerance) for tolerance in (1e-2, 1e-6, 1e-9, 1e-12, 1e-15)]
+    orders = [order_of(tolerance) for tolerance in (1e-2, 1e-5, 1e-8, 1e-11)]
     assert orders == sorted(set(orders))
     assert order_of(1e-300) == MAX_ORDER
 
