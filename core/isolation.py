@@ -88,9 +88,13 @@ def first_root(row, order, h, leaving, scratch):
         n -= first  # it rises like s**(first + 1)
         for k in range(n + 1):
             scratch[0, k] = scratch[0, _u(k + first)]
-    s = _plain_root(scratch, n, size) if leaving == 0 or start > 0.0 else math.nan
-    if s == s:
-        return ROOT, (s - NARROW * s) * h, min(s + NARROW * s, 1.0) * h
+    else:
+        end = _sum(scratch, n)
+        if end > _SURE * size and _falls_or_bends(scratch, n, 1.0, size):
+            return NONE, 0.0, 0.0
+        s = _plain_root(scratch, n, size, end) if end < -_SURE * size else math.nan
+        if s == s:
+            return ROOT, (s - NARROW * s) * h, min(s + NARROW * s, 1.0) * h
     _to_bernstein(scratch, n)
     return _search(scratch, n, NOISE * size, h)
 
@@ -125,17 +129,23 @@ def _least(scratch, n):
 
 
 @always_inlined
-def _plain_root(scratch, n, size):
-    """The first root where it is plain to see, by Halley's method; nan where it is not so plain.
-
-    It is where the polynomial ends below zero, and falls, or is concave, from the start to a little beyond the root.
-    """
-    value, slope = 0.0, 0.0
+def _sum(scratch, n):
+    """Value at the end, u = 1."""
+    value = 0.0
     for k in range(n + 1):
         value += scratch[0, k]
+    return value
+
+
+@always_inlined
+def _plain_root(scratch, n, size, value):
+    """The first root of what ends below zero, at this value, by Halley's method; nan where it is not plain to see.
+
+    It is where the polynomial falls, or is concave, from the start to a little beyond the root.
+    """
+    slope = 0.0
+    for k in range(1, n + 1):
         slope += k * scratch[0, k]
-    if not value < -_SURE * size:
-        return math.nan
     s = _first_guess(scratch, n, value, slope)
     for _ in range(_MAX_HALLEY):
         f, r, q = scratch[0, _u(n)], 0.0, 0.0  # value, derivative, half the second derivative
