@@ -16,7 +16,7 @@ import numpy as np
 
 from core.jit import always_inlined, jitted
 
-__all__ = ["MAX_ORDER", "STRIDE", "order_of", "power_of_two", "reach", "unsigned"]
+__all__ = ["MAX_ORDER", "STRIDE", "order_of", "power_near", "power_of_two", "reach", "unsigned"]
 
 #: Outside these orders a step gains less than it costs.
 _LEAST_ORDER, MAX_ORDER = 8, 24
@@ -27,6 +27,7 @@ _LOG2_E = math.log2(math.e)
 _THIRD = 1.0 / 3.0  #: a product is there sooner than a quotient
 #: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
 _MANTISSA, _DIGITS, _EXPONENT, _ONE, _BIAS = 2**52 - 1, 52, 2047 << 52, 1023 << 52, 1023
+_NORMAL = 2.0**-1022
 
 #: Of indices known not to be negative, which need no test for counting from the end.
 unsigned = np.uint64
@@ -46,6 +47,15 @@ def power_of_two(u):
     """The greatest power of two that is not above u; 1 where u is not positive and finite, or below 2⁻¹⁰²²."""
     power = np.int64(np.float64(u).view(np.int64) & _EXPONENT).view(np.float64)
     return power if 0.0 < power < math.inf and u > 0.0 else 1.0
+
+
+@always_inlined
+def power_near(u, v):
+    """A power of two within a factor of two of u/v, by their exponents; 1 unless all three are positive and normal."""
+    exponents = np.float64(u).view(np.int64) & _EXPONENT, np.float64(v).view(np.int64) & _EXPONENT
+    bits = exponents[0] - exponents[1] + _ONE
+    usual = _NORMAL <= u < math.inf and _NORMAL <= v < math.inf and 0 < bits < _EXPONENT
+    return np.int64(bits).view(np.float64) if usual else 1.0
 
 
 @always_inlined

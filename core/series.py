@@ -345,7 +345,7 @@ class _Writer:
     def unit(self) -> list[str]:
         """About the time in which the state moves by its own size, a power of two, times `shrink`."""
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
-        return [f"size, speed = {size}, {speed}", "unit = shrink*power_of_two(size / speed)"]
+        return [f"size, speed = {size}, {speed}", "unit = shrink*power_near(size, speed)"]
 
     def _newest_of_row(self, row: int) -> str:
         return next(node.newest for node in self.nodes if node.row == row)

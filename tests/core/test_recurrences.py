@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.recurrences import MAX_ORDER, order_of, power_of_two, reach
+from core.recurrences import MAX_ORDER, order_of, power_near, power_of_two, reach
 
 
 def rows(count: int = 4, length: int = 32) -> Any:
@@ -89,6 +89,20 @@ def test_higher_orders_are_for_smaller_tolerances() -> None:
 @pytest.mark.parametrize("u", [1.0, 1.5, 2.0**-30 * 1.99, 3e300, 5e-300])
 def test_the_unit_is_the_power_of_two_below(u: float) -> None:
     assert power_of_two(u) == 2.0 ** math.floor(math.log2(u))
+
+
+@pytest.mark.parametrize(("u", "v"), [(1.0, 1.9), (3e-200, 7e-190), (5.0, 1e300), (3e-308, 2e-10), (1.99, 1.0)])
+def test_the_power_near_a_quotient_is_within_a_factor_of_two(u: float, v: float) -> None:
+    power = power_near(u, v)
+    assert math.frexp(power)[0] == 0.5
+    assert 0.5 * u / v <= power <= 2.0 * u / v
+
+
+@pytest.mark.parametrize(
+    ("u", "v"), [(0.0, 1.0), (1.0, 0.0), (math.inf, 1.0), (1.0, math.nan), (1e300, 1e-300), (1e-310, 1)]
+)
+def test_no_power_is_near_what_is_no_quotient_of_the_usual_size(u: float, v: float) -> None:
+    assert power_near(u, v) == 1.0
 
 
 @pytest.mark.parametrize("u", [0.0, -2.0, math.inf, math.nan, 5e-324])
