@@ -62,3 +62,15 @@ def test_halves_are_exact_factors_and_not_quotients():
 @pytest.mark.parametrize("number", [0.1, 1 / 3, 0.05293787936735, 1e-300, 123456789.12345679])
 def test_numbers_are_printed_to_the_last_digit(number):
     assert float(printed(sympy.Float(number))) == number
+
+
+@pytest.mark.parametrize("power", ["3/2", "5/2", "7/2", "9/2", "-1/2", "-3/2", "-5/2", "11/2", "2/3"])
+def test_powers_are_good_to_a_rounding_for_each_factor(power):
+    exponent = sympy.Rational(power)
+    lines = [f"w[1] = {printed((X + 1) ** exponent)}".replace("x", "w[0]"), "return 0"]
+    module = _load(module_text([function_text("value", lines)]))
+    for x in (0.3, 1.7, 1e-20, 3e40):
+        w = np.array([x, 0.0])
+        module.value.ctypes(0.0, 0.0, pointer(np.zeros(1)), pointer(w), pointer(np.zeros(1)))
+        wanted = (1.0 + x) ** float(exponent)
+        assert abs(w[1] - wanted) <= 6 * 2.0**-53 * abs(wanted)
