@@ -13,7 +13,7 @@ from panel.util.parameters import edit_readonly
 from panel_material_ui.template.base import Page
 
 import core
-from pwsviz.browser import Browser
+from pwsviz.browser import REMEMBER_DARK, Browser
 from pwsviz.desk import Desk
 from pwsviz.editor import SystemEditor
 from pwsviz.history import History
@@ -306,17 +306,26 @@ class Explorer(pn.viewable.Viewer):
         # The page is looked up, not named: Panel walks over all that a component names whenever it changes.
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
+        page.jscallback(dark_theme=REMEMBER_DARK)
         self.browser.param.watch(lambda _: self.history.undo(), "undone")
+        self.browser.param.watch(lambda _: self.history.redo(), "redone")
         page.main.append(self.browser)
         return page
 
     def _header(self) -> list[Any]:
-        undo = pmui.IconButton(icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=4)
+        undo = pmui.IconButton(
+            icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=(4, 0, 4, 4)
+        )
         self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
         undo.on_click(lambda _: self.history.undo())
+        redo = pmui.IconButton(
+            icon="redo", description="Redo (Ctrl+Y)", disabled=True, size="small", margin=(4, 4, 4, 0)
+        )
+        self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "repeatable")
+        redo.on_click(lambda _: self.history.redo())
         share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
         share.on_click(lambda _: self.share.open(self._page_address()))
-        return [undo, share]
+        return [undo, redo, share]
 
     @staticmethod
     def _page_address() -> str:

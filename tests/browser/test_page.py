@@ -101,12 +101,24 @@ def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
     assert tab["y"] >= portrait["y"] + portrait["height"]
 
 
-def test_dark_mode_repaints_the_figures(visit):
+def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     page = visit()
     drawing = await_painted(page, "Phase portrait")
-    before = picture(drawing)
+    light = picture(drawing)
     page.get_by_label("Toggle theme").click()
-    await_other_picture(page, drawing, before)
+    await_other_picture(page, drawing, light)
+    dark = picture(drawing)
+    page.reload()
+    drawing = await_painted(page, "Phase portrait")
+    for _ in range(200):
+        if picture(drawing) == dark:
+            break
+        page.wait_for_timeout(50)
+    else:
+        raise AssertionError("it is light again")
+    page.get_by_label("Toggle theme").click()
+    await_other_picture(page, drawing, dark)
+    assert page.evaluate("localStorage.length") == 0  # as the system has it: there is nothing to remember
 
 
 def choose_system(page, name):

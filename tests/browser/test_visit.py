@@ -42,6 +42,8 @@ def test_the_address_holds_the_scene_and_undo_brings_it_back(visit):
     page.get_by_role("tab", name="Order").focus()
     page.keyboard.press("Control+z")
     page.get_by_text(re.compile("1,600 steps")).first.wait_for()
+    page.keyboard.press("Control+y")
+    page.get_by_text(re.compile("1,000 steps")).first.wait_for()
 
 
 def test_a_broken_link_is_told_and_harms_nothing(visit, address):

@@ -42,6 +42,29 @@ def test_every_gesture_is_undone_by_itself(history, clock):
     assert scene.settings() == states[0]
 
 
+def test_what_was_undone_is_done_again_until_something_else_is_done(history, clock):
+    scene, states = history.scene, [history.scene.settings()]
+    for change in (("tau", 0.02), ("system", "kepler"), ("methods", ["rk4"])):
+        clock.now += 5
+        scene.accept(*change)
+        states.append(scene.settings())
+    for _ in states[1:]:
+        history.undo()
+    for state in states[1:]:
+        assert history.repeatable
+        history.redo()
+        assert scene.settings() == state
+    assert not history.repeatable
+    history.redo()
+    assert scene.settings() == states[-1]
+    history.undo()
+    clock.now += 5
+    scene.accept("tau", 0.03)
+    assert not history.repeatable
+    history.undo()
+    assert scene.settings() == states[-2]
+
+
 def test_a_dragged_slider_is_one_step(history, clock):
     for k in range(1, 50):
         clock.now += 0.1
