@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 from systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
 
-from core import PiecewiseSystem, divided
+from core import PiecewiseSystem, arithmetic, divided
 from core.codegen import assignments
 from core.expressions import parse
 from core.multiplier import DIFFERENCES, DiscreteField, Endpoints, slopes
@@ -54,7 +54,7 @@ def exactly(expression: sympy.Expr, at: dict[sympy.Symbol, float]) -> Any:
 def in_double_precision(expression: sympy.Expr, at: dict[sympy.Symbol, float]) -> float:
     """The very text that is compiled, run on floats."""
     lines = assignments(["result"], [expression], sympy.numbered_symbols("v"))
-    scope: dict[str, Any] = {"math": math, **vars(divided), **{str(s): v for s, v in at.items()}}
+    scope: dict[str, Any] = {"math": math, **vars(arithmetic), **vars(divided), **{str(s): v for s, v in at.items()}}
     exec("\n".join(lines), scope)  # noqa: S102 - text of our own making
     return float(scope["result"])
 
