@@ -97,6 +97,7 @@ class SystemEditor(pn.viewable.Viewer):
         self._lane = Lane()
         self._filling = False
         self._system: core.PiecewiseSystem | None = None
+        self._wanted = False
         self.draft = Draft()
         self.texts = {name: self._make_text(name) for name in FIELDS}
         self.maths = {name: _markup_pane() for name in FIELDS}
@@ -158,7 +159,8 @@ class SystemEditor(pn.viewable.Viewer):
 
     def _check(self, draft: Draft, quiet: float) -> None:
         self.draft = draft
-        self._system, self.use.disabled = None, True
+        # The button changes with the outcome only: what changes twice in a moment, the browser may put back.
+        self._system, self._wanted = None, False
         self._lane.submit(Job(lambda _: check(draft), partial(self._deliver, partial(self._show, draft)), quiet=quiet))
 
     def _show(self, draft: Draft, outcome: Checked | Exception) -> None:
@@ -166,7 +168,7 @@ class SystemEditor(pn.viewable.Viewer):
         if draft != self.draft:
             return
         if isinstance(outcome, Exception):
-            self.status.object = complaint(outcome)
+            self.status.object, self.use.disabled = complaint(outcome), True
             return
         for name, text in self.texts.items():
             self._show_complaint(text, outcome.complaints.get(name), _HELP.get(name, ""))
@@ -177,6 +179,8 @@ class SystemEditor(pn.viewable.Viewer):
         self.status.object = _verdict(outcome)
         if outcome.system is not None:
             self._on_ready(outcome.system)
+        if self._wanted:
+            self._use()
 
     def _show_complaint(self, text: Any, words: str | None, usual: str) -> None:
         wanted = {"error_state": words is not None, "helper_text": usual if words is None else _without_icons(words)}
@@ -184,6 +188,8 @@ class SystemEditor(pn.viewable.Viewer):
         text.param.update(**changed)
 
     def _use(self) -> None:
+        """Use what stands there; if that is not checked yet, as soon as it is, unless more is typed."""
+        self._wanted = self._system is None
         if self._system is None:
             return
         try:

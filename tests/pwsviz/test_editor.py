@@ -89,22 +89,35 @@ def test_a_mistake_is_told_at_its_field_and_nothing_can_be_used(desk):
     assert not desk.editor.use.disabled
 
 
-def test_what_is_not_checked_yet_cannot_be_used(desk):
-    desk.editor.texts["g"].value_input = "x +"
-    assert desk.editor.use.disabled
+def test_what_is_not_checked_yet_is_used_once_it_is(desk):
+    desk.editor.texts["g"].value_input = "x + 1"
     desk.editor.use.clicks += 1
     assert desk.used == []
+    assert desk.editor.settle(20)
+    assert [system.g for system in desk.used] == ["x + 1"]
+
+
+def test_what_is_found_wrong_or_typed_over_is_not_used(desk):
+    for text, more in (("x +", ""), ("x + 1", "x + 2")):
+        desk.editor.texts["g"].value_input = text
+        desk.editor.use.clicks += 1
+        if more:
+            desk.editor.texts["g"].value_input = more
+        assert desk.editor.settle(20)
+        assert desk.used == []
+        assert desk.editor.use.disabled == (not more)
 
 
 def test_an_outcome_that_was_overtaken_is_not_shown():
-    outcomes = []
-    editor = SystemEditor(lambda _: None, lambda show, outcome: outcomes.append((show, outcome)))
+    outcomes, used = [], []
+    editor = SystemEditor(used.append, lambda show, outcome: outcomes.append((show, outcome)))
     editor.fill(examples["Two springs"])
     assert editor.settle(20)
     editor.texts["g"].value_input = "x +"
     show, outcome = outcomes[0]
     show(outcome)
-    assert editor.use.disabled
+    editor.use.clicks += 1
+    assert used == []
     editor.close()
 
 
