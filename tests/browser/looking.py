@@ -8,6 +8,14 @@ COLOURS = """canvas => {
     return new Set(pixels).size
 }"""
 
+GROUND = """canvas => {
+    const {width, height} = canvas
+    const counts = new Map()
+    for (const pixel of new Uint32Array(canvas.getContext("2d").getImageData(0, 0, width, height).data.buffer))
+        counts.set(pixel, (counts.get(pixel) ?? 0) + 1)
+    return [...counts].reduce((most, other) => other[1] > most[1] ? other : most)[0]
+}"""
+
 
 def canvas(page, figure):
     return page.get_by_role("img", name=re.compile(figure)).locator("canvas").first
@@ -33,12 +41,34 @@ def picture(drawing):
     return drawing.evaluate("canvas => canvas.toDataURL()")
 
 
+def settled_picture(page, drawing):
+    """Wait until a picture stays as it is for a moment: its legend may come after its lines."""
+    before, since = picture(drawing), 0
+    for _ in range(200):
+        page.wait_for_timeout(50)
+        now = picture(drawing)
+        before, since = now, since + 1 if now == before else 0
+        if since == 12:
+            return now
+    raise AssertionError("the picture never came to rest")
+
+
 def await_other_picture(page, drawing, before):
     for _ in range(200):
         if picture(drawing) != before:
             return
         page.wait_for_timeout(50)
     raise AssertionError("the picture did not change")
+
+
+def await_ground(page, drawing, is_wanted):
+    """Wait until most of a figure has a colour that is wanted; its lines and legend may come later."""
+    for _ in range(200):
+        ground = drawing.evaluate(GROUND)
+        if is_wanted(ground):
+            return ground
+        page.wait_for_timeout(50)
+    raise AssertionError(f"most of the figure has the colour {ground:#010x}")
 
 
 def field(page, label):

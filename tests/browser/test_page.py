@@ -3,7 +3,18 @@
 import re
 
 import pytest
-from looking import await_built, await_other_picture, await_painted, field, picture, type_into
+from looking import (
+    GROUND,
+    await_built,
+    await_ground,
+    await_other_picture,
+    await_painted,
+    canvas,
+    field,
+    picture,
+    settled_picture,
+    type_into,
+)
 
 pytestmark = pytest.mark.browser
 
@@ -20,7 +31,7 @@ def test_typing_a_step_size_repaints_and_updates_the_status(visit):
     page = visit()
     drawing = await_painted(page, "conserved quantity")
     page.get_by_text(re.compile("2,000 steps")).first.wait_for()
-    before = picture(drawing)
+    before = settled_picture(page, drawing)
     type_into(page, "Step size τ", "0.001")
     page.get_by_text(re.compile("20,000 steps")).first.wait_for()
     await_other_picture(page, drawing, before)
@@ -30,7 +41,7 @@ def test_the_slider_moves_the_step_size(visit):
     page = visit()
     drawing = await_painted(page, "conserved quantity")
     page.get_by_text(re.compile("2,000 steps")).first.wait_for()
-    before = picture(drawing)
+    before = settled_picture(page, drawing)
     slider = page.locator("input[type=range]").nth(3)  # after those of three parameters
     slider.focus()
     for _ in range(20):
@@ -58,8 +69,7 @@ def test_bad_input_is_told_and_the_picture_stays(visit):
     page = visit()
     drawing = await_painted(page, "Phase portrait")
     page.get_by_text(re.compile("2,000 steps")).first.wait_for()
-    page.wait_for_timeout(500)
-    before = picture(drawing)
+    before = settled_picture(page, drawing)
     type_into(page, "Step size τ", "tiny")
     page.get_by_text(re.compile("is not a number")).wait_for()
     page.wait_for_timeout(300)
@@ -105,21 +115,14 @@ def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
 
 def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     page = visit()
-    drawing = await_painted(page, "Phase portrait")
-    light = picture(drawing)
+    light = await_painted(page, "Phase portrait").evaluate(GROUND)
     page.get_by_label("Toggle theme").click()
-    await_other_picture(page, drawing, light)
-    dark = picture(drawing)
+    dark = await_ground(page, canvas(page, "Phase portrait"), lambda ground: ground != light)
     page.reload()
     drawing = await_painted(page, "Phase portrait")
-    for _ in range(200):
-        if picture(drawing) == dark:
-            break
-        page.wait_for_timeout(50)
-    else:
-        raise AssertionError("it is light again")
+    await_ground(page, drawing, lambda ground: ground == dark)
     page.get_by_label("Toggle theme").click()
-    await_other_picture(page, drawing, dark)
+    await_ground(page, drawing, lambda ground: ground == light)
     assert page.evaluate("localStorage.length") == 0  # as the system has it: there is nothing to remember
 
 

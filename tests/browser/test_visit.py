@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from looking import await_other_picture, await_painted, field, picture, type_into
+from looking import await_other_picture, await_painted, field, settled_picture, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -75,7 +75,7 @@ def test_a_field_and_a_button_told_of_at_once_are_both_heard(visit):
     portrait = await_painted(page, "Phase portrait")
     page.get_by_role("button", name="Write your own").click()
     page.get_by_text("This system is ready.").wait_for()
-    before = picture(portrait)
+    before = settled_picture(page, portrait)
     field(page, "Field f₊, where g > 0").fill("4*y\n6*x**2 - 2.5")
     field(page, "Conserved quantities ψ₊").fill("")
     page.get_by_role("button", name="Use this system").click()  # leaves the field, and comes before it is checked
