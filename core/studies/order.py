@@ -20,10 +20,14 @@ from core.trajectory import Status
 
 __all__ = ["OrderStudy", "order_study"]
 
-#: A slope is fitted to errors between this many round-off levels and this fraction of the size of the state, from the
-#: finest step size on as far as slopes from point to point agree within this much; to so many points at the least.
+#: A slope is fitted to errors between this many round-off levels and this fraction of the size of the state: from the
+#: finest step size on to this many times it, and on as far as slopes from point to point agree within this much.
 _ABOVE_FLOOR, _BELOW_SIZE = 50.0, 0.3
-_AGREE, _LEAST = 0.15, 3
+_SPAN, _AGREE, _LEAST = 2.0, 0.15, 3
+#: Where they scatter by more than this even there, as without a transition, the slope is that of all points.
+_SCATTER = 3.0
+#: A state that fewer steps lead to says more of its last, shorter one than of the order.
+_FEWEST_STEPS = 4
 #: Round-off of state and oracle together, in units of eps times the size of the state.
 _ROUND_OFF = 16.0
 #: A reference's estimate of its own error is that of the worse of two solutions.
@@ -47,7 +51,7 @@ class OrderStudy:
     time_error: Floats
     """(k, m) |t* − t̂| of those crossings; nan where a run did not get there."""
     state_error: Floats
-    """(1 + k, m) ‖x − x*‖ at `times`: row 0 before the first crossing; nan where a step is longer than that."""
+    """(1 + k, m) ‖x − x*‖ at `times`: row 0 before the first crossing; nan where fewer than four steps lead there."""
     time_slope: Floats
     """(k,) fitted orders; nan where fewer than three step sizes lie in the window."""
     state_slope: Floats
@@ -124,7 +128,7 @@ def order_study(
         t_hat, found = _run(system, chosen, t0, start, setting, times, numbers)
         time_error[:, j] = np.abs(t_hat - crossing_times)
         state_error[:, j] = np.linalg.norm(found - states, axis=1)
-        state_error[times - t0 < setting.tau, j] = np.nan  # reached by a shorter step
+        state_error[times - t0 < _FEWEST_STEPS * setting.tau, j] = np.nan
         if progress is not None:
             progress(j + 1, len(settings), study())
     return study()
@@ -186,20 +190,20 @@ def _fits(taus: Floats, errors: Floats, floor: float, size: float) -> tuple[Floa
     for k, row in enumerate(errors):
         clear = np.flatnonzero((row > _ABOVE_FLOOR * floor) & (row < _BELOW_SIZE * size))
         finest_first = clear[np.argsort(taus[clear])]
-        used = finest_first[: _asymptotic(np.log(taus[finest_first]), np.log(row[finest_first]))]
-        if len(used) >= _LEAST:
+        if len(finest_first) >= _LEAST:
+            used = finest_first[: _asymptotic(np.log(taus[finest_first]), np.log(row[finest_first]))]
             slopes[k] = np.polyfit(np.log(taus[used]), np.log(row[used]), 1)[0]
             windows[k] = taus[used].min(), taus[used].max()
     return slopes, windows
 
 
 def _asymptotic(x: Floats, y: Floats) -> int:
-    """How many points from the finest on lie in the asymptotic range: there slopes from point to point agree.
-
-    Where they do not agree even at the finest, as without a transition, all points.
-    """
+    """How many points from the finest on are fitted: those in the asymptotic range, as far as the slopes tell it."""
     between = np.diff(y) / np.diff(x)
-    count = _LEAST - 1
+    near = max(_LEAST, int(np.count_nonzero(x <= x[0] + math.log(_SPAN) + 1e-9))) if len(x) else 0
+    if np.ptp(between[: near - 1]) > _SCATTER:
+        return len(x)
+    count = _LEAST
     while count <= len(between) and np.ptp(between[:count]) <= _AGREE:
         count += 1
-    return count if count > _LEAST - 1 else len(x)
+    return max(near, count)

@@ -13,7 +13,7 @@ SYSTEM = PiecewiseSystem(
     parameters=(
         Parameter("gamma_minus", 0.05, (0.0, 1.0), "damping where x < 0"),
         Parameter("gamma_plus", 0.2, (0.0, 1.0), "damping where x > 0"),
-        Parameter("k", 4.0, (0.5, 20.0), "stiffness of the spring"),
+        Parameter("k", 2.0, (0.5, 20.0), "stiffness of the spring"),
         Parameter("m", 1.0, (0.2, 5.0), "mass"),
     ),
     x0=(1.0, 0.0),

@@ -15,6 +15,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("k_plus", 9.8, (0.1, 30.0), "gravity over length above the angle"),
         Parameter("angle", 0.5, (-1.5, 1.5), "where gravity changes, in radians", r"\alpha"),
     ),
-    x0=(-2.0, 0.0),
+    x0=(-1.57, 0.0),
     doc="A pendulum of one metre swings in the gravity of Mars, and beyond the angle α in that of the Earth.",
 )

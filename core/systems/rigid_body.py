@@ -15,7 +15,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("m_plus", 0.9, (0.05, 2.0), "ratio of inertia above the plane"),
         Parameter("plane", 0.6, (-1.2, 1.2), "where the plane stands", "c"),
     ),
-    x0=(0.0, 2.0, 2.0),
+    x0=(0.0, 1.0, 1.0),
     doc="Euler's equations of a body that turns freely, scaled to Jacobi's form: on each side of the plane y₁ = c the "
     "spin runs along the curve in which two cylinders meet.",
 )

@@ -7,15 +7,18 @@ from collections.abc import Iterable
 import numpy as np
 
 import core
+from pwsviz.bench.digits import slopes_in_digits
 from pwsviz.bench.plan import Plan
 from pwsviz.bench.tables import aligned
 
-__all__ = ["catalogue_orders"]
+__all__ = ["catalogue_orders", "orders_in_digits"]
 
 #: Coarsest and finest step size by order: errors from about 1e-2 to round-off.
-_WINDOWS = {2: (3e-2, 1e-4), 4: (0.12, 3e-3), 6: (0.25, 2e-2), 8: (0.4, 3e-2)}
-_SIZES = 17
+_WINDOWS = {2: (3e-2, 1e-4), 4: (0.12, 5e-4), 6: (0.35, 8e-3), 8: (0.6, 2e-2)}
+_SIZES = 33
 _CROSSINGS = (10, 20, 30)
+#: Where errors in a double would be round-off long since.
+_FINE = (0.01, 0.005, 0.0025, 0.00125)
 
 
 def catalogue_orders(plan: Plan) -> Iterable[str]:
@@ -42,6 +45,21 @@ def catalogue_orders(plan: Plan) -> Iterable[str]:
     )
     if passed:
         yield f"  no second crossing, so nothing to fit: {', '.join(passed)}"
+
+
+def orders_in_digits(plan: Plan) -> Iterable[str]:
+    """Lines on the order of rk8 where its drift, of order nine, hides it from a double."""
+    if not plan.in_digits:
+        return
+    yield "Orders of rk8 in 34 digits: slopes of the crossing times of runs with step sizes from"
+    yield f"{_FINE[0]:g} to {_FINE[-1]:g}, each half of the one before."
+    rows = []
+    for name in plan.in_digits:
+        for number, slopes in zip(
+            _CROSSINGS, slopes_in_digits(core.CATALOGUE[name], "rk8", _FINE, _CROSSINGS), strict=True
+        ):
+            rows.append([name, str(number), *(f"{slope:.2f}" for slope in slopes)])
+    yield from aligned(("system", "crossing", *(f"{tau:g}" for tau in _FINE[2:])), rows)
 
 
 def _reached(system: core.PiecewiseSystem) -> tuple[int, ...]:

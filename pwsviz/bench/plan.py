@@ -37,6 +37,8 @@ class Plan:
     """Orders of the perturbation in the order study."""
     catalogue: tuple[str, ...]
     """Systems for which the orders of all methods are fitted."""
+    in_digits: tuple[str, ...]
+    """Those of them for which the order of rk8 is looked at in more digits than a double has."""
     drift_steps: tuple[int, ...]
     """Numbers of steps after which the drift of ψ is looked at."""
     steps_back: int
@@ -57,6 +59,7 @@ STANDARD = Plan(
     step_counts=(10**4, 10**5, 10**6, 10**7),
     orders=(None, 1, 2, 3),
     catalogue=("harmonic_oscillator", "elliptic_curve"),
+    in_digits=(),
     drift_steps=(10**5, 10**6),
     steps_back=10**5,
 )
@@ -64,6 +67,7 @@ LONG = replace(
     STANDARD,
     step_counts=(*STANDARD.step_counts, 10**8),
     catalogue=tuple(core.CATALOGUE),
+    in_digits=("elliptic_curve", "pendulum", "rigid_body", "kepler", "predator_prey", "diode_circuit"),
     drift_steps=(10**6, 10**7, 10**8),
     steps_back=10**6,
 )
@@ -81,6 +85,7 @@ QUICK = Plan(
     step_counts=(10**3, 10**4),
     orders=(None,),
     catalogue=("elliptic_curve",),
+    in_digits=(),
     drift_steps=(10**3,),
     steps_back=10**3,
 )

@@ -1,6 +1,7 @@
 """The program a person takes away is what the page ran, to the bit; and nothing they typed gets out of its quotes."""
 
 import ast
+import re
 
 import numpy as np
 import pytest
@@ -75,7 +76,9 @@ def test_the_program_runs_what_the_page_runs(key, monkeypatch, capsys):
         assert f"{run.method} from " in said
         assert f"{run.steps:,} steps, {np.count_nonzero(run.crossings.side):,} crossings" in said
         if scene.declaration.psi_minus or scene.declaration.psi_plus:
-            assert f"<= {np.fmax.reduce(accumulated_error(run)):.1e}" in said
+            told = float(re.search(rf"{run.method} from .*<= (\S+)", said)[1])
+            # Where round-off is all that is lost: numpy's powers of one number and of many differ by an ulp.
+            assert told == pytest.approx(np.fmax.reduce(accumulated_error(run)), rel=0.05, abs=4e-15)
 
 
 @pytest.mark.parametrize("locate", [True, False])

@@ -86,10 +86,28 @@ def test_a_method_that_chooses_its_steps_has_no_order_to_study():
         core.order_study(SYSTEMS[0], [1e-2, 1e-3], method="taylor")
 
 
-def test_a_state_before_the_first_step_ends_says_nothing_of_that_step():
+def test_a_state_that_fewer_than_four_steps_lead_to_says_nothing_of_the_order():
     study = core.order_study(core.CATALOGUE["rigid_body"], [0.2, 0.1, 0.05], crossings=(1,))
-    assert np.isnan(study.state_error[0, :2]).all()  # compared at t = 0.077
+    assert np.isnan(study.state_error[0, :2]).all()  # compared at t = 0.333
     assert np.isfinite(study.state_error[0, 2])
+
+
+def test_where_slopes_still_change_the_finest_of_them_count():
+    # A coefficient that changes sign at 0.1: the finest step sizes, up to twice the least, have slopes about 5.84.
+    taus = np.geomspace(0.5, 0.01, 40)
+    errors = taus**6 * np.abs(1 - taus / 0.1)
+    (slope,), (window,) = order._fits(taus, errors[None], floor=1e-16, size=1.0)
+    assert slope == pytest.approx(6 - 0.014 / (0.1 - 0.014), abs=0.03)  # d log e / d log τ in the middle
+    assert window[0] == taus.min()
+    assert 0.018 < window[1] < 0.024
+
+
+def test_where_slopes_scatter_all_points_count():
+    taus = np.geomspace(1e-1, 1e-3, 30)
+    errors = taus * np.where(np.arange(30) % 2, 3.0, 0.3)
+    (slope,), (window,) = order._fits(taus, errors[None], floor=1e-16, size=10.0)
+    assert slope == pytest.approx(1.0, abs=0.1)
+    assert window == pytest.approx([1e-3, 1e-1])
 
 
 @by_name

@@ -16,7 +16,7 @@ ENDINGS = {
     "type_sliding": Status.SLIDING,
 }  # fmt: skip
 #: Least |rate| at the first 30 crossings; where a run ends sliding or its bounces die, its speeds have to fall.
-LEAST_RATE = {"damped_oscillator": 0.1, "coulomb_friction": 0.1, "relay_feedback": 0.1, "type_upward": 0.04,
+LEAST_RATE = {"damped_oscillator": 0.05, "coulomb_friction": 0.1, "relay_feedback": 0.1, "type_upward": 0.04,
               "type_downward": 0.04, "type_sliding": 0.04}  # fmt: skip
 BOUNCING = "bouncing_ball"
 
