@@ -1,7 +1,8 @@
 """Laws and methods → compiled functions, kept in memory and on disk.
 
 The text of a module is written to the user's cache folder under a name made of its contents, and imported from there:
-so numba can keep the machine code beside it, and a second process loads it instead of compiling.
+so numba can keep the machine code beside it, and a second process loads it instead of compiling. After
+`compile_beside`, other processes do the compiling, and this one always loads.
 """
 
 from __future__ import annotations
@@ -21,14 +22,15 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text, polish_text
+from core.codegen import JITTED, function_text, jump_text, levels_texts, look_text, module_text, polish_text
 from core.laws import Laws, Side
 from core.methods import Method
 from core.signatures import EXCESS, FUNCTIONS, JUMP, LOOK, POLISH, REACH, SETTLE, STEP
 from core.stepcode import StepCode
 from core.taylor import reach_text
+from core.workshop import Workshop, serve
 
-__all__ = ["Compiled", "compile_run"]
+__all__ = ["Compiled", "compile_beside", "compile_run"]
 
 MAX_MODULES = 200  #: kept in memory
 MAX_FILES = 1000  #: kept on disk
@@ -36,6 +38,13 @@ MAX_REGISTERED = 50  #: kept in `sys.modules`
 
 _lock = threading.RLock()
 _registered: dict[str, None] = {}
+_workshop: Workshop | None = None
+
+#: Generated functions by name, and where their addresses go; that of side +1 after that of side −1.
+_PLACES = {
+    "look": LOOK, "jump": JUMP, "step": STEP, "reach": REACH, "settle": SETTLE, "excess": EXCESS, "polish": POLISH,
+}  # fmt: skip
+_ON_BOTH_SIDES = frozenset(_PLACES) - {"look", "jump"}
 
 
 class Compiled(NamedTuple):
@@ -56,22 +65,49 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
     levels
         Whether ψ is looked at along the run though the method does not keep it.
     """
-    with _lock:
-        surface = _load(module_text([look_text(laws), jump_text(laws)]))
-        found = {LOOK: surface.look, JUMP: surface.jump}
-        modules = [surface]
-        for other, side in enumerate((laws.sides[-1], laws.sides[1])):
-            own = _side_modules(laws, side, method, levels)
-            names = {"step": STEP, "reach": REACH, "settle": SETTLE, "excess": EXCESS, "polish": POLISH}
-            found |= {names[name] + other: getattr(m, name) for m in own for name in names if hasattr(m, name)}
-            modules += own
-    addresses = np.zeros(len(FUNCTIONS), dtype=np.int64)
-    for place, function in found.items():
-        addresses[place] = function.address
+    texts = [(other, text) for other, group in enumerate(_texts(laws, method, levels)) for text in group]
+    if _workshop is not None:
+        _workshop.make({text for _, text in texts if not _is_compiled(text)})
+    addresses, modules = np.zeros(len(FUNCTIONS), dtype=np.int64), []
+    for other, text in texts:
+        with _lock:
+            module = _load(text)
+        modules.append(module)
+        for name, place in _PLACES.items():
+            if hasattr(module, name):
+                addresses[place + (other if name in _ON_BOTH_SIDES else 0)] = getattr(module, name).address
     return Compiled(addresses, tuple(modules))
 
 
-def _side_modules(laws: Laws, side: Side, method: Method, levels: bool) -> list[ModuleType]:
+def compile_beside(size: int = 2) -> None:
+    """Have what is yet to be compiled in this process compiled by others, so many at a time, from now on.
+
+    For programs that have more to do meanwhile: numba holds the interpreter while it compiles. Each of them takes some
+    150 MB, begins now, and ends with this one or after a quarter of an hour of rest.
+    """
+    global _workshop
+    with _lock:
+        if _workshop is None:
+            roots = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")]))
+            environment = {"PWSVIZ_CACHE": str(_folder()), "PYTHONPATH": roots}
+            program = "from core.compiled import serve_workshop; serve_workshop()"
+            _workshop = Workshop(program, environment, min(size, os.cpu_count() or 1))
+
+
+def serve_workshop() -> None:
+    """Compile what comes in. Called in a process of its own."""
+    _load(module_text([function_text("warm", ["return 0"])]))
+    serve(_load)
+
+
+def _texts(laws: Laws, method: Method, levels: bool) -> tuple[list[str], list[str]]:
+    """Texts of modules: those of side −1 and what both have, and those of side +1."""
+    common = module_text([look_text(laws), jump_text(laws)])
+    below, above = (_side_texts(laws, laws.sides[sign], method, levels) for sign in (-1, 1))
+    return [common, *below], above
+
+
+def _side_texts(laws: Laws, side: Side, method: Method, levels: bool) -> list[str]:
     code = StepCode(laws, side)
     texts = [[code.text(method.build(side, code))]]
     if method.adaptive:
@@ -79,15 +115,19 @@ def _side_modules(laws: Laws, side: Side, method: Method, levels: bool) -> list[
     texts.append([polish_text(laws, side, method.conservative)])
     if method.conservative or levels:
         texts.append(levels_texts(laws, side))
-    return [_load(module_text(functions)) for functions in texts]
+    return [module_text(functions) for functions in texts]
+
+
+def _is_compiled(text: str) -> bool:
+    """Whether machine code of all functions of a text is kept on disk."""
+    path = _path(text)
+    return len(list(path.parent.glob(f"__pycache__/{path.stem}.*.nbi"))) >= text.count("@cfunc(")
 
 
 @lru_cache(maxsize=MAX_MODULES)
 def _load(text: str) -> ModuleType:
     """Import a module of generated text from the cache folder."""
-    # numba looks at a function's own file only: what it inlines from elsewhere has to be part of the name.
-    key = hashlib.sha256("\0".join((text, _inlined(), numba.__version__, sys.version)).encode()).hexdigest()[:32]
-    path = _folder() / f"pws_{key}.py"
+    path = _path(text)
     if not _stands(path, text):
         partial = path.with_name(f"{path.name}.{os.getpid()}")
         partial.write_text(text, encoding="utf-8")
@@ -97,6 +137,12 @@ def _load(text: str) -> ModuleType:
     _register(module)
     SourceFileLoader(path.stem, str(path)).exec_module(module)
     return module
+
+
+def _path(text: str) -> Path:
+    # numba looks at a function's own file only: what it inlines from elsewhere has to be part of the name.
+    key = hashlib.sha256("\0".join((text, _inlined(), numba.__version__, sys.version)).encode()).hexdigest()[:32]
+    return _folder() / f"pws_{key}.py"
 
 
 def _register(module: ModuleType) -> None:
