@@ -1,5 +1,6 @@
 """Conservative integrators for piecewise smooth systems: the public names, nothing else."""
 
+from core.compiled import compile_beside
 from core.diagnostics import Diagnosis, diagnose
 from core.integrate import integrate
 from core.methods import METHODS, Method
@@ -24,6 +25,7 @@ __all__ = [
     "Status",
     "Trajectory",
     "WorkPrecision",
+    "compile_beside",
     "diagnose",
     "integrate",
     "order_study",

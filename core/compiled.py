@@ -12,6 +12,8 @@ import os
 import sys
 import tempfile
 import threading
+from collections.abc import Iterator
+from concurrent.futures import wait
 from functools import lru_cache
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -22,9 +24,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from core.codegen import JITTED, function_text, jump_text, levels_texts, look_text, module_text, polish_text
-from core.laws import Laws, Side
-from core.methods import Method
+from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text, polish_text
+from core.laws import Laws, derive
+from core.methods import METHODS, Method
 from core.signatures import EXCESS, FUNCTIONS, JUMP, LOOK, POLISH, REACH, SETTLE, STEP
 from core.stepcode import StepCode
 from core.taylor import reach_text
@@ -65,9 +67,13 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
     levels
         Whether ψ is looked at along the run though the method does not keep it.
     """
-    texts = [(other, text) for other, group in enumerate(_texts(laws, method, levels)) for text in group]
-    if _workshop is not None:
-        _workshop.make({text for _, text in texts if not _is_compiled(text)})
+    texts, given_out = [], []
+    with _lock:
+        for other, text in _texts(laws, method, levels):
+            texts.append((other, text))
+            if _workshop is not None and not _is_compiled(text):
+                given_out.append(_workshop.begin(text))
+    wait(filter(None, given_out))
     addresses, modules = np.zeros(len(FUNCTIONS), dtype=np.int64), []
     for other, text in texts:
         with _lock:
@@ -79,43 +85,53 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
     return Compiled(addresses, tuple(modules))
 
 
-def compile_beside(size: int = 2) -> None:
-    """Have what is yet to be compiled in this process compiled by others, so many at a time, from now on.
+def compile_beside(size: int = 2, idle: float = 900.0) -> None:
+    """Have what is yet to be compiled compiled in other processes, from when they are ready on.
 
-    For programs that have more to do meanwhile: numba holds the interpreter while it compiles. Each of them takes some
-    150 MB, begins now, and ends with this one or after a quarter of an hour of rest.
+    For programs that have more to do meanwhile: numba holds the interpreter while it compiles. They take 250 MB each,
+    are ready after some seconds, and end with this one.
+
+    Parameters
+    ----------
+    size
+        How many of them; one more than there are processors has no use.
+    idle
+        Seconds without anything to compile after which they end, too; called once more, this begins others.
     """
     global _workshop
     with _lock:
-        if _workshop is None:
+        if _workshop is not None and not _workshop.closed:
+            _workshop.keep()
+        else:
             roots = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")]))
             environment = {"PWSVIZ_CACHE": str(_folder()), "PYTHONPATH": roots}
             program = "from core.compiled import serve_workshop; serve_workshop()"
-            _workshop = Workshop(program, environment, min(size, os.cpu_count() or 1))
+            _workshop = Workshop(program, environment, min(size, os.cpu_count() or 1), idle)
 
 
 def serve_workshop() -> None:
-    """Compile what comes in. Called in a process of its own."""
-    _load(module_text([function_text("warm", ["return 0"])]))
+    """Compile what comes in, in a process of its own; first something small, as what is first takes longest."""
+    field, psi = ("2*y", "3*x**2 + a/2"), ("y**2 - x**3 - a*x/2",)
+    laws = derive(("x", "y"), ("a",), field, field, "x**2 + y**2 - a**2", psi, psi, None)
+    with tempfile.TemporaryDirectory() as folder:
+        for k, (_, text) in enumerate(_texts(laws, METHODS["dmm2"], levels=True)):
+            path = Path(folder) / f"pws_warm_{k}.py"
+            path.write_text(text, encoding="utf-8")
+            _import(path)
     serve(_load)
 
 
-def _texts(laws: Laws, method: Method, levels: bool) -> tuple[list[str], list[str]]:
-    """Texts of modules: those of side −1 and what both have, and those of side +1."""
-    common = module_text([look_text(laws), jump_text(laws)])
-    below, above = (_side_texts(laws, laws.sides[sign], method, levels) for sign in (-1, 1))
-    return [common, *below], above
-
-
-def _side_texts(laws: Laws, side: Side, method: Method, levels: bool) -> list[str]:
-    code = StepCode(laws, side)
-    texts = [[code.text(method.build(side, code))]]
+def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int, str]]:
+    """Texts of modules, each with its side, 0 or 1 (0 where both have it); what takes longest to compile first."""
+    sides = (laws.sides[-1], laws.sides[1])
+    codes = [(side, StepCode(laws, side)) for side in sides]
+    yield from enumerate(module_text([code.text(method.build(side, code))]) for side, code in codes)
     if method.adaptive:
-        texts.append([reach_text(laws, side)])
-    texts.append([polish_text(laws, side, method.conservative)])
+        yield from enumerate(module_text([reach_text(laws, side)]) for side in sides)
+    yield from enumerate(module_text([polish_text(laws, side, method.conservative)]) for side in sides)
     if method.conservative or levels:
-        texts.append(levels_texts(laws, side))
-    return [module_text(functions) for functions in texts]
+        yield from enumerate(module_text(levels_texts(laws, side)) for side in sides)
+    yield 0, module_text([look_text(laws), jump_text(laws)])
 
 
 def _is_compiled(text: str) -> bool:
@@ -133,6 +149,11 @@ def _load(text: str) -> ModuleType:
         partial.write_text(text, encoding="utf-8")
         partial.replace(path)
         _prune(path.parent)
+    return _import(path)
+
+
+def _import(path: Path) -> ModuleType:
+    """Import a module of generated text; numba compiles it, or loads what it has kept."""
     module = ModuleType(path.stem)  # without the file's name: it is none of those that a user works on
     _register(module)
     SourceFileLoader(path.stem, str(path)).exec_module(module)

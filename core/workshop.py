@@ -6,24 +6,23 @@ needs it does.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import IO, cast
 
 __all__ = ["Workshop", "serve"]
 
-#: Seconds after which a process that nobody needs ends; the next text has another begin.
-IDLE = 900.0
-_MADE = "made\n"
+_READY, _MADE = "ready\n", "made\n"
+_PATIENCE = 60.0  #: seconds to wait for a free process: only where one after another has died
 
 
 class Workshop:
@@ -36,45 +35,77 @@ class Workshop:
     environment
         Variables that these processes have besides those of this one.
     size
-        How many; they begin at once.
+        How many; they begin at once, and take what is given out from when the first of them is ready.
+    idle
+        Seconds without a text after which they end.
     """
 
-    def __init__(self, program: str, environment: Mapping[str, str], size: int) -> None:
-        self._begin = partial(_Worker, program, {**os.environ, **environment})
+    def __init__(self, program: str, environment: Mapping[str, str], size: int, idle: float) -> None:
+        self._start = partial(_Worker, program, {**os.environ, **environment})
         self._pool = ThreadPoolExecutor(size, thread_name_prefix="workshop")
         self._free: SimpleQueue[_Worker] = SimpleQueue()
         self._under_way: dict[str, Future[bool]] = {}
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+        self._idle, self._timer = idle, threading.Timer(idle, self.close)
+        self.ready, self.closed = threading.Event(), False
         for _ in range(size):
-            self._free.put(self._begin())
+            self._pool.submit(self._hire)
+        self.keep()
 
-    def make(self, texts: Iterable[str]) -> bool:
-        """Give out texts that are not under way yet, wait for all, and return whether all could be made."""
-        longest_first = sorted(texts, key=len, reverse=True)  # so that none is left alone with a long one
+    def keep(self) -> None:
+        """Begin to count the idle time anew."""
         with self._lock:
-            for text in longest_first:
-                if text not in self._under_way:
-                    self._under_way[text] = self._pool.submit(self._make, text)
-            awaited = [self._under_way[text] for text in longest_first]
-        return all(future.result() for future in awaited)
+            self._timer.cancel()
+            if not self.closed:
+                self._timer = threading.Timer(self._idle, self.close)
+                self._timer.daemon = True
+                self._timer.start()
+
+    def begin(self, text: str) -> Future[bool] | None:
+        """Give out a text, unless it is under way already; return what will tell whether it could be made.
+
+        None where there is nobody to take it: nobody yet, or no longer.
+        """
+        with self._lock:
+            if self.closed or not self.ready.is_set():
+                return None
+            if text not in self._under_way:
+                self._under_way[text] = self._pool.submit(self._make, text)
+                self.keep()
+            return self._under_way[text]
 
     def close(self) -> None:
-        """End all processes once they are done with what they do."""
+        """End all processes once they have made what was given out."""
+        with self._lock:
+            self.closed = True
+            self._timer.cancel()
         self._pool.shutdown()
         while not self._free.empty():
             self._free.get().end()
 
-    def _make(self, text: str) -> bool:
-        worker = self._free.get()
-        try:
-            if not worker.lives:
-                worker.end()
-                worker = self._begin()
-            return worker.make(text)
-        finally:
+    def _hire(self) -> None:
+        worker = self._start()
+        if worker.is_ready():
             self._free.put(worker)
+            self.ready.set()
+        else:
+            worker.end()
+
+    def _make(self, text: str) -> bool:
+        try:
+            worker = self._free.get(timeout=_PATIENCE)
+            made = worker.make(text)
+            if worker.lives:
+                self._free.put(worker)
+            else:
+                worker.end()
+                self._hire()
+        except Empty:
+            return False
+        finally:
             with self._lock:
                 del self._under_way[text]
+        return made
 
 
 class _Worker:
@@ -92,6 +123,10 @@ class _Worker:
     def lives(self) -> bool:
         return self._process.poll() is None
 
+    def is_ready(self) -> bool:
+        """Wait until it takes texts; False if it ends before."""
+        return self._answers.readline() == _READY
+
     def make(self, text: str) -> bool:
         """Whether it has done with a text what it does; not, if it ends before."""
         try:
@@ -99,7 +134,10 @@ class _Worker:
             self._questions.flush()
         except OSError:
             return False
-        return self._answers.readline() == _MADE
+        if answer := self._answers.readline():
+            return answer == _MADE
+        self._process.wait()
+        return False
 
     def end(self) -> None:
         with suppress(OSError):  # of what was written and never read
@@ -108,45 +146,26 @@ class _Worker:
         self._process.wait()
 
 
-def serve(make: Callable[[str], object], idle: float = IDLE) -> None:
-    """Do with each text that comes in what is to be done, until none comes any more.
+def serve(make: Callable[[str], object]) -> None:
+    """Do with each text that comes in what is to be done, until the other end is closed.
 
     Parameters
     ----------
     make
         If it raises, the text counts as not made; who needs it will see the same exception.
-    idle
-        Seconds without a text after which the process ends.
     """
     answers, sys.stdout = sys.stdout, sys.stderr  # what a library may print is no answer
-    watch = _Watch(idle)
+    gc.freeze()  # what is there now stays: to look through it time and again takes a tenth of the time of compiling
+    _answer(answers, _READY)
     for line in sys.stdin:
-        watch.busy()
         try:
             make(json.loads(line))
         except Exception as why:  # of whatever kind: it is told where the text is needed
-            answer = f"not made: {type(why).__name__}\n"
+            _answer(answers, f"not made: {type(why).__name__}\n")
         else:
-            answer = _MADE
-        answers.write(answer)
-        answers.flush()
-        watch.rest()
+            _answer(answers, _MADE)
 
 
-class _Watch:
-    """Ends the process when it has rested for too long."""
-
-    def __init__(self, idle: float) -> None:
-        self._idle, self._since = idle, time.monotonic()
-        threading.Thread(target=self._look, daemon=True).start()
-
-    def busy(self) -> None:
-        self._since = float("inf")
-
-    def rest(self) -> None:
-        self._since = time.monotonic()
-
-    def _look(self) -> None:
-        while time.monotonic() - self._since < self._idle:
-            time.sleep(min(self._idle / 10, 5.0))
-        os._exit(0)
+def _answer(answers: IO[str], words: str) -> None:
+    answers.write(words)
+    answers.flush()

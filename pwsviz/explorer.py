@@ -215,6 +215,7 @@ class Explorer(pn.viewable.Viewer):
 
     def edit(self) -> None:
         """Open the editor: on what was last written there, or else on the system at hand."""
+        core.compile_beside()
         if self.editor is None:
             self.editor = SystemEditor(self._use, current=self.scene.build, on_ready=self._prepare)
             self.editor.load(self.scene.build())
