@@ -59,20 +59,45 @@ class NumberField(pn.viewable.Viewer):
         self.text = pmui.TextInput(
             label=label, size="small", margin=(9, 0, 2, 0), sizing_mode="stretch_width", description=description
         )
-        self.slider = None if bounds is None else self._make_slider(f"{label}, slider", bounds)
+        self.slider = None if bounds is None else self._make_slider(label, bounds)
         self.sync()
         self.text.param.watch(lambda event: self._take(event.new), "value")
         if self.slider is not None:
             self.slider.param.watch(lambda event: self._take(self._from_slider(event.new)), "value")
 
-    def _make_slider(self, name: str, bounds: tuple[float, float]) -> Any:
-        low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
+    def _make_slider(self, label: str, bounds: tuple[float, float]) -> Any:
         slider: Any = pmui.FloatSlider(
-            start=low, end=high, value=low, step=(high - low) / 400, label=name, show_value=False, tooltips=False,
-            size="small", margin=(0, 10, 0, 10), sizing_mode="stretch_width", sx=SPOKEN_LABEL_SX,
+            **self._track(label, bounds, self._read()), show_value=False, tooltips=False, size="small",
+            margin=(0, 10, 0, 10), sizing_mode="stretch_width", sx=SPOKEN_LABEL_SX,
         )  # fmt: skip
         slider._debounce = SLIDER_RESTS
         return slider
+
+    def _track(self, label: str, bounds: tuple[float, float], value: float) -> dict[str, Any]:
+        """What a slider shows that is to have these ends and stand at a value."""
+        low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
+        place = min(max(math.log10(value) if self._log else value, low), high)
+        return {"start": low, "end": high, "value": place, "step": (high - low) / 400, "label": f"{label}, slider"}
+
+    def become(
+        self,
+        label: str,
+        read: Callable[[], float],
+        accept: Callable[[object], None],
+        bounds: tuple[float, float] | None = None,
+        description: str = "",
+    ) -> None:
+        """Stand for another number; with bounds if and only if it had some. Ten times as fast as a new field."""
+        self._read, self._accept = read, accept
+        self._shown = value = read()
+        self._syncing = True
+        try:  # each but once: what is changed twice in a moment, a browser may set back to what it was in between
+            told = {"value": repr(value), "error_state": False, "helper_text": ""}
+            self.text.param.update(label=label, description=description, **told)
+            if self.slider is not None and bounds is not None:
+                self.slider.param.update(**self._track(label, bounds, value))
+        finally:
+            self._syncing = False
 
     def _from_slider(self, place: float) -> float:
         value = 10.0**place if self._log else place

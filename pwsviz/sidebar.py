@@ -87,6 +87,8 @@ class Sidebar(pn.viewable.Viewer):
         self.trajectories = Trajectories(scene)
         self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
         self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
+        self._stock: dict[tuple[str, bool], list[NumberField]] = {}
+        self._placed: dict[str, list[NumberField]] = {}
         self._built_for: core.PiecewiseSystem | None = None
         self._preset: core.PiecewiseSystem | None = None  # of the preset that is told of
         self.methods.param.watch(self._take_methods, "value")
@@ -108,21 +110,39 @@ class Sidebar(pn.viewable.Viewer):
         return float(value[part] if name == "values" else value)
 
     def _rebuild(self) -> None:
-        """Make the fields of another system's parameters and coordinates."""
+        """Have fields for another system's parameters and coordinates: those that are there, as far as they serve."""
         system = self.scene.declaration
         parameters = {
             f"values.{p.name}": {"label": short_name(p), "bounds": p.bounds, "description": f"{p.name}: {p.doc}"}
             for p in system.parameters
         }
         coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
-        self.fields = {key: self._number(key, **options) for key, options in (parameters | coordinates).items()}
+        stock = {key: list(fields) for key, fields in self._stock.items()}
+        self.fields = {key: self._field(stock, key, **options) for key, options in (parameters | coordinates).items()}
         self._built_for = system
         self.plane.value = None  # else the browser keeps the names of the system before
         self.plane.options = {_plane_name(system, axes): axes for axes in planes(system)}
         self.plane.visible = system.dimension > PLANE
         self.about.object = as_text(system.doc, "about")
-        self.parameters.objects = [self.fields[key] for key in parameters]
-        self.coordinates.objects = [self.fields[key] for key in coordinates]
+        self._place(self.parameters, [self.fields[key] for key in parameters])
+        self._place(self.coordinates, [self.fields[key] for key in coordinates])
+
+    def _field(self, stock: dict[tuple[str, bool], list[NumberField]], key: str, **options: Any) -> NumberField:
+        """A field out of stock, or else a new one: for a parameter or a coordinate, with a slider or without."""
+        kind = key.partition(".")[0], options.get("bounds") is not None
+        if stock.get(kind):
+            field = stock[kind].pop(0)
+            field.become(read=partial(self._read, key), accept=partial(self.scene.accept, key), **options)
+            return field
+        field = self._number(key, **options)
+        self._stock.setdefault(kind, []).append(field)
+        return field
+
+    def _place(self, box: Any, fields: list[NumberField]) -> None:
+        """Show these fields and no others, in a box whose models are made anew only if there is another field."""
+        if self._placed.get(box.name) != fields:
+            self._placed[box.name] = fields
+            box.objects = fields
 
     def _sync(self, *_: Any) -> None:
         """Show the numbers of the scene, in fields of its system."""
