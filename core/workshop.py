@@ -154,6 +154,8 @@ def serve(make: Callable[[str], object]) -> None:
     make
         If it raises, the text counts as not made; who needs it will see the same exception.
     """
+    if hasattr(os, "nice"):
+        os.nice(10)  # who waits for an answer comes first
     answers, sys.stdout = sys.stdout, sys.stderr  # what a library may print is no answer
     gc.freeze()  # what is there now stays: to look through it time and again takes a tenth of the time of compiling
     _answer(answers, _READY)

@@ -163,6 +163,26 @@ def test_another_system_brings_its_own_fields(explorer):
     assert list(explorer.sidebar.fields) == [*(f"values.{name}" for name in names), "x0.0", "x0.1"]
 
 
+def test_the_fields_of_one_system_become_those_of_the_next(explorer):
+    sidebar = explorer.sidebar
+    before = dict(sidebar.fields)
+    complained = before["values.a_plus"]
+    complained.text.value = "?"
+    explorer.scene.system = "pendulum"
+    assert list(sidebar.fields.values()) == list(before.values())  # three parameters and two coordinates, as before
+    assert not complained.text.error_state
+    field = sidebar.fields["values.k_plus"]
+    assert (field.text.label, field.text.value) == ("k₊", "9.8")
+    assert (field.slider.start, field.slider.value, field.slider.end) == (0.1, 9.8, 30.0)
+    field.slider.value = 4.0
+    assert explorer.scene.values["k_plus"] == 4.0
+    explorer.scene.system = "gene_switch"
+    assert sidebar.fields["x0.2"].text.label == "z at start"
+    explorer.scene.system = "elliptic_curve"
+    assert list(sidebar.fields.values()) == list(before.values())
+    assert explorer.scene.values == core.CATALOGUE["elliptic_curve"].values
+
+
 def test_a_click_places_one_more_trajectory(explorer):
     explorer.stage.place(-0.123456, 0.654321)
     explorer.settle(20)
