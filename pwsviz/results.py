@@ -37,6 +37,9 @@ STUDY_HORIZON, STUDY_PROBE = 500.0, 1e-2
 STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
 """Long computations that run at the same time, whoever asked for them: sliders keep a processor for themselves."""
 
+LONG = 200_000
+"""Steps from which the runs of one picture are worked out at the same time; below, threads cost more than they save."""
+
 BEFORE_THE_END = 0.9
 """Up to this part of the time in which a solution ends, run times are compared."""
 
@@ -147,10 +150,12 @@ class Results:
         self.computed = self._cache.computed
         self._turns = BoundedSemaphore(STUDIES_AT_ONCE)
         self._pool = ThreadPoolExecutor(STUDIES_AT_ONCE, thread_name_prefix="pwsviz-study")
+        self._runs = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="pwsviz-run")
 
     def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
         """Everything the portrait and the status lines need."""
         axes = inputs.axes
+        self._begin(inputs.looked_into, cancel)
         first = self.orbit(inputs.looked_into[0], None, axes, cancel)
         near = Window.around(first.path).scaled(FAR)
         return Pictures(
@@ -162,7 +167,18 @@ class Results:
 
     def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:
         """Everything the plot of the conserved quantity needs."""
+        self._begin(inputs, cancel)
         return [self.error_curve(one, cancel) for one in inputs]
+
+    def _begin(self, inputs: tuple[RunInputs, ...], cancel: Cancel) -> None:
+        """Have long runs and their errors worked out at the same time: the compiled loops leave the interpreter alone.
+
+        Nobody waits here: who asks for one that is under way waits then, and sees what goes wrong with it.
+        """
+        long = [one for one in inputs if one.tau * LONG < one.t_end]
+        if len(long) > 1:
+            for one in long:
+                self._runs.submit(self.error, one, cancel)
 
     def _get(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
         """Compute one stage, unless it is remembered or nobody waits for it any more."""
