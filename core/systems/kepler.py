@@ -17,7 +17,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("mu_plus", 4.0, (1.0, 10.0), "mass felt outside: the star's and the shell's"),
         Parameter("radius", 1.0, (0.2, 4.0), "radius of the shell", "r"),
     ),
-    x0=(1.1, 0.0, 0.0, 1.6),
+    x0=(1.2, 0.0, 0.0, 1.55),
     doc="A planet at (x, y) with velocity (u, v) passes in and out through a thin shell of dust around its star. "
     "Inside, the shell does not pull, by Newton's theorem.",
 )

@@ -51,15 +51,13 @@ def orders_in_digits(plan: Plan) -> Iterable[str]:
     """Lines on the order of rk8 where its drift, of order nine, hides it from a double."""
     if not plan.in_digits:
         return
-    yield "Orders of rk8 in 34 digits: slopes of the crossing times of runs with step sizes from"
+    yield "Orders of rk8 in 34 digits, minutes each: slopes of the crossing times of runs with step sizes from"
     yield f"{_FINE[0]:g} to {_FINE[-1]:g}, each half of the one before."
-    rows = []
+    yield f"  system           crossing   {'   '.join(f'to {tau:<7g}' for tau in _FINE[2:])}"
     for name in plan.in_digits:
-        for number, slopes in zip(
-            _CROSSINGS, slopes_in_digits(core.CATALOGUE[name], "rk8", _FINE, _CROSSINGS), strict=True
-        ):
-            rows.append([name, str(number), *(f"{slope:.2f}" for slope in slopes)])
-    yield from aligned(("system", "crossing", *(f"{tau:g}" for tau in _FINE[2:])), rows)
+        table = slopes_in_digits(core.CATALOGUE[name], "rk8", _FINE, _CROSSINGS[:2])
+        for number, slopes in zip(_CROSSINGS, table, strict=False):
+            yield f"  {name:<15}  {number:>8}   {'   '.join(f'{slope:<10.2f}' for slope in slopes)}"
 
 
 def _reached(system: core.PiecewiseSystem) -> tuple[int, ...]:

@@ -67,7 +67,7 @@ LONG = replace(
     STANDARD,
     step_counts=(*STANDARD.step_counts, 10**8),
     catalogue=tuple(core.CATALOGUE),
-    in_digits=("elliptic_curve", "pendulum", "rigid_body", "kepler", "predator_prey", "diode_circuit"),
+    in_digits=("elliptic_curve", "kepler", "diode_circuit"),
     drift_steps=(10**6, 10**7, 10**8),
     steps_back=10**6,
 )
