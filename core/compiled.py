@@ -14,7 +14,7 @@ import tempfile
 import threading
 from collections.abc import Iterator
 from concurrent.futures import wait
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
@@ -25,8 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text, polish_text
-from core.laws import Laws, derive
+from core.laws import Laws
 from core.methods import METHODS, Method
+from core.practice import examples
 from core.signatures import EXCESS, FUNCTIONS, JUMP, LOOK, POLISH, REACH, SETTLE, STEP
 from core.stepcode import StepCode
 from core.taylor import reach_text
@@ -37,6 +38,9 @@ __all__ = ["Compiled", "compile_beside", "compile_run"]
 MAX_MODULES = 200  #: kept in memory
 MAX_FILES = 1000  #: kept on disk
 MAX_REGISTERED = 50  #: kept in `sys.modules`
+
+#: Modules that a process practises on before it takes any: step, polish, levels and surface of the first example.
+_BEFORE = 4
 
 _lock = threading.RLock()
 _registered: dict[str, None] = {}
@@ -110,15 +114,25 @@ def compile_beside(size: int = 2, idle: float = 900.0) -> None:
 
 
 def serve_workshop() -> None:
-    """Compile what comes in, in a process of its own; first something small, as what is first takes longest."""
-    field, psi = ("2*y", "3*x**2 + a/2"), ("y**2 - x**3 - a*x/2",)
-    laws = derive(("x", "y"), ("a",), field, field, "x**2 + y**2 - a**2", psi, psi, None)
+    """Compile what comes in, in a process of its own; until something comes, practise on examples."""
     with tempfile.TemporaryDirectory() as folder:
-        for k, (_, text) in enumerate(_texts(laws, METHODS["dmm2"], levels=True)):
-            path = Path(folder) / f"pws_warm_{k}.py"
-            path.write_text(text, encoding="utf-8")
-            _import(path)
-    serve(_load)
+        practice = (partial(_practise, Path(folder), text) for text in _practice_texts())
+        for _ in range(_BEFORE):
+            next(practice)()
+        serve(_load, practice)
+
+
+def _practice_texts() -> Iterator[str]:
+    """Of two sides that are the same, one is enough."""
+    for laws in examples():
+        for method in ("dmm2", "rk4"):
+            yield from dict.fromkeys(text for _, text in _texts(laws, METHODS[method], levels=True))
+
+
+def _practise(folder: Path, text: str) -> None:
+    path = folder / f"pws_practice_{len(list(folder.glob('*.py')))}.py"
+    path.write_text(text, encoding="utf-8")
+    _import(path)
 
 
 def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int, str]]:
