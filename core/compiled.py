@@ -39,6 +39,7 @@ MAX_MODULES = 200  #: kept in memory
 MAX_FILES = 1000  #: kept on disk
 MAX_REGISTERED = 50  #: kept in `sys.modules`
 
+_PATIENCE = 120.0  #: seconds to wait for other processes; then what they have not compiled is compiled here
 #: Modules that a process practises on before it takes any: step, polish, levels and surface of the first example.
 _BEFORE = 4
 
@@ -77,7 +78,7 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
             texts.append((other, text))
             if _workshop is not None and not _is_compiled(text):
                 given_out.append(_workshop.begin(text))
-    wait(filter(None, given_out))
+    wait(filter(None, given_out), _PATIENCE)
     addresses, modules = np.zeros(len(FUNCTIONS), dtype=np.int64), []
     for other, text in texts:
         with _lock:
