@@ -165,9 +165,13 @@ def test_a_finger_drags_a_star_and_a_double_tap_removes_it(page):
     finger("touchEnd")
     after = await_that(page, PORTRAIT, lambda seen: seen["chosen"] == 0)
     assert after["stars"][0] == pytest.approx([before["stars"][0][0] + 40, before["stars"][0][1] - 32], abs=2)
-    for _ in range(2):
-        finger("touchStart", *after["stars"][0])
-        finger("touchEnd")
+    for _ in range(5):  # taps that a busy machine sees too far apart are two, and a person would try again
+        for _ in range(2):
+            finger("touchStart", *after["stars"][0])
+            finger("touchEnd")
+        page.wait_for_timeout(1500)
+        if len(page.evaluate(PORTRAIT)["stars"]) == 1:
+            break
     left = await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 1)
     assert left["at"] == after["at"][1:]
 
