@@ -81,6 +81,26 @@ def test_order_survives_in_three_dimensions_with_logarithms_and_with_time_in_psi
     assert study.state_slope[1:] == pytest.approx([core.METHODS[method].order] * 3, abs=0.2)
 
 
+@pytest.mark.parametrize(
+    ("name", "method", "coarsest", "finest"),
+    [
+        ("pendulum", "dmm6", 0.35, 8e-3),
+        ("pendulum", "dmm8", 0.6, 2e-2),
+        ("rigid_body", "dmm8", 0.6, 2e-2),
+        ("rigid_body", "prk8", 0.6, 2e-2),
+        ("kepler", "dmm8", 0.6, 2e-2),
+        ("kepler", "prk8", 0.6, 2e-2),
+        ("damped_oscillator", "dmm8", 0.6, 2e-2),
+    ],
+)
+def test_high_orders_show_from_the_catalogues_starts_from_coarse_steps_to_round_off(name, method, coarsest, finest):
+    # Step sizes from far too coarse to far too fine: the fit finds the range between, here as in the benchmark.
+    study = core.order_study(core.CATALOGUE[name], np.geomspace(coarsest, finest, 33), method=method)
+    expected = core.METHODS[method].order
+    assert study.time_slope == pytest.approx([expected] * 3, abs=0.2)
+    assert study.state_slope[1:] == pytest.approx([expected] * 3, abs=0.2)
+
+
 def test_a_method_that_chooses_its_steps_has_no_order_to_study():
     with pytest.raises(ValueError, match="no order to study"):
         core.order_study(SYSTEMS[0], [1e-2, 1e-3], method="taylor")
