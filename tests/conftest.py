@@ -1,9 +1,22 @@
-"""A headless Chromium, one for all tests of a process: a second one beside it is refused."""
+"""What all tests share: how random cases are drawn, and a headless Chromium.
+
+A plain run draws the same cases every time. ``--draws N`` draws N times as many, from the seed that ``--seed`` names
+or, without one, from a fresh seed; the header prints it, and with it the same cases come again.
+"""
 
 import os
+import secrets
 import shutil
+import zlib
 
+import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
+
+_COMMON = {"database": None, "deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("fixed", derandomize=True, **_COMMON)
+settings.register_profile("drawn", print_blob=True, **_COMMON)  # for --hypothesis-profile, with --hypothesis-seed
+settings.load_profile("fixed")
 
 FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
@@ -11,6 +24,35 @@ FLAGS = [
 ]  # fmt: skip
 
 
+def pytest_addoption(parser):
+    group = parser.getgroup("random cases")
+    group.addoption("--draws", type=int, default=1, metavar="N", help="draw N times as many cases of every family")
+    group.addoption("--seed", default=None, metavar="S", help="seed of these cases, in hexadecimal")
+
+
+def pytest_configure(config):
+    """Choose the seed, before the workers of a parallel run inherit it."""
+    if config.option.seed is None:
+        config.option.seed = secrets.token_hex(4) if config.option.draws > 1 else "0"
+
+
+def pytest_report_header(config):
+    return f"random cases: --draws {config.option.draws} --seed {config.option.seed}"
+
+
+@pytest.fixture
+def draws(request):
+    """Return a function: count -> one numpy Generator a case, its own for each test, seed and case."""
+    option, test = request.config.option, zlib.crc32(request.node.nodeid.encode())
+
+    def generators(count):
+        for k in range(count * option.draws):
+            yield np.random.default_rng([int(option.seed, 16), test, k])
+
+    return generators
+
+
+# One browser for all tests of a process: a second one beside it is refused.
 @pytest.fixture(scope="session")
 def chromium():
     """Start Chromium with a fresh profile; without one the tests are skipped, except in continuous integration."""

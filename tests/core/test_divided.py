@@ -16,7 +16,7 @@ TOLERANCE = 4 * EPS
 #: Where each function and its difference have values in double precision.
 LARGEST = {"exp": 709.0, "sinh": 709.0, "cosh": 709.0, "tanh": 340.0, "sin": 1e3, "cos": 1e3, "tan": 1e3}
 TINY = 5e-324  # the spacing of the denormal numbers, below which nothing can be told apart
-FIXED = settings(derandomize=True, deadline=None, max_examples=120, database=None)
+FIXED = settings(max_examples=120)
 names = pytest.mark.parametrize("name", FUNCTIONS)
 
 

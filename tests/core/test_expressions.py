@@ -14,7 +14,6 @@ from core.expressions import FUNCTIONS, MAX_DIGITS, TIME, check_name, parse, to_
 
 X, Y, A = sympy.symbols("x y a")
 NAMES = ("x", "y", "a")
-FIXED = settings(derandomize=True, deadline=None, database=None)
 #: Loose for a busy machine: all measure below 0.1 s and 1 MB.
 SECONDS, BYTES = 0.5, 2**24
 
@@ -283,7 +282,6 @@ _trees = st.recursive(
 )
 
 
-@FIXED
 @given(_trees)
 @example("1e-200*x - 3e250/7*y")
 @example("exp(x)**2/e")
@@ -300,7 +298,7 @@ def test_text_of_an_expression_reads_back_as_the_same_expression(text: str) -> N
         assert again == expression
 
 
-@settings(FIXED, max_examples=400)
+@settings(max_examples=400)
 @given(
     st.text(max_size=60)
     | st.text("xyt e0123456789.+-*/()_", max_size=40)

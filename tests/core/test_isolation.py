@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from core.isolation import DOUBLE, NARROW, NONE, ROOT, first_root, scratch_shape
 
-FIXED = settings(derandomize=True, deadline=None, max_examples=150, database=None)
+FIXED = settings(max_examples=150)
 
 
 def search(row: Any, h: float = 1.0, leaving: int = 0) -> tuple[int, float, float]:

@@ -20,9 +20,7 @@ X, Y, A, T = sympy.symbols("x y a t")
 ENDS = Endpoints.of((X, Y), {"x", "y", "a"})
 STEP = tuple(zip((*ENDS.start, ENDS.times[0]), (*ENDS.end, ENDS.times[1]), strict=True))
 DIGITS = 50
-FIXED = settings(
-    derandomize=True, deadline=None, max_examples=60, database=None, suppress_health_check=list(HealthCheck)
-)
+FIXED = settings(max_examples=60, suppress_health_check=list(HealthCheck))
 
 _leaves = st.sampled_from(["x", "y", "t", "a", "x*y", "2", "0.3", "pi"])
 _operations = ["({0}) + ({1})", "({0}) - ({1})", "({0})*({1})", "({0})/(2 + ({1})**2)", "({0})**2", "({0})**5"]

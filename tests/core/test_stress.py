@@ -17,7 +17,7 @@ EPS = 2.0**-52
 METHODS = list(core.METHODS)
 #: Dense polynomials take long to compile: one implicit, one explicit and one variable-step method stand for their kind.
 OF_FULL = ("dmm2", "rk4", "taylor")
-SEVERAL = settings(max_examples=250, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+SEVERAL = settings(max_examples=250, suppress_health_check=list(HealthCheck))
 
 number = st.floats(-2.0, 2.0, allow_nan=False).map(lambda a: round(a, 3))
 

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -34,7 +34,6 @@ def circle(n, turns=1.0, drift=0.0):
     return np.column_stack([np.cos(t), np.sin(t)]) * (1 + drift * t)[:, None]
 
 
-@settings(deadline=None)  # the first call compiles
 @given(polylines, st.floats(0, 50))
 def test_simplified_curve_stays_within_tolerance(points, tolerance):
     kept = simplify(points, tolerance)
@@ -110,7 +109,6 @@ def test_first_visits_leaves_no_cell_empty_and_none_twice():
     assert len(np.unique(first, axis=0)) == len(first) == len(np.unique(cells, axis=0))
 
 
-@settings(deadline=None)
 @given(polylines, st.data())
 def test_rows_are_spliced_in_before_their_places(points, data):
     places = np.sort(data.draw(hnp.arrays(int, st.integers(0, 9), elements=st.integers(0, len(points)))))
@@ -146,7 +144,6 @@ def test_envelope_passes_over_missing_values():
     assert np.nanmax(envelope(np.arange(1000.0), y, 10)[1]) == 3.0
 
 
-@settings(deadline=None)
 @given(st.integers(1, 40))
 def test_short_series_are_not_touched(n):
     t, _ = envelope(np.arange(float(n)), np.ones(n), 20)

@@ -199,7 +199,7 @@ HOSTILE = (
 )
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300)
 @given(st.text(min_size=1, max_size=40) | st.sampled_from(HOSTILE), st.booleans())
 def test_no_name_is_ever_markup(name: str, named: bool) -> None:
     symbol = Symbol(name) if not named else x

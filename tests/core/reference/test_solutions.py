@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from core.reference import ReferenceSolution, exact_solution, peer_solution
@@ -102,7 +102,7 @@ def test_elliptic_gaps_agree_with_carlson_integrals() -> None:
     st.floats(0.1, 2),
     st.integers(1, 12),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_oscillator_crossings_are_exact_for_any_parameters(
     minus: float, plus: float, x: float, y: float, k: int
 ) -> None:
@@ -127,14 +127,17 @@ def series(a: float, start: Sequence[mp.mpf], t: mp.mpf) -> tuple[mp.mpf, mp.mpf
             p.append(2 * q[k] / (k + 1))
             square = mp.fsum(p[i] * p[k - i] for i in range(k + 1))
             q.append((3 * square + (a if k == 0 else 0)) / (k + 1))
-        h = min(min(abs(s[40]) ** (-mp.mpf(1) / 40) for s in (p, q)) / 10, t - done)
+        # One coefficient may vanish by symmetry: of several, the largest tells the radius of convergence.
+        radius = min(abs(s[k]) ** (-mp.mpf(1) / k) for s in (p, q) for k in range(30, 41) if s[k] != 0)
+        h = min(radius / 10, t - done)
         u, v = mp.polyval(p[::-1], h), mp.polyval(q[::-1], h)
         done += h
     return u, v
 
 
 @given(st.floats(-3.5, -1), st.floats(-3.5, -1), st.floats(-1.2, 0), st.floats(-1, 1), st.floats(0.6, 1.2))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
+@example(-1.5, -1.0, 0.0, 0.0, 1.125)  # at rest to begin with: coefficient 40 vanishes
 def test_elliptic_arcs_agree_with_power_series_for_any_parameters(
     minus: float, plus: float, x: float, y: float, radius: float
 ) -> None:
