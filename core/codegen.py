@@ -13,7 +13,8 @@ from core import arithmetic, divided, doubled, doubled_functions, doubled_tables
 from core.elimination import least_change, row_lines
 from core.expressions import TIME
 from core.laws import Laws, Side
-from core.printing import assignments, doubled_assignments, named
+from core.printing import assignments, doubled_assignments, magnitude, named
+from core.rounding import rounding_bound
 
 __all__ = [
     "JITTED", "Names", "excess_lines", "function_text", "jump_text", "levels_texts", "look_text", "module_text",
@@ -77,9 +78,11 @@ def look_text(laws: Laws) -> str:
     """Text of `look`: g and its rates at a place."""
     names = Names(laws)
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
-    slack = sum((abs(u * v) for u, v in zip(laws.gradient, laws.x, strict=True)), sympy.Integer(0)) * sympy.Float(_EPS)
-    values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, slack])
-    targets = [f"w[{k}]" for k in (signatures.G, signatures.RATES, signatures.RATES + 1, signatures.SLACK)]
+    slack = sympy.Add(*(magnitude(u * v) for u, v in zip(laws.gradient, laws.x, strict=True))) * sympy.Float(_EPS)
+    doubt = rounding_bound(laws.g) * sympy.Float(_EPS)
+    values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, slack, doubt])
+    places = (signatures.G, signatures.RATES, signatures.RATES + 1, signatures.SLACK, signatures.DOUBT)
+    targets = [f"w[{k}]" for k in places]
     return function_text("look", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
 
 

@@ -30,24 +30,25 @@ from core.locating import (
     probe,
     root_of_series,
 )
-from core.signatures import DELAY, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, G, call
+from core.signatures import DELAY, DOUBT, EXCESS, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, G, call
+from core.state import JUMP_TO_SURFACE, NO_JUMP
 from core.trajectory import CROSSING_KINDS, Status
 
-__all__ = ["RUNNING", "Log", "enter", "is_plain", "move"]
+__all__ = ["RUNNING", "Log", "contradicts", "enter", "is_plain", "move", "widen_envelope"]
 
 RUNNING = int(Status.RUNNING)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
 _NO_CONVERGENCE, _ESCAPED, _ZENO = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.ZENO)
-_CROSSING_LIMIT = int(Status.CROSSING_LIMIT)
+_CROSSING_LIMIT, _CONTRADICTION = int(Status.CROSSING_LIMIT), int(Status.CONTRADICTION)
 _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = range(len(CROSSING_KINDS))
 
 _EPS = 2.0**-52
 #: Gaps between crossings that have shrunk so many times in a row, and whose sum to come is below this part of the
 #: time, accumulate.
 _SHRUNK, _SPENT = 8, 2.0**-52
-
-
-_MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
+#: Gaps that have shrunk in a row, after which a visit that is lost in rounding is the end of a sequence, and no touch.
+_COMING = 3
+_MARGIN = 16.0  # by how much g may contradict the side, in units of a first-order bound on its rounding
 
 
 class Log(NamedTuple):
@@ -55,6 +56,8 @@ class Log(NamedTuple):
 
     hits: Any
     places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
+    excess: Any  # of ψ over its levels, a part of the frame
+    envelope: Any  # (columns, m, 2) least and greatest excess in equal parts of the time
 
 
 @inlined
@@ -101,6 +104,43 @@ def note(motion, log, which):
     """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
     for i in range(motion.place.size):
         log.places[motion.run.hits, which, i] = motion.place[i]
+
+
+@internal
+def widen_envelope(motion, log):
+    """Take the excess of ψ over its levels into the column of this time."""
+    run, excess, envelope = motion.run, log.excess, log.envelope
+    call(motion.functions[EXCESS + (run.side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
+    columns = envelope.shape[0]
+    column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
+    for j in range(excess.size):
+        if excess[j] < envelope[column, j, 0]:  # never so where a side has fewer ψ, and its excess is nan
+            envelope[column, j, 0] = excess[j]
+        if excess[j] > envelope[column, j, 1]:
+            envelope[column, j, 1] = excess[j]
+
+
+@inlined
+def is_on_surface(motion):
+    """Whether g, where it has been looked at last, may be zero but for rounding."""
+    return abs(motion.w[G]) <= _MARGIN * motion.w[DOUBT]
+
+
+@internal
+def contradicts(motion, h):
+    """Whether g at the state has the sign of the other side than that occupied, by more than rounding can explain.
+
+    A step of length h rounds its increment, and a time is rounded too: both move g by so much of its rate. Where a
+    perturbation, or a step over the surface, has left the state on purpose there is nothing to compare.
+    """
+    run, x, w = motion.run, motion.x, motion.w
+    if run.leaving == 1 and (run.shift != 0.0 or run.follow == 0):
+        return False
+    for i in range(x.size):
+        motion.place[i] = x[i]
+    call(motion.functions[LOOK], run.t, 0.0, motion.p, w, motion.memo)
+    moved = _EPS * (abs(run.t) + abs(h)) * max(abs(w[RATES]), abs(w[RATES + 1]))
+    return -run.side * w[G] > _MARGIN * (w[DOUBT] + moved)
 
 
 @inlined
@@ -152,7 +192,11 @@ def classify(run):
 
 @internal
 def leap(motion):
-    """Jump, and look where the fields lead from there: status, kind, side entered, and the rate into it."""
+    """Jump, and look where the fields lead from there: status, kind, side entered, and the rate into it.
+
+    A jump that leads from the surface to the surface is known by its declaration: g is rounding there, and its sign
+    means nothing. Where the surface was not landed on, or of any other jump, g tells.
+    """
     run, x, w = motion.run, motion.x, motion.w
     call(motion.functions[JUMP], run.t, 0.0, motion.p, w, motion.memo)
     for i in range(x.size):
@@ -160,7 +204,9 @@ def leap(motion):
     call(motion.functions[LOOK], run.t, 0.0, motion.p, w, motion.memo)
     along = math.copysign(1.0, run.tau)
     into_minus, into_plus = -along * w[RATES], along * w[RATES + 1]
-    if abs(w[G]) > _MARGIN * w[SLACK]:  # it leads off the surface
+    landed = run.follow == 1 and run.shift == 0.0
+    run.leaving = 1 if (landed and run.jump == JUMP_TO_SURFACE) or is_on_surface(motion) else 0
+    if run.leaving == 0:
         side = 1 if w[G] > 0.0 else -1
         return RUNNING, _JUMP_KIND, side, into_plus if side > 0 else into_minus
     if into_minus > 0.0 and into_plus > 0.0:
@@ -173,12 +219,31 @@ def leap(motion):
 
 
 @inlined
+def elapsed(run):
+    """Time since the crossing before, or the start."""
+    return abs((run.t - run.met) + (run.t_carry - run.met_carry))
+
+
+@internal
+def is_lost_in_rounding(motion, found, own, rate):
+    """Whether the visit that a jump ends here, and the next one, stay within rounding of the surface.
+
+    A visit of length T that arrives at the rate r has been r·T/4 away, if its path is a parabola. Below the rounding
+    of g neither the place nor the rates of a visit are known, and so neither is where a touch leads.
+    """
+    run = motion.run
+    if run.jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
+        return False
+    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * _MARGIN * motion.w[DOUBT]
+
+
+@inlined
 def accumulates(run):
     """Whether crossings come ever closer and their accumulation point is no more than round-off away (Zeno).
 
     A geometric sequence of gaps with ratio q has the sum gap·q/(1 − q) to come.
     """
-    gap = abs((run.t - run.met) + (run.t_carry - run.met_carry))
+    gap = elapsed(run)
     ratio = gap / run.gap if run.gap > 0.0 else math.inf
     run.shrinking = run.shrinking + 1 if ratio < 1.0 else 0
     run.gap, run.met, run.met_carry = gap, run.t, run.t_carry
@@ -186,7 +251,7 @@ def accumulates(run):
 
 
 @inlined
-def switch_side(motion, log):
+def switch_side(motion, log, found):
     """At the surface: jump, classify, take the other side, write the crossing down."""
     run, x = motion.run, motion.x
     hit, along = log.hits[run.hits], math.copysign(1.0, motion.run.tau)
@@ -200,12 +265,19 @@ def switch_side(motion, log):
     hit.g, rate = motion.w[G], run.other
     run.own, run.other = own, other
     note(motion, log, 1)
-    if run.has_jump == 1:
+    if run.watched > 0:  # what the side that is left has lost
+        widen_envelope(motion, log)
+    run.leaving = 1
+    if run.jump != NO_JUMP:
         status, kind, entered, rate = leap(motion)
+        if status == RUNNING and run.leaving == 1 and is_lost_in_rounding(motion, found, own, rate):
+            status = _ZENO if run.shrinking >= _COMING and elapsed(run) < run.gap else _GRAZING
+            kind = _GRAZING_KIND
         hit.rate_after = along * entered * rate
     else:
         status, kind = classify(run)
         entered = -run.side
+    leaving = run.leaving
     note(motion, log, 2)
     hit.kind = kind
     hit.side = entered if status == RUNNING else 0
@@ -214,8 +286,10 @@ def switch_side(motion, log):
     if status != RUNNING:
         return status
     take_side(motion, entered, rate)
-    if run.has_jump == 1 and abs(motion.w[G]) > _MARGIN * motion.w[SLACK]:
+    if leaving == 0:  # it has jumped off the surface
         run.height, run.leaving = entered * motion.w[G], 0
+    elif contradicts(motion, run.hit):
+        return _CONTRADICTION
     if accumulates(run):
         return _ZENO
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING
@@ -267,7 +341,7 @@ def step_over(motion, log, t, h, height, rate):
     if height > 0.0:
         run.leaving = 0
         return RUNNING
-    status = switch_side(motion, log)
+    status = switch_side(motion, log, FOUND)
     run.leaving, run.height = 0, run.side * motion.w[G]
     return status
 
@@ -321,11 +395,11 @@ def move(motion, log, h):
             run.height, run.rate = height, rate
             run.leaving = 0 if height > 0.0 else run.leaving
             run.longest = max(run.longest, abs(h))
-            return RUNNING
+            return _CONTRADICTION if height < 0.0 and contradicts(motion, h) else RUNNING
     if found == FAILED or not land(motion, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:
         run.own = 0.0  # it turns at the surface, and does not arrive
     run.rest = h - run.hit if run.adaptive == 0 else 0.0
     run.final = run.final if run.adaptive == 0 else 0
-    return switch_side(motion, log)
+    return switch_side(motion, log, found)

@@ -20,7 +20,7 @@ from core.methods import METHODS
 from core.signatures import EXCESS, SETTLE, Frame, call
 from core.system import PiecewiseSystem
 
-__all__ = ["excess_along"]
+__all__ = ["excess_along", "with_exits"]
 
 
 def excess_along(
@@ -56,6 +56,28 @@ def excess_along(
         rows = (np.ascontiguousarray(a) for a in (t, x, side, segment, entered_t, entered_x))
         _compiled()(functions.addresses, system.parameter_array, w, memo, d, *rows, excess)
     return excess
+
+
+def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floats:
+    """The error at each row, or at an exit met since the row before where that is larger in size.
+
+    Parameters
+    ----------
+    error
+        (n, m) at the rows; changed in place.
+    segment
+        (n,) which of the segments between crossings each row lies in.
+    exits
+        (k, m) where the k-th segment was left.
+    """
+    row = np.searchsorted(segment, np.arange(len(exits)), side="right")  # the first that lies in a later segment
+    row = row[row < len(error)]
+    for j in range(error.shape[1]):
+        found = exits[: len(row), j]
+        larger = np.flatnonzero(np.abs(found) > np.nan_to_num(np.abs(error[row, j])))
+        larger = larger[np.argsort(np.abs(found[larger]))]  # of several for one row the last, the largest, stays
+        error[row[larger], j] = found[larger]
+    return error
 
 
 @lru_cache(maxsize=1)

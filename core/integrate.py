@@ -125,8 +125,8 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Iterable[float] | None
             raise ValueError(f"x0 = {start!r}: the field has no finite value there; choose another state")
     if not math.isfinite(g):
         raise ValueError(f"x0 = {start!r}: g has no finite value there; choose another state")
-    if not any(gradient):
-        raise ValueError(f"x0 = {start!r}: the gradient of g vanishes there, so g has no surface; choose another state")
+    if g == 0.0 and not any(gradient):
+        raise ValueError(f"x0 = {start!r}: g and its gradient vanish there, so g has no surface; choose another state")
     return start
 
 

@@ -15,6 +15,7 @@ from sympy import Expr, Symbol
 from sympy.codegen.rewriting import create_expand_pow_optimization
 
 from core.expressions import TIME, parse
+from core.impacts import stays_on_surface
 from core.multiplier import DiscreteField, Endpoints
 
 __all__ = ["Laws", "Side", "derive"]
@@ -70,6 +71,11 @@ class Laws:
         #: Bounds of parameters for which a system has checked the surface and the conserved quantities.
         self.verified: set[object] = set()
         self._functions: dict[object, Callable[..., Floats]] = {}
+
+    @cached_property
+    def jump_stays(self) -> bool:
+        """Whether the jump leads from the surface to the surface."""
+        return self.jump is not None and stays_on_surface(self.g, self.x, self.jump)
 
     def _side(self, sign: int, field: tuple[Expr, ...], conserved: tuple[Expr, ...]) -> Side:
         pairs = zip(self.x, field, strict=False)  # lengths are checked by the system, with a better message

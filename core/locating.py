@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from core.doubled import fma
 from core.isolation import DOUBLE, NARROW, ROOT, first_root
 from core.jit import inlined, internal
-from core.signatures import G_END, LOOK, ORDER, PER_UNIT, RATE_END, SLACK, STEP, UNIT, call
+from core.signatures import DOUBT, G_END, LOOK, ORDER, PER_UNIT, RATE_END, SLACK, STEP, UNIT, call
 
 __all__ = [
     "BOUND",
@@ -43,7 +43,7 @@ _MAX_PROBES = 100  # for one root
 _MAX_NEWTON = 6
 _ROUGH = 1e-4  # relative accuracy of a polynomial's root that is only a first guess
 _NARROW = 2.5 * NARROW  # of a bracket in the middle of which the root is known to be
-_MARGIN = 16.0  # what g may be wrong by, in units of what rounding the state alone does to it
+_MARGIN = 16.0  # what g may be wrong by, in units of a first-order bound on its rounding
 
 
 class Motion(NamedTuple):
@@ -90,6 +90,13 @@ def slack(motion, t):
     arrive(motion)
     call(motion.functions[LOOK], t, 0.0, motion.p, motion.w, motion.memo)
     return motion.w[SLACK]
+
+
+@inlined
+def doubt(motion, t):
+    """What rounding can do to g at most at the end of the step tried last."""
+    slack(motion, t)
+    return motion.w[DOUBT]
 
 
 @inlined
@@ -192,7 +199,7 @@ def first_crossing(motion, t, h, f_end, r_end):
     """
     run, nodes = motion.run, motion.nodes
     s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
-    noise = _MARGIN * motion.w[SLACK]  # at the crossing before
+    noise = _MARGIN * motion.w[DOUBT]  # at the crossing before
     if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 < r * abs(h) <= noise:
         return NONE  # too short a way to tell whether it has left
     if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):
@@ -210,7 +217,7 @@ def first_crossing(motion, t, h, f_end, r_end):
             s, f, r = peak(motion, t, s1, r, r1)
             if not f > 0.0:
                 run.hit = s
-                return TOUCH if -f <= _MARGIN * slack(motion, t + s) else FAILED
+                return TOUCH if -f <= _MARGIN * doubt(motion, t + s) else FAILED
             continue
         above = f1 > 0.0 and low > 0.0 and high > 0.0
         s2, f2, r2 = s1, f1, r1
@@ -272,7 +279,7 @@ def _newton(motion, t, low, high):
         if s == best or not min(low, high) <= s <= max(low, high):
             break
     run.hit = best
-    return abs(f_best) <= _MARGIN * noise or s == best
+    return abs(f_best) <= _MARGIN * motion.w[DOUBT] or s == best
 
 
 @inlined
@@ -302,7 +309,7 @@ def first_beside_series(motion, t, h, f_end, r_end, kind, low, high):
         height = probe(motion, t, run.hit)
         if height > 0.0:
             return SHORT
-        return TOUCH if -height <= _MARGIN * slack(motion, t + run.hit) else FAILED
+        return TOUCH if -height <= _MARGIN * doubt(motion, t + run.hit) else FAILED
     if kind == ROOT:  # the scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later
         h = unit * high
         f_end, r_end = probe(motion, t, h), climb(motion)

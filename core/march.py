@@ -16,15 +16,15 @@ from numba import njit, types
 
 from core import arithmetic, crossing, doubled, isolation, jit, locating, signatures, state, trajectory
 from core.arithmetic import two_sum
-from core.crossing import RUNNING, Log, enter, is_plain, move
+from core.crossing import RUNNING, Log, contradicts, enter, is_plain, move, widen_envelope
 from core.jit import OPTIONS, internal
 from core.locating import BOUND, Motion
-from core.signatures import EXCESS, G_END, RATE_END, STEP, Frame, call
+from core.signatures import G_END, RATE_END, STEP, Frame, call
 from core.trajectory import Status
 
 __all__ = ["compiled_march"]
 
-_COMPLETED = int(Status.COMPLETED)
+_COMPLETED, _CONTRADICTION = int(Status.COMPLETED), int(Status.CONTRADICTION)
 
 #: The last step may be this much longer than τ (relatively), so that rounding leaves no sliver of a step at the end.
 _STRETCH = 1.0 + 1e-9
@@ -38,20 +38,6 @@ def write_row(run, x, rows, rows_x):
     for i in range(x.size):
         rows_x[run.rows, i] = x[i]
     run.rows += 1
-
-
-@internal
-def widen_envelope(motion, excess, envelope):
-    """Take the excess of ψ over its levels into the column of this time."""
-    run = motion.run
-    call(motion.functions[EXCESS + (run.side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
-    columns = envelope.shape[0]
-    column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
-    for j in range(excess.size):
-        if excess[j] < envelope[column, j, 0]:  # never so where a side has fewer ψ, and its excess is nan
-            envelope[column, j, 0] = excess[j]
-        if excess[j] > envelope[column, j, 1]:
-            envelope[column, j, 1] = excess[j]
 
 
 def _signature() -> Any:
@@ -89,7 +75,7 @@ def compiled_march() -> Callable[..., int]:
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
         excess = w[w.size - envelope.shape[1] :]
         motion = Motion(functions, run, p, w, memo, x, carry, increment, place, nodes, pieces)
-        log = Log(hits, places)
+        log = Log(hits, places, excess, envelope)
         run.rows = 0
         run.hits = 0
         if run.side == 0:
@@ -104,7 +90,7 @@ def compiled_march() -> Callable[..., int]:
                 run.final = 0
                 h = (run.t_end - run.t) - run.t_carry
                 if h == 0.0:
-                    return _COMPLETED
+                    return _CONTRADICTION if contradicts(motion, 0.0) else _COMPLETED
                 if abs(h) <= abs(run.tau) * _STRETCH:
                     run.final = 1
                 else:
@@ -135,9 +121,9 @@ def compiled_march() -> Callable[..., int]:
             if run.record == 1:
                 write_row(run, x, rows, rows_x)
             if run.watched > 0:
-                widen_envelope(motion, excess, envelope)
+                widen_envelope(motion, log)
             if run.final == 1:
-                return _COMPLETED
+                return _CONTRADICTION if contradicts(motion, h) else _COMPLETED
         return RUNNING
 
     return march  # type: ignore[no-any-return]

@@ -16,13 +16,19 @@ from sympy.printing.pycode import PythonCodePrinter
 from core.doubled import split
 from core.multiplier import DividedDifference, SecondDifference
 
-__all__ = ["assignments", "doubled_assignments", "fma", "named", "printed"]
+__all__ = ["assignments", "doubled_assignments", "fma", "magnitude", "named", "printed"]
 
 
 class fma(sympy.Function):  # noqa: N801 - the name it is printed by
     """a b + c, rounded once (`doubled.fma`)."""
 
     nargs = 3
+
+
+class magnitude(sympy.Function):  # noqa: N801
+    """|u| that sympy leaves alone: whatever u is made of, it is printed as ``abs``."""
+
+    nargs = 1
 
 
 class _Printer(PythonCodePrinter):
@@ -52,6 +58,8 @@ class _Printer(PythonCodePrinter):
         return f"{base}**({self._print(exponent)})"
 
     def _print_Function(self, expr: Any) -> str:
+        if isinstance(expr, magnitude):
+            return f"abs({self._print(expr.args[0])})"
         if isinstance(expr, DividedDifference | SecondDifference | fma):
             return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
         return str(super()._print_Function(expr))

@@ -16,10 +16,13 @@ import numpy as np
 
 from core.jit import always_inlined, jitted
 
-__all__ = ["MAX_ORDER", "STRIDE", "order_of", "power_near", "power_of_two", "reach", "unsigned"]
+__all__ = [
+    "LEAST_ORDER", "MAX_ORDER", "STRIDE", "correction_of_unit", "order_of", "power_near", "power_of_two", "reach",
+    "reach_of_height", "unsigned",
+]  # fmt: skip
 
 #: Outside these orders a step gains less than it costs.
-_LEAST_ORDER, MAX_ORDER = 8, 24
+LEAST_ORDER, MAX_ORDER = 8, 24
 #: Length of a row, whatever the order: a constant, so that one register points into all rows.
 STRIDE = MAX_ORDER + 1
 
@@ -28,6 +31,8 @@ _THIRD = 1.0 / 3.0  #: a product is there sooner than a quotient
 #: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
 _MANTISSA, _DIGITS, _EXPONENT, _ONE, _BIAS = 2**52 - 1, 52, 2047 << 52, 1023 << 52, 1023
 _NORMAL = 2.0**-1022
+#: The unit is multiplied by this where coefficients have left floating point: those of order 24 by most of its range.
+_OVERFLOWN = 2.0**-40
 
 #: Of indices known not to be negative, which need no test for counting from the end.
 unsigned = np.uint64
@@ -152,10 +157,42 @@ def reach(c, d, order, tolerance):
     return h
 
 
+@always_inlined
+def reach_of_height(c, d, order, tolerance):
+    """Length of the step that the last two coefficients of row d allow, the height over the surface.
+
+    A surface may vary faster than the state: a crossing is seen on this polynomial, so that it has to be as good as
+    those of the state. The scale is the largest of the height, and of its change to first and to second order, in the
+    step: one of them at least is no accident of where the step begins. The rest is as in `reach`.
+    """
+    row = c[d]
+    before, last = abs(row[order - 1]), abs(row[order])
+    if before == 0.0 and last == 0.0:
+        order = _last_nonzero(c[d:], 1, order)
+        if order == 0:
+            return math.inf
+        before, last = abs(row[order - 1]), abs(row[order])
+    if not abs(row[0]) + before + last < math.inf:
+        return math.nan
+    shrink = min(-1.0, _log2(tolerance) / order)
+    before, last = _log2(before), _log2(last)
+    h = -math.inf
+    for q in range(3):
+        if row[q] != 0.0:
+            h = max(h, _log_radius(_log2(abs(row[q])) + shrink * q, before, last, order, q))
+    return _exp2(h + shrink - 0.7 * _LOG2_E / (order - 1))
+
+
+@always_inlined
+def correction_of_unit(length):
+    """What a unit of time has to be multiplied by, a step of which this length came out as too short in it, or nan."""
+    return power_of_two(length) if length > 0.0 else _OVERFLOWN
+
+
 def order_of(tolerance: float) -> int:
     """Order with which a step of `reach` costs least for the time it covers: measured.
 
     Jorba and Zou's −½ ln(tolerance) + 1 counts the coefficients alone; with what else a step costs, longer steps of
     higher order pay.
     """
-    return min(max(_LEAST_ORDER, math.ceil(8.0 - 0.55 * math.log(tolerance))), MAX_ORDER)
+    return min(max(LEAST_ORDER, math.ceil(8.0 - 0.55 * math.log(tolerance))), MAX_ORDER)

@@ -21,7 +21,7 @@ from core.march import compiled_march
 from core.methods import Method
 from core.recurrences import STRIDE, order_of
 from core.signatures import ORDER, TOLERANCE, Frame
-from core.state import HIT, ROW, RUN
+from core.state import HIT, JUMP_ANYWHERE, JUMP_TO_SURFACE, ROW, RUN
 from core.system import MAX_DIMENSION, PiecewiseSystem
 from core.taylor import memo_rows
 from core.trajectory import CROSSING_KINDS, Crossings, Status
@@ -99,7 +99,8 @@ class Runner:
         self._run["t"] = self._run["met"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._run["follow"] = settings.transition
-        self._run["has_jump"] = system.jump is not None
+        if system.jump is not None:
+            self._run["jump"] = JUMP_TO_SURFACE if system.laws.jump_stays else JUMP_ANYWHERE
         self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
         self._memo = np.empty((1, 1))
         self._scratch: tuple[Floats, ...] = (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))

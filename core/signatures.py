@@ -22,7 +22,8 @@ polish (one a side)
     Moves x + carry onto g = 0 (and the levels of ψ, if the method keeps them), in double-double; w[DELAY] is how much
     later that is reached.
 look
-    g, and ġ = g_t + ∇g·f with the field of either side, at `place`; and what rounding x alone can do to g.
+    g, and ġ = g_t + ∇g·f with the field of either side, at `place`; what rounding x alone can do to g (w[SLACK]), and
+    what rounding can do to it at most (w[DOUBT]).
 jump
     The state after reaching the surface, from x to place.
 """
@@ -43,6 +44,7 @@ from numpy.typing import NDArray
 __all__ = [
     "CALL",
     "DELAY",
+    "DOUBT",
     "EXCESS",
     "FUNCTIONS",
     "G_END",
@@ -93,7 +95,8 @@ REACH, STEP, SETTLE, EXCESS, POLISH, LOOK, JUMP = (FUNCTIONS.index(f) for f in d
 #: Scalars at the head of a frame. RATES: ġ with the field of the minus side, then of the plus side.
 G_END, RATE_END, G, RATES, SLACK, LENGTH, UNIT, ORDER, TOLERANCE, DELAY, SETTLED = 0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11
 PER_UNIT = 12  #: 1 / UNIT
-_HEAD = 13
+DOUBT = 13  #: how far rounding of everything that g is worked out from, and on the way, can move it
+_HEAD = 14
 
 
 class Frame(NamedTuple):

@@ -2,7 +2,10 @@
 
 import numpy as np
 
-__all__ = ["HIT", "ROW", "RUN"]
+__all__ = ["HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "ROW", "RUN"]
+
+#: Of a system: the state does not jump; or where the jump leads is read from g there; or it leads to the surface again.
+NO_JUMP, JUMP_ANYWHERE, JUMP_TO_SURFACE = 0, 1, 2
 
 #: Everything a run carries from move to move besides its frame (`signatures.Frame`).
 RUN = np.dtype(
@@ -33,7 +36,7 @@ RUN = np.dtype(
         ("adaptive", np.int64),  # 1: the method chooses the length of its steps
         ("conservative", np.int64),  # 1: the method holds ψ at its level
         ("watched", np.int64),  # how many ψ have their excess recorded in the envelope
-        ("has_jump", np.int64),
+        ("jump", np.int64),  # one of the codes below
         ("record", np.int64),  # 1: write a row each step
         ("steps", np.int64),
         ("evaluations", np.int64),

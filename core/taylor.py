@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from functools import lru_cache
 
+from sympy import Expr, Symbol
+
 from core.codegen import Names, excess_lines, function_text
+from core.expressions import TIME
 from core.laws import Laws, Side
-from core.recurrences import STRIDE
+from core.recurrences import LEAST_ORDER, STRIDE
 from core.series import SeriesCode, series_code
 from core.signatures import LENGTH, ORDER, PER_UNIT, SETTLED, TOLERANCE, UNIT
 
@@ -14,8 +19,12 @@ __all__ = ["memo_rows", "reach_text"]
 
 #: Steps are at most so many units of the system's own time long: powers of more could leave floating point.
 _LONGEST = 2.0**20
-#: Velocity over half the acceleration, in units of time, below which the unit is too long.
-_SLOW = 2.0**-8
+#: A step shorter than this needs another unit: with 24 coefficients, powers of less could leave floating point.
+_SHORTEST = 2.0**-24
+#: To work coefficients out: beside the state, at the state, and in three other units of time.
+_ATTEMPTS = 6
+#: How far beside the state, in parts of it; of each coordinate another part.
+_BESIDE, _PRIME = 0.5, 7
 
 
 @lru_cache(maxsize=64)
@@ -30,16 +39,58 @@ def memo_rows(laws: Laws) -> int:
 
 def reach_text(laws: Laws, side: Side) -> str:
     """Text of `reach`: coefficients to memo, those of the height over the surface in row d; the length to w[LENGTH]."""
-    code, d = _series(laws, side.sign), len(laws.x)
-    first, second = ("+".join(f"abs(c[{i}, {k}])" for i in range(d)) for k in (1, 2))
-    attempt = [*code.lines, f"first, second = {first}, {second}", f"if not 0.0 < first < {_SLOW} * second:",
-               "    break", "shrink = power_of_two(first / second)"]  # fmt: skip
-    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, {STRIDE}))", "shrink = 1.0"]
-    lines += ["for _ in range(2):", *(f"    {line}" for line in attempt)]
+    code = _series(laws, side.sign)
+    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, {STRIDE}))"]
+    lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
+    lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, side, code))]
     lines += _excess_lines(laws, side)
-    lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", f"length = reach(c, {d}, order, w[{TOLERANCE}])"]
+    lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", "length = limit if limit < length else length"]
     lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
     return function_text("reach", lines)
+
+
+def _attempt(laws: Laws, side: Side, code: SeriesCode) -> list[str]:
+    """Lines that work the coefficients out, and end the loop around them unless they have to be worked out again.
+
+    That is so in another unit of time; and where high coefficients vanish though no polynomial is followed, as those of
+    x' = 1, y' = x**30 do at x = 0. How long the step may be is then seen from a state beside it.
+    """
+    names, d = Names(laws), len(laws.x)
+    state, height = (f"{name}(c, {d}, order, w[{TOLERANCE}])" for name in ("reach", "reach_of_height"))
+    lines = [*code.lines, f"state, height = {state}, {height}"]
+    lines += ["length = min(state, height) if state + height == state + height else math.nan"]
+    if _degree_in_time(laws, side) > LEAST_ORDER:
+        moved = [f"{x} += away*{1 + k % _PRIME / _PRIME}" for k, x in enumerate(names.x)]
+        lines[len(names.unpack) : len(names.unpack)] = moved
+        lines += ["if away != 0.0:", "    limit, away = length if length == length else 1.0, 0.0", "    continue"]
+        lines += ["if limit != limit and max(state, height) == math.inf:"]
+        lines += [f"    away = {_BESIDE}*(size + unit*speed if size + speed > 0.0 else 1.0)", "    continue"]
+    return [*lines, f"if length >= {_SHORTEST}:", "    break", "shrink *= correction_of_unit(length)"]
+
+
+def _degree_in_time(laws: Laws, side: Side) -> float:
+    """Bound the degree of the solution, and of g along it, as polynomials in time; inf where they are none."""
+    degrees: dict[Symbol, float] = {TIME: 1, **dict.fromkeys(laws.x, 0)}
+    for _ in range(len(laws.x) + 1):
+        found = {v: _degree(f, degrees) + (f != 0) for v, f in zip(laws.x, side.field, strict=True)}
+        if all(degrees[v] == n for v, n in found.items()):
+            return max(*found.values(), _degree(laws.g, degrees))
+        degrees |= found
+    return math.inf  # some coordinate depends on itself
+
+
+def _degree(u: Expr, degrees: Mapping[Symbol, float]) -> float:
+    """Bound the degree in time of an expression in symbols of these degrees."""
+    if u.is_Symbol:
+        return degrees.get(u, 0)
+    parts = [_degree(v, degrees) for v in u.args]
+    if not any(parts):
+        return 0
+    if u.is_Add:
+        return max(parts)
+    if u.is_Mul:
+        return sum(parts)
+    return parts[0] * int(u.exp) if u.is_Pow and u.exp.is_Integer and u.exp > 0 else math.inf
 
 
 def _excess_lines(laws: Laws, side: Side) -> list[str]:

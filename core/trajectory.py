@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from core.excess import excess_along
+from core.excess import excess_along, with_exits
 from core.laws import Floats
 from core.system import PiecewiseSystem
 
@@ -33,6 +33,8 @@ class Status(IntEnum):
     CROSSING_LIMIT = 8
     STEP_LIMIT = 9
     CANCELLED = 10
+    CONTRADICTION = 11
+    UNSTABLE = 12
 
     @property
     def reason(self) -> str:
@@ -75,6 +77,14 @@ _WORDS = {
     Status.CROSSING_LIMIT: ("reached max_crossings", "Raise max_crossings to go on."),
     Status.STEP_LIMIT: ("reached max_steps", "Take a larger step size tau, a shorter time, or raise max_steps."),
     Status.CANCELLED: ("cancelled", ""),
+    Status.CONTRADICTION: (
+        "the state lies on the other side of the surface than the one whose law it has followed",
+        "This is an error of the program, not of yours: please report the system, and discard the run.",
+    ),
+    Status.UNSTABLE: (
+        "the step is too long for this field: the scheme leaves the solution, which does not move so",
+        "Take a smaller step size tau, or a method that chooses its steps (taylor).",
+    ),
 }
 
 #: Names of the kinds of crossing, in the order of the compiled codes.
@@ -159,13 +169,63 @@ class Trajectory:
         """The outcome, and a warning where the step size exceeds a bound of the theory (see `diagnose`)."""
         return f"{self.outcome} {self.warn(self)}".strip()
 
-    def conserved_error(self) -> Floats:
+    def conserved_error(self, exits: bool = True) -> Floats:
         """ψ of the side occupied, less its value where that side was entered, worked out in double-double.
+
+        Parameters
+        ----------
+        exits
+            Whether a row also tells of the crossings met since the row before, where a side was left with an error
+            that is larger (see `exit_error`).
 
         Returns
         -------
         (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
         """
-        return excess_along(
+        error = excess_along(
             self.system, self.method, self.t, self.x, self.side, self.segment, self.entered_t, self.entered_x
         )
+        return with_exits(error, self.segment, self.exit_error()) if exits else error
+
+    def exit_error(self) -> Floats:
+        """ψ of the side left at each crossing, before any jump, less its value where that side was entered.
+
+        Returns
+        -------
+        (k, m), nan where the side has fewer conserved quantities. With ``record="end"`` no crossing is kept: an
+        `envelope` sees them all the same.
+        """
+        met = self.crossings
+        left = np.concatenate([self.side[:1], met.side])[: len(met)]
+        visits = np.arange(len(met))
+        return excess_along(self.system, self.method, met.t, met.x, left, visits, self.entered_t, self.entered_x)
+
+    def carried_error(self) -> Floats:
+        """Change of ψ that the integrator has made by the time each segment between crossings begins, in all.
+
+        At a crossing ψ changes its meaning and its value, which is no error, and a jump is part of the system. What is
+        added up is what every visit to a side has lost by its end, and what going on from beside the surface loses.
+
+        Returns
+        -------
+        (s, m) beside `entered_t`, the first row 0.
+        """
+        met = self.crossings
+        beside = excess_along(
+            self.system, self.method, met.t, met.x_after, met.side, np.arange(len(met)), met.t, met.surface
+        )
+        beside[met.kind == "jump"] = 0.0
+        lost = np.nan_to_num(self.exit_error()) + np.nan_to_num(beside)
+        total = np.zeros((len(self.entered_t), lost.shape[1]))
+        if len(lost):
+            total[1:] = np.cumsum(lost, axis=0)[: len(total) - 1]
+        return total
+
+    def accumulated_error(self) -> Floats:
+        """Change of ψ that the integrator has made since the start: within the visit, and in those before.
+
+        Returns
+        -------
+        (n, m); nan where the side occupied has fewer conserved quantities.
+        """
+        return self.conserved_error(exits=False) + self.carried_error()[self.segment]

@@ -41,16 +41,7 @@ def show(run):
 _CHANGE = '''\
 def change_of_psi(run):
     """|Change of psi| that the integrator made up to each step, added up over the visits to both sides."""
-    psi, visit = run.system.conserved, run.crossings
-    within = run.conserved_error()
-    lost = np.zeros((1 + len(visit), within.shape[1]))
-    for k, side in enumerate([run.side[0], *visit.side][: len(visit)]):
-        at_end = psi(side, visit.t[k], visit.x[k])
-        lost[k + 1, : len(at_end)] = at_end - psi(side, run.entered_t[k], run.entered_x[k])
-        if visit.side[k] and visit.kind[k] != "jump":  # lost by going on from beside the surface
-            after = psi(visit.side[k], visit.t[k], visit.x_after[k])
-            lost[k + 1, : len(after)] += after - psi(visit.side[k], visit.t[k], visit.surface[k])
-    return np.fmax.reduce(np.abs(within + np.cumsum(lost, axis=0)[run.segment]), axis=1)
+    return np.fmax.reduce(np.abs(run.accumulated_error()), axis=1)
 
 
 '''

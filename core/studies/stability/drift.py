@@ -14,7 +14,6 @@ from core.integrate import integrate
 from core.laws import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import Plan
-from core.studies.stability.verdict import losses
 from core.studies.tasks import as_completed
 from core.system import PiecewiseSystem
 from core.trajectory import Status, Trajectory
@@ -130,10 +129,10 @@ def _piece(
     part = integrate(
         system, span, x0, tau, method, record="crossings", envelope=_COLUMNS, max_steps=most, max_crossings=most
     )
-    carried = offset + np.concatenate([np.zeros((1, len(offset))), np.cumsum(losses(part), axis=0)])  # in each visit
+    carried = offset + part.carried_error()  # in each visit
     error = _column_errors(part, span, carried)
     x = tuple(map(float, part.x[-1]))
-    end = carried[-1] + np.nan_to_num(part.conserved_error()[-1]) if len(offset) else offset
+    end = carried[part.segment[-1]] + np.nan_to_num(part.conserved_error(exits=False)[-1]) if len(offset) else offset
     return _Piece(x, end, error, part.status, part.outcome, part.crossing_count, part.seconds)
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import sympy
 
 from core.integrate import integrate
-from core.laws import Floats
 from core.system import PiecewiseSystem
 from core.trajectory import Status, Trajectory
 
@@ -23,7 +22,6 @@ __all__ = [
     "Verdict",
     "expected_of",
     "judge",
-    "losses",
     "outcome_words",
     "passed",
     "reference_run",
@@ -147,27 +145,6 @@ def passed(run: Trajectory) -> int:
     return int(np.count_nonzero(run.crossings.side))
 
 
-def losses(run: Trajectory) -> Floats:
-    """Change of ψ that the integrator made on each visit to a side that ended at a crossing.
-
-    From where the side was entered to where the surface was met. At a crossing itself ψ changes its meaning and its
-    value, which is no error.
-
-    Returns
-    -------
-    (k, m) of a run of ``record="crossings"`` with k crossings; 0 where a side has fewer conserved quantities.
-    """
-    sides, met = np.concatenate([run.side[:1], run.crossings.side]), run.crossings
-    count = {side: len(run.system.laws.sides[side].conserved) for side in (-1, 1)}
-    lost = np.zeros((len(met), max(count.values())))
-    for side, m in count.items():
-        rows = np.flatnonzero(sides[: len(met)] == side)
-        if m and len(rows):
-            entry = run.system.conserved(side, run.entered_t[rows], run.entered_x[rows])
-            lost[rows, :m] = run.system.conserved(side, met.t[rows], met.surface[rows]) - entry
-    return lost
-
-
 def worst_error(run: Trajectory) -> float:
     """Largest |Δψ| of a run of ``record="crossings"`` with an envelope: of a visit, on top of all visits before.
 
@@ -177,7 +154,7 @@ def worst_error(run: Trajectory) -> float:
     if run.envelope is None or not run.envelope.size or run.status is Status.ESCAPED:
         return np.nan
     within = np.fmax.reduce(np.abs(run.envelope), axis=None, initial=0.0)
-    carried = np.abs(np.cumsum(losses(run), axis=0)).max(initial=0.0)
+    carried = np.abs(run.carried_error()).max(initial=0.0)
     return float(within + carried)
 
 
