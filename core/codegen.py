@@ -141,7 +141,8 @@ def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
     lines.append("    return 0")
     along = " + ".join(f"a{k} * (f{k} / speed)" for k in range(d))
     square = " + ".join(f"(f{k} / speed)**2" for k in range(d))
-    lines.append(f"w[{signatures.DELAY}] = -({along}) / ({square}) / speed")
+    lines.append(f"delay = -({along}) / ({square}) / speed")
+    lines += ["if not abs(delay) < math.inf:", "    return 0", f"w[{signatures.DELAY}] = delay"]
     for k in range(d):
         x, c = (f"w[{start + k}]" for start in (names.frame.x, names.frame.carry))
         lines.append(f"{x}, {c} = two_sum(x{k}, c{k} - a{k})")

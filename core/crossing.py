@@ -17,6 +17,7 @@ from core.isolation import NONE as NO_ROOT
 from core.isolation import ROOT
 from core.jit import inlined, internal
 from core.locating import (
+    BOUND,
     FAILED,
     FOUND,
     NONE,
@@ -30,7 +31,23 @@ from core.locating import (
     probe,
     root_of_series,
 )
-from core.signatures import DELAY, DOUBT, EXCESS, JUMP, LENGTH, LOOK, POLISH, RATES, REACH, SETTLE, SLACK, G, call
+from core.signatures import (
+    DELAY,
+    DOUBT,
+    EXCESS,
+    G_END,
+    JUMP,
+    LENGTH,
+    LOOK,
+    POLISH,
+    RATE_END,
+    RATES,
+    REACH,
+    SETTLE,
+    SLACK,
+    G,
+    call,
+)
 from core.state import JUMP_TO_SURFACE, NO_JUMP
 from core.trajectory import CROSSING_KINDS, Status
 
@@ -40,12 +57,22 @@ RUNNING = int(Status.RUNNING)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
 _NO_CONVERGENCE, _ESCAPED, _ZENO = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.ZENO)
 _CROSSING_LIMIT, _CONTRADICTION = int(Status.CROSSING_LIMIT), int(Status.CONTRADICTION)
+_UNSTABLE = int(Status.UNSTABLE)
 _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = range(len(CROSSING_KINDS))
 
 _EPS = 2.0**-52
 #: Gaps between crossings that have shrunk so many times in a row, and whose sum to come is below this part of the
 #: time, accumulate.
 _SHRUNK, _SPENT = 8, 2.0**-52
+#: A surface is met against the field where the rate away from it is this part of that at the start of the step, or of
+#: that with which the side was entered.
+_AGAINST = 2.0**-7
+#: Of a step to the surface of a side beyond which the field has no value.
+_HALVINGS = 60
+#: How far beside a state, in parts of its size, the slopes of g are taken.
+_BESIDE = 2.0**-26
+#: Of the size of a state: what a landing may be moved by, and be the same landing.
+_NOTHING = 2.0**-48
 #: Gaps that have shrunk in a row, after which a visit that is lost in rounding is the end of a sequence, and no touch.
 _COMING = 3
 _MARGIN = 16.0  # by how much g may contradict the side, in units of a first-order bound on its rounding
@@ -100,6 +127,13 @@ def look(motion, t):
 
 
 @inlined
+def look_at(motion, t):
+    """G at `place`."""
+    call(motion.functions[LOOK], t, 0.0, motion.p, motion.w, motion.memo)
+    return motion.w[G]
+
+
+@inlined
 def note(motion, log, which):
     """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
     for i in range(motion.place.size):
@@ -147,7 +181,7 @@ def contradicts(motion, h):
 def take_side(motion, side, rate):
     """Occupy a side, from its surface on."""
     run = motion.run
-    run.side, run.height, run.rate = side, 0.0, rate
+    run.side, run.height, run.rate, run.entered = side, 0.0, rate, rate
     run.leaving = 1
     if run.conservative == 1 or run.watched > 0:
         call(motion.functions[SETTLE + (side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
@@ -166,11 +200,14 @@ def enter(motion):
     if not abs(g) < math.inf:
         return _NO_CONVERGENCE
     side = 1 if g > 0.0 else -1
-    if abs(g) <= w[SLACK]:  # on the surface as exactly as floating point can say
+    if run.first_side != 0:  # it has been found by other means
+        side = run.first_side
+        take_side(motion, side, max(into_plus if side > 0 else into_minus, 0.0))
+    elif abs(g) <= w[SLACK]:  # on the surface as exactly as floating point can say
         if into_plus > 0.0 and into_minus > 0.0:
             return _REPELLING
-        if not (into_plus > 0.0 or into_minus > 0.0):
-            return _GRAZING if into_plus == 0.0 or into_minus == 0.0 else _SLIDING
+        if not (into_plus * into_minus < 0.0):
+            return _SLIDING if into_plus < 0.0 and into_minus < 0.0 else _GRAZING
         side = 1 if into_plus > 0.0 else -1
         take_side(motion, side, into_plus if side > 0 else into_minus)
     else:
@@ -178,6 +215,21 @@ def enter(motion):
         run.height, run.leaving = side * g, 0
     run.first_side = side
     return RUNNING
+
+
+@internal
+def is_met_against_the_field(motion, found, own):
+    """Whether the scheme meets the surface where its field leads away from it, and does not just touch it.
+
+    Such a step is too long: the field changes in it by more than it is. A touch is one where the state, if it has just
+    left the surface, has stayed within rounding of it.
+    """
+    run = motion.run
+    if run.follow == 0 or run.shift != 0.0:
+        return False
+    if found == TOUCH:
+        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * _MARGIN * motion.w[DOUBT]
+    return own > _AGAINST * min(abs(run.rate), abs(run.entered))
 
 
 @inlined
@@ -267,15 +319,19 @@ def switch_side(motion, log, found):
     note(motion, log, 1)
     if run.watched > 0:  # what the side that is left has lost
         widen_envelope(motion, log)
+    against = is_met_against_the_field(motion, found, own)
     run.leaving = 1
     if run.jump != NO_JUMP:
         status, kind, entered, rate = leap(motion)
         if status == RUNNING and run.leaving == 1 and is_lost_in_rounding(motion, found, own, rate):
             status = _ZENO if run.shrinking >= _COMING and elapsed(run) < run.gap else _GRAZING
             kind = _GRAZING_KIND
+        elif status == RUNNING and against:
+            status, kind = _UNSTABLE, _GRAZING_KIND
         hit.rate_after = along * entered * rate
     else:
         status, kind = classify(run)
+        status = _UNSTABLE if status == _GRAZING and against else status
         entered = -run.side
     leaving = run.leaving
     note(motion, log, 2)
@@ -288,8 +344,8 @@ def switch_side(motion, log, found):
     take_side(motion, entered, rate)
     if leaving == 0:  # it has jumped off the surface
         run.height, run.leaving = entered * motion.w[G], 0
-    elif contradicts(motion, run.hit):
-        return _CONTRADICTION
+    elif contradicts(motion, run.hit):  # a step so stiff that its own rounding hides the surface
+        return _UNSTABLE
     if accumulates(run):
         return _ZENO
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING
@@ -320,8 +376,10 @@ def land(motion, log, t):
     if run.shift == 0.0:
         for i in range(x.size):
             place[i] = x[i]
-        note(motion, log, 0)
         look(motion, run.t)
+        if run.jump == NO_JUMP and run.side * motion.w[G] > 0.0:
+            move_across(motion, run.t)
+        note(motion, log, 0)
     return True
 
 
@@ -359,30 +417,97 @@ def cut_to_reach(motion, t, h):
 
 
 @inlined
+def has_end(motion, t, h):
+    """Whether a step of length h has an end that is a state, with a height and a rate."""
+    height = probe(motion, t, h)
+    return abs(height) < math.inf and abs(motion.w[RATE_END]) < math.inf and arrive(motion) < BOUND
+
+
+@internal
+def cut_to_domain(motion, t, h):
+    """The longest of h/2, h/4 … that is a step, where the surface is ahead; 0 where there is none, or no need.
+
+    A field may have no value beyond the surface, as a spring that only pushes: the surface is then approached in ever
+    shorter steps, the last of which cannot be told from it.
+    """
+    run = motion.run
+    if run.rate >= 0.0 or run.height + 2.0 * run.rate * abs(h) > 0.0:
+        return 0.0
+    for _ in range(_HALVINGS):
+        h *= 0.5
+        if has_end(motion, t, h):
+            return h
+    return 0.0
+
+
+@internal
+def move_across(motion, t):
+    """Move a state that is on the surface but for rounding, by less than that, to where g has the sign to come.
+
+    A field that has a value on its own side alone has none at a state whose g is wrong by the last digit.
+    """
+    x, place, g = motion.x, motion.place, motion.w[G]
+    size, steepest, along = 0.0, 0.0, 0
+    for i in range(x.size):
+        size = max(size, abs(x[i]))
+    for i in range(x.size):
+        place[i] = x[i] + _BESIDE * size
+        slope = (look_at(motion, t) - g) / (place[i] - x[i])
+        place[i] = x[i]
+        if abs(slope) > abs(steepest):
+            steepest, along = slope, i
+    if abs(2.0 * g) <= _NOTHING * size * abs(steepest):
+        x[along] -= 2.0 * g / steepest
+    place[along] = x[along]
+    look(motion, t)
+
+
+@internal
+def is_at_surface(motion, t, h):
+    """Whether the state is as near to the surface as the rounding of a step of length h lets it come."""
+    run, x = motion.run, motion.x
+    for i in range(x.size):
+        motion.place[i] = x[i]
+    look(motion, t)
+    return run.height <= _MARGIN * (motion.w[DOUBT] + _EPS * abs(run.own) * (abs(t) + abs(h)))
+
+
+@inlined
 def move(motion, log, h):
     """Go on by h, or to the first crossing before that and onto its other side; run.rest is what is left of h."""
-    run = motion.run
+    run, whole = motion.run, h
     t, found = run.t + run.t_carry, NONE
     kind, low, high = NO_ROOT, 0.0, 0.0
     run.rest = 0.0
     if run.adaptive == 1:
-        h = cut_to_reach(motion, t, h)
+        h = whole = cut_to_reach(motion, t, h)
         if run.follow == 1:
             kind, low, high = root_of_series(motion, h)
     if kind == ROOT and meets(motion, t, low, high):
         found = FOUND  # and the end of the step need not be looked at
     else:
-        height, rate = probe(motion, t, h), climb(motion)
-        if not arrive(motion):
-            return _ESCAPED if height == height else _NO_CONVERGENCE
-        if not abs(height) < math.inf or not abs(rate) < math.inf:
-            return _NO_CONVERGENCE
-        if run.follow == 0:
+        if not has_end(motion, t, h):
+            if arrive(motion) >= BOUND:
+                return _ESCAPED
+            found = FAILED
+        height, rate = run.side * motion.w[G_END], climb(motion)
+        if found == FAILED:
+            pass
+        elif run.follow == 0:
             return step_over(motion, log, t, h, height, rate)
-        if run.adaptive == 1:
+        elif run.adaptive == 1:
             found = first_beside_series(motion, t, h, height, rate, kind, low, high)
         elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
             found = first_crossing(motion, t, h, height, rate)
+        if found == FAILED and run.follow == 1:
+            h = cut_to_domain(motion, t, h)
+            if h == 0.0:
+                return _NO_CONVERGENCE
+            height, rate = run.side * motion.w[G_END], climb(motion)
+            if is_at_surface(motion, t, whole):
+                run.hit, found = 0.0, FOUND
+            else:
+                found = first_crossing(motion, t, h, height, rate)
         if found == SHORT:
             h, run.final = run.hit, 0
             height, rate = probe(motion, t, h), climb(motion)
@@ -395,11 +520,12 @@ def move(motion, log, h):
             run.height, run.rate = height, rate
             run.leaving = 0 if height > 0.0 else run.leaving
             run.longest = max(run.longest, abs(h))
+            run.rest = whole - h if run.adaptive == 0 else 0.0
             return _CONTRADICTION if height < 0.0 and contradicts(motion, h) else RUNNING
     if found == FAILED or not land(motion, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:
         run.own = 0.0  # it turns at the surface, and does not arrive
-    run.rest = h - run.hit if run.adaptive == 0 else 0.0
+    run.rest = whole - run.hit if run.adaptive == 0 else 0.0
     run.final = run.final if run.adaptive == 0 else 0
     return switch_side(motion, log, found)

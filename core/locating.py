@@ -76,12 +76,12 @@ def probe(motion, t, s):
 
 @inlined
 def arrive(motion):
-    """Write the end of the step tried last to `place`; returns whether it is bounded."""
-    x, place, bounded = motion.x, motion.place, True
+    """Write the end of the step tried last to `place`; returns the sum of its sizes, nan where one is no number."""
+    x, place, size = motion.x, motion.place, 0.0
     for i in range(x.size):
         place[i] = x[i] + (motion.carry[i] + motion.increment[i])
-        bounded = bounded and abs(place[i]) < BOUND
-    return bounded
+        size += abs(place[i])
+    return size
 
 
 @inlined
@@ -219,7 +219,7 @@ def first_crossing(motion, t, h, f_end, r_end):
                 run.hit = s
                 return TOUCH if -f <= _MARGIN * doubt(motion, t + s) else FAILED
             continue
-        above = f1 > 0.0 and low > 0.0 and high > 0.0
+        above = f1 > 0.0 and high > 0.0 and (low > 0.0 or f == r == 0.0)  # a start at a fold rises like s²
         s2, f2, r2 = s1, f1, r1
         if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
             s2, f2, r2 = dip(motion, t, s, s1, f, f1, r, r1)
@@ -279,7 +279,7 @@ def _newton(motion, t, low, high):
         if s == best or not min(low, high) <= s <= max(low, high):
             break
     run.hit = best
-    return abs(f_best) <= _MARGIN * motion.w[DOUBT] or s == best
+    return abs(f_best) < math.inf and (abs(f_best) <= _MARGIN * motion.w[DOUBT] or s == best)
 
 
 @inlined

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import compile_run
+from core.failure import GROWTH, ends_beyond, runs_away
+from core.folds import sides_entered
 from core.isolation import scratch_shape
 from core.laws import Floats
 from core.locating import MAX_LOOKS
@@ -32,7 +34,9 @@ __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 _CHUNK = 131072
 _HITS, _FEW = 4096, 1024  #: crossings to a call of the loop; where they are not kept, few enough to stay in the cache
 _KINDS = np.array(CROSSING_KINDS)
-_RUNAWAY = 4.0  #: growth of the state from which a failed step may be an escape
+_UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)  #: to first order, of a start on the surface
+_MARGIN = 0.1  #: of the time that a solution is followed, by which its pole may be misplaced
+_AHEAD = 16.0  #: steps from a failed one within which a solution that runs away does so
 
 
 @dataclass(frozen=True)
@@ -169,8 +173,14 @@ class Runner:
                 self.status = Status.CANCELLED
             else:
                 self.status = self._chunk(record, keep_hits)
-        if self.status is Status.NO_CONVERGENCE and self._runs_away():
-            self.status = Status.ESCAPED
+        if self.status in _UNDECIDED and self.side == 0 and self.first_side == 0:
+            sides = sides_entered(self.system, self.t, self.x, sign)
+            if len(sides) == 1:
+                self._run["first_side"] = self.first_side = sides[0]
+                return self.advance(t_end, record, keep_hits)
+            self.status = Status.REPELLING if sides else self.status
+        if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
+            self.status = self._judged()
         return self.status
 
     def twin(self) -> Runner:
@@ -205,6 +215,25 @@ class Runner:
         hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
         return _crossings(hits, places)
 
+    def reason(self) -> str:
+        """Why a step has failed, and what would do, where that is known better than `Status.advice` knows it."""
+        if self.status is not Status.NO_CONVERGENCE or self.side == 0:
+            return ""
+        word = "f_minus" if self.side < 0 else "f_plus"
+        if ends_beyond(self.system, self.side, self.t, self.x, self._a_step()):
+            return (
+                f"{word} has no real value a step ahead. If that is beyond the surface, write it so that it has one "
+                "there too: (u**2)**0.75 for u**1.5."
+            )
+        if self._run["adaptive"][0]:
+            return f"The Taylor series of {word} ends here, as that of a root at zero does: take another method (prk8)."
+        return ""
+
+    def _a_step(self) -> float:
+        """Length of a step, signed."""
+        length = self.settings.tau if math.isfinite(self.settings.tau) else self.longest
+        return math.copysign(length, float(self._run["tau"][0]))
+
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
         size, d = (budget if record else 1), self.system.dimension  # without recording, a buffer never full
@@ -233,15 +262,22 @@ class Runner:
             self.rows.side.append(rows["side"][:n])
             self.rows.segment.append(rows["segment"][:n])
 
-    def _runs_away(self) -> bool:
-        """Whether a step failed because the state is on its way to infinity.
+    def _judged(self) -> Status:
+        """Tell a solution that runs away from a step that fails, and from a scheme that alone runs away.
 
-        That is: grown well beyond where it started, and about to grow by a good part of itself within one step more.
+        A scheme that has run away, or has failed on the way: did the solution from where the side was entered? A step
+        that fails elsewhere: does the solution run away within some steps from here?
         """
-        size = float(np.linalg.norm(self._x))
-        with np.errstate(all="ignore"):
-            ahead = self._x + float(self._run["tau"][0]) * self.system.field(self.side or 1, self.t, self._x)
-        return size > _RUNAWAY * float(np.linalg.norm(self._x0)) and not float(np.linalg.norm(ahead)) < 1.25 * size
+        size = float(np.abs(self._x0).max())
+        if self.side == 0:
+            return self.status
+        if self.status is Status.ESCAPED or float(np.abs(self._x).max()) > GROWTH * size > 0.0:
+            t, x = self.entry()
+            away = runs_away(self.system, self.side, t, x, self.t + _MARGIN * (self.t - t), size)
+            return self.status if away is None else Status.ESCAPED if away else Status.UNSTABLE
+        ahead = self.t + _AHEAD * self._a_step()
+        away = ahead != self.t and runs_away(self.system, self.side, self.t, self.x, ahead, size)
+        return Status.ESCAPED if away else self.status
 
 
 def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:

@@ -19,6 +19,7 @@ RUN = np.dtype(
         ("shift", np.float64),  # c·τᵖ added to every crossing time
         ("height", np.float64),  # over the surface, and its rate along the run, at the current state
         ("rate", np.float64),
+        ("entered", np.float64),  # rate with which the side was entered
         ("own", np.float64),  # at the surface: rate into the side occupied, and into the other
         ("other", np.float64),
         ("hit", np.float64),  # where in the move the surface is met

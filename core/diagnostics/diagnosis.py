@@ -18,6 +18,7 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.scheme import Scheme
 from core.laws import Floats
+from core.methods import METHODS
 from core.trajectory import Crossings, Status, Trajectory
 
 __all__ = ["Diagnosis", "diagnose", "step_warning"]
@@ -120,7 +121,8 @@ def _diagnosis(run: Trajectory, crossings: Crossings) -> Diagnosis:
     columns = {n: np.concatenate([np.empty(0), *(getattr(c, n) for c in chunks)]) for n in names}
     constants = Constants(**columns)
     least, least_hat = _least(constants.alpha2), _least(constants.alpha_hat2)
-    warnings = tuple(_warnings(run.tau, crossings.t, constants))
+    chosen = METHODS[run.method].adaptive  # by the method: the theory is of steps of one size
+    warnings = () if chosen else tuple(_warnings(run.tau, crossings.t, constants))
     summary = _summary(run, crossings, constants, warnings)
     return Diagnosis(**columns, alpha_S2=least, alpha_hat_S2=least_hat, tau=run.tau, warnings=warnings, summary=summary)
 
