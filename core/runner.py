@@ -154,8 +154,10 @@ class Runner:
         stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING)
         return max(self.crossing_count - stopped, 0)
 
-    def advance(self, t_end: float, record: bool = False, keep_hits: bool = True) -> Status:
-        """Go on to `t_end`, or to where the run stops before it."""
+    def advance(
+        self, t_end: float, record: bool = False, keep_hits: bool = True, after: Callable[[], object] | None = None
+    ) -> Status:
+        """Go on to `t_end`, or to where the run stops before it; `after` is called whenever the loop returns."""
         run = self._run
         sign = 1.0 if t_end >= self.t else -1.0
         run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
@@ -168,6 +170,8 @@ class Runner:
                 self.status = Status.CANCELLED
             else:
                 self.status = self._chunk(record, keep_hits)
+                if after is not None:
+                    after()
         if self.status is Status.NO_CONVERGENCE and self._runs_away():
             self.status = Status.ESCAPED
         return self.status
@@ -203,6 +207,13 @@ class Runner:
             return no_crossings(self.system.dimension)
         hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
         return _crossings(hits, places)
+
+    def latest(self, count: int) -> Crossings:
+        """The last crossings, `count` of them: as many at most as there were since the loop was last called."""
+        if not count:
+            return no_crossings(self.system.dimension)
+        hits, places = self._hit_chunks[-1]
+        return _crossings(hits[-count:], places[-count:])
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)

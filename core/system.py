@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
+from core.arguments import number
 from core.expressions import TIME, check_name, parse, to_text
 from core.identities import independent, is_larger, is_zero, tidied
 from core.laws import Floats, Laws, Side, derive
 from core.stream import stream_function
 
-__all__ = ["Parameter", "PiecewiseSystem"]
+__all__ = ["Parameter", "PiecewiseSystem", "Start"]
+
+#: A state to start from: d numbers, or a number by the name of each variable.
+Start: TypeAlias = "Iterable[float] | Mapping[str, float]"
 
 MAX_DIMENSION = 24
 _SHOWN_NODES = 200  #: of the time derivative of what is not conserved
@@ -44,7 +47,7 @@ class Parameter:
         if self.bounds is not None:
             if not isinstance(self.bounds, Sequence) or len(self.bounds) != 2:
                 raise ValueError(f"bounds of parameter {self.name} are {self.bounds!r}: two numbers are needed")
-            low, high = (_finite(b, f"bound of parameter {self.name}") for b in self.bounds)
+            low, high = (number(b, f"bound of parameter {self.name}") for b in self.bounds)
             if not low < high:
                 raise ValueError(f"bounds of parameter {self.name} are {self.bounds}: the first must be the smaller")
             object.__setattr__(self, "bounds", (low, high))
@@ -57,10 +60,10 @@ class Parameter:
 
     def check(self, value: float) -> float:
         """Return `value` as a float if the parameter may take it, else raise ValueError."""
-        number = _finite(value, f"parameter {self.name}")
-        if self.bounds is not None and not self.bounds[0] <= number <= self.bounds[1]:
-            raise ValueError(f"parameter {self.name} = {number!r} is outside {self.bounds[0]:g} … {self.bounds[1]:g}")
-        return number
+        found = number(value, f"parameter {self.name}")
+        if self.bounds is not None and not self.bounds[0] <= found <= self.bounds[1]:
+            raise ValueError(f"parameter {self.name} = {found!r} is outside {self.bounds[0]:g} … {self.bounds[1]:g}")
+        return found
 
 
 @dataclass(frozen=True)
@@ -138,6 +141,10 @@ class PiecewiseSystem:
         given = [getattr(self, f.name) for f in fields(self)]
         return PiecewiseSystem, (*given[:-1], dict(self.values))
 
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} = {value:g}" for name, value in self.values.items())
+        return f"<PiecewiseSystem {self.name!r} in {', '.join(self.variables)}{values and '; ' + values}>"
+
     # What it is ------------------------------------------------------------------------------------------------------
 
     @property
@@ -209,18 +216,28 @@ class PiecewiseSystem:
 
     # Checks ----------------------------------------------------------------------------------------------------------
 
-    def check_state(self, x: Iterable[float], what: str = "x0") -> tuple[float, ...]:
-        """Return a state as d finite floats, else raise ValueError."""
-        try:
-            state = tuple(float(v) for v in x)
-        except (TypeError, ValueError):
-            raise ValueError(f"{what} = {x!r}: {self.dimension} numbers are needed") from None
-        if len(state) != self.dimension:
-            names = ", ".join(self.variables)
-            raise ValueError(f"{what} = {state!r} has {len(state)} numbers: {self.dimension} are needed ({names})")
-        if not all(map(math.isfinite, state)):
-            raise ValueError(f"{what} = {state!r}: every number must be finite")
-        return state
+    def check_state(self, x: Start, what: str = "x0") -> tuple[float, ...]:
+        """Return a state as d finite floats, else raise ValueError.
+
+        Parameters
+        ----------
+        x
+            d numbers, or a mapping from the name of every variable to its number.
+        """
+        names = ", ".join(self.variables)
+        if isinstance(x, Mapping):
+            wrong = [f"{v!r} is missing" for v in self.variables if v not in x]
+            wrong += [f"{v!r} is no variable" for v in x if v not in self.variables]
+            if wrong:
+                raise ValueError(f"{what} = {dict(x)!r}: {wrong[0]}; a number for each of {names} is needed")
+            x = [x[v] for v in self.variables]
+        if isinstance(x, str | bytes | Set) or not isinstance(x, Iterable):
+            raise ValueError(f"{what} = {x!r}: {self.dimension} numbers are needed ({names})")
+        given = tuple(x)
+        if len(given) != self.dimension:
+            raise ValueError(f"{what} = {given!r} has {len(given)} numbers: {self.dimension} are needed ({names})")
+        wanted = f"{what} = {given!r}: {self.dimension} numbers are needed ({names}); "
+        return tuple(number(value, wanted + v) for v, value in zip(self.variables, given, strict=True))
 
     def _check_variables(self) -> tuple[str, ...]:
         names = tuple(check_name(v, "variable") for v in _listed(self.variables, "variables"))
@@ -311,16 +328,6 @@ def _listed(given: Any, what: str) -> Sequence[Any]:
 
 def _text(expression: Any) -> str:
     return to_text(expression) if isinstance(expression, sympy.Basic) else str(expression)
-
-
-def _finite(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what} = {value!r} is no number") from None
-    if not math.isfinite(number):
-        raise ValueError(f"{what} = {value!r}: a finite number is needed")
-    return number
 
 
 def _latex_name(name: str) -> str:
