@@ -200,10 +200,19 @@ def checked_settings(
             raise ValueError(f"perturbation_order = {order:g}: method {method.name!r} has no fixed step size tau")
         if order <= 0:
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
-        shift = number(perturbation_scale, "perturbation_scale") * step**order
+        shift = _shift(number(perturbation_scale, "perturbation_scale"), step, order)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
     given = {name: count(n, name) for name, n in limits.items() if n is not None}
     return Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel, **given)
+
+
+def _shift(scale: float, step: float, order: float) -> float:
+    """c·τᵖ."""
+    try:
+        power = step**order
+    except OverflowError:
+        power = math.inf
+    return number(scale * power, "perturbation_scale * tau**perturbation_order") if scale else 0.0
 
 
 def _step_size(method: Method, tau: float | None) -> float:

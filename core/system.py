@@ -178,23 +178,23 @@ class PiecewiseSystem:
 
     def field(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """f of a side (−1 or +1) at states (..., d) -> (..., d)."""
-        return self.laws.evaluate(("f", side), self._side(side).field, t, x, self.parameter_array)
+        return self._evaluate(("f", side), self._side(side).field, t, x)
 
     def switching(self, t: ArrayLike, x: ArrayLike) -> Floats:
         """g at states (..., d) -> (...)."""
-        return self.laws.evaluate("g", (self.laws.g,), t, x, self.parameter_array)[..., 0]
+        return self._evaluate("g", (self.laws.g,), t, x)[..., 0]
 
     def switching_gradient(self, t: ArrayLike, x: ArrayLike) -> Floats:
         """∇g at states (..., d) -> (..., d)."""
-        return self.laws.evaluate("grad g", self.laws.gradient, t, x, self.parameter_array)
+        return self._evaluate("grad g", self.laws.gradient, t, x)
 
     def switching_rate(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """ġ = g_t + ∇g·f with the field of a side, at states (..., d) -> (...)."""
-        return self.laws.evaluate(("g'", side), (self._side(side).g_dot,), t, x, self.parameter_array)[..., 0]
+        return self._evaluate(("g'", side), (self._side(side).g_dot,), t, x)[..., 0]
 
     def conserved(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """ψ of a side at states (..., d) -> (..., m)."""
-        return self.laws.evaluate(("psi", side), self._side(side).conserved, t, x, self.parameter_array)
+        return self._evaluate(("psi", side), self._side(side).conserved, t, x)
 
     def latex(self) -> dict[str, str]:
         """The declaration as LaTeX: keys f_minus, f_plus, g, psi_minus, psi_plus."""
@@ -209,8 +209,18 @@ class PiecewiseSystem:
             texts |= {f"f_{word}": typeset(side.field), f"psi_{word}": typeset(side.conserved)}
         return texts
 
+    def _evaluate(self, key: object, expressions: Sequence[sympy.Expr], t: ArrayLike, x: ArrayLike) -> Floats:
+        """Values of expressions at times and states that are numbers, and as many as there are variables."""
+        times, states = np.asarray(t), np.asarray(x)
+        for what, array in (("t", times), ("x", states)):
+            if array.dtype.kind not in "fiu":
+                raise ValueError(f"{what} = {array!r}: numbers are needed")
+        if states.shape[-1:] != (self.dimension,):
+            raise ValueError(f"x has shape {states.shape}: states (..., {self.dimension}) are needed")
+        return self.laws.evaluate(key, expressions, times, states, self.parameter_array)
+
     def _side(self, side: int) -> Side:
-        if side not in (-1, 1):
+        if np.ndim(side) or side not in (-1, 1):
             raise ValueError(f"side = {side!r}: it is -1 where g < 0 and +1 where g > 0")
         return self.laws.sides[int(side)]
 
@@ -236,7 +246,7 @@ class PiecewiseSystem:
         given = tuple(x)
         if len(given) != self.dimension:
             raise ValueError(f"{what} = {given!r} has {len(given)} numbers: {self.dimension} are needed ({names})")
-        wanted = f"{what} = {given!r}: {self.dimension} numbers are needed ({names}); "
+        wanted = f"{what} = {given!r}: {self.dimension} numbers are needed ({names}), and each must be finite; "
         return tuple(number(value, wanted + v) for v, value in zip(self.variables, given, strict=True))
 
     def _check_variables(self) -> tuple[str, ...]:
@@ -263,6 +273,8 @@ class PiecewiseSystem:
 
     def _check_values(self, values: Mapping[str, float]) -> dict[str, float]:
         known = {q.name: q for q in self.parameters}
+        if not isinstance(values, Mapping):
+            raise ValueError(f"values = {values!r}: a mapping from names of parameters is needed")
         if unknown := set(values) - set(known):
             raise ValueError(f"unknown parameter {sorted(unknown)[0]!r}; known are {', '.join(known) or 'none'}")
         defaults = {name: self.values.get(name, q.default) for name, q in known.items()}
