@@ -150,8 +150,11 @@ class Runner:
 
     @property
     def segment(self) -> int:
-        """Index of the segment between crossings that the run is in: a crossing it stopped at opens no other."""
-        stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING)
+        """Index of the segment between crossings that the run is in.
+
+        A crossing it stopped at opens no other, unless the state has jumped there: its ψ is not that from before.
+        """
+        stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING) and self.system.jump is None
         return max(self.crossing_count - stopped, 0)
 
     def advance(

@@ -314,10 +314,10 @@ class Trajectory:
         return _beside(columns, {"side": self.side, **{name: error[:, j] for j, name in enumerate(names)}})
 
     def _checked_times(self, times: Floats) -> Floats:
-        low, high = sorted((self.t[0], self.t[-1]))
-        outside = (times < low) | (times > high)
+        ends = [float(t) for t in (self.t[0], *self.t[-2:])]
+        outside = (times < min(ends)) | (times > max(ends))
         if outside.any():
-            span = f"{float(self.t[0])!r} … {float(self.t[-1])!r}"
+            span = f"{ends[0]!r} … {ends[-1]!r}"
             raise ValueError(f"t = {float(times[outside][0])!r} is outside the run, which goes over t = {span}")
         return times
 
@@ -331,18 +331,23 @@ class Trajectory:
     def _between(self, times: Floats) -> Floats:
         """States at times between recorded steps, nan where there is no solution."""
         entered = np.concatenate([self.side[:1], self.crossings.side])
-        track = Track(self.t, self.x, self.side, self.segment, self.entered_t, self.entered_x, entered)
-        along = times if self.t[-1] >= self.t[0] else -times
+        # A crossing at which a run has stopped may have been moved back beyond the last step.
+        back = len(self.t) > 2 and (self.t[-1] - self.t[-2]) * (self.t[-2] - self.t[0]) < 0.0
+        t, x, side, segment = (a[: len(self.t) - back] for a in (self.t, self.x, self.side, self.segment))
+        track = Track(t, x, side, segment, self.entered_t, self.entered_x, entered)
+        along = times if t[-1] >= t[0] else -times
         order = None if (along[1:] >= along[:-1]).all() else np.argsort(along, kind="stable")
         found = Stepper(self.system, METHODS[self.method], self.tolerance).find(
             track, times if order is None else times[order]
         )
         found.x[found.solved :] = np.nan
-        if order is None:
-            return found.x
-        x = np.empty_like(found.x)
-        x[order] = found.x
-        return x
+        states = found.x
+        if order is not None:
+            states = np.empty_like(found.x)
+            states[order] = found.x
+        if back:
+            states[times == self.t[-1]] = self.x[-1]
+        return states
 
     def _missing(self, t: float) -> str:
         if self.record == "steps":
