@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Set
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ from numpy.typing import NDArray
 
 __all__ = ["count", "listed", "number", "numbers"]
 
-#: Python would make numbers of these, or of what is in them: "12", b"12", True, {2, 1}, 1 + 0j of numpy.
+#: Python would make numbers of these.
 _NO_NUMBERS = (str, bytes, bytearray, bool, np.bool_, np.complexfloating, np.datetime64, np.timedelta64)
-_UNORDERED = (str, bytes, bytearray, set, frozenset, dict)
+#: And sequences of these: "12" of digits, b"12" of codes, {2, 1} in whatever order.
+_UNORDERED = (str, bytes, bytearray, Set, Mapping)
 
 
 def number(value: Any, what: str) -> float:
@@ -39,14 +41,19 @@ def count(value: Any, what: str, most: float = math.inf) -> int:
     return int(found)
 
 
-def listed(values: Any, what: str, example: str = "(0.1, 0.2)") -> tuple[Any, ...]:
-    """Return what a sequence holds, else raise ValueError: text, sets and mappings are no sequences of numbers."""
+def listed(values: Any, what: str, wanted: str, alone: type | tuple[type, ...] = ()) -> tuple[Any, ...]:
+    """Return what a sequence holds, else raise ValueError: a text is none, and what has no order.
+
+    One of the types `alone` stands for a sequence of one.
+    """
+    if isinstance(values, alone):
+        return (values,)
     try:
         if isinstance(values, _UNORDERED):
             raise TypeError
         return tuple(values)
     except TypeError:
-        raise ValueError(f"{what} = {values!r}: a sequence is needed, as in {example}") from None
+        raise ValueError(f"{what} = {values!r}: {wanted}") from None
 
 
 def numbers(values: Any, what: str) -> NDArray[np.float64]:

@@ -27,6 +27,7 @@ _RECORDS = ("steps", "crossings", "end")
 _TAU, _TOLERANCE = 1e-2, 1e-12
 _EPS, _COARSEST = 2.0**-52, 1e-2
 _MAX_COUNTED = 10**9  #: crossings that are counted and not kept
+_UNLIMITED = 2**62  #: fits the loop's counters
 _MAX_ROWS = 10**7  #: with record="steps", where max_steps is not given
 
 
@@ -202,7 +203,7 @@ def checked_settings(
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
         shift = _shift(number(perturbation_scale, "perturbation_scale"), step, order)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
-    given = {name: count(n, name) for name, n in limits.items() if n is not None}
+    given = {name: min(count(n, name), _UNLIMITED) for name, n in limits.items() if n is not None}
     return Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel, **given)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -12,7 +12,7 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
-from core.arguments import number
+from core.arguments import listed, number
 from core.expressions import TIME, check_name, parse, to_text
 from core.identities import independent, is_larger, is_zero, tidied
 from core.laws import Floats, Laws, Side, derive
@@ -123,7 +123,8 @@ class PiecewiseSystem:
         set_(self, "parameters", self._check_parameters())
         for name in ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump"):
             texts = getattr(self, name)
-            set_(self, name, None if texts is None else tuple(_text(e) for e in _listed(texts, name)))
+            if texts is not None or name != "jump":
+                set_(self, name, tuple(_text(e) for e in _listed(texts, name)))
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
         self._check_dimensions()
@@ -241,9 +242,7 @@ class PiecewiseSystem:
             if wrong:
                 raise ValueError(f"{what} = {dict(x)!r}: {wrong[0]}; a number for each of {names} is needed")
             x = [x[v] for v in self.variables]
-        if isinstance(x, str | bytes | Set) or not isinstance(x, Iterable):
-            raise ValueError(f"{what} = {x!r}: {self.dimension} numbers are needed ({names})")
-        given = tuple(x)
+        given = listed(x, what, f"{self.dimension} numbers are needed ({names})")
         if len(given) != self.dimension:
             raise ValueError(f"{what} = {given!r} has {len(given)} numbers: {self.dimension} are needed ({names})")
         wanted = f"{what} = {given!r}: {self.dimension} numbers are needed ({names}), and each must be finite; "
@@ -263,7 +262,8 @@ class PiecewiseSystem:
             given = [q if isinstance(q, Parameter) else Parameter(name, q) for name, q in given.items()]
             if renamed := [name for name, q in zip(self.parameters, given, strict=True) if name != q.name]:
                 raise ValueError(f"parameters: {renamed[0]!r} is given a Parameter of another name; names must agree")
-        for q in given if isinstance(given, Iterable) else [given]:
+        given = listed(given, "parameters", "give name: value or Parameter(name, default)", Parameter)
+        for q in given:
             if not isinstance(q, Parameter):
                 raise ValueError(f"parameters: {q!r} is no Parameter; give name: value or Parameter(name, default)")
         names = [*self.variables, *(q.name for q in given)]
@@ -333,9 +333,7 @@ def _is_readable(text: str, names: Iterable[str]) -> bool:
 
 
 def _listed(given: Any, what: str) -> Sequence[Any]:
-    if isinstance(given, str) or not isinstance(given, Iterable):
-        raise ValueError(f"{what} = {given!r}: a tuple is needed, as in ('y', '-x')")
-    return tuple(given)
+    return listed(given, what, "a tuple is needed, as in ('y', '-x')")
 
 
 def _text(expression: Any) -> str:

@@ -12,7 +12,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.arguments import numbers
+from core.arguments import listed, numbers
 from core.dense import Stepper, Track
 from core.excess import excess_along
 from core.laws import Floats
@@ -173,9 +173,11 @@ class Crossings:
         variables
             Names of the d coordinates; x0, x1, … where not given.
         """
-        names = variables if variables is not None else tuple(f"x{i}" for i in range(self.x.shape[1]))
-        if len(names) != self.x.shape[1]:
-            raise ValueError(f"variables = {names!r}: {self.x.shape[1]} names are needed")
+        d = self.x.shape[1]
+        usual = [f"x{i}" for i in range(d)]
+        names = listed(usual if variables is None else variables, "variables", f"{d} names are needed")
+        if len(names) != d or not all(isinstance(name, str) for name in names):
+            raise ValueError(f"variables = {variables!r}: {d} names are needed")
         columns: dict[str, NDArray[Any]] = {"t": self.t}
         for part, ending in ((self.x, ""), (self.x_after, " after")):
             columns |= {f"{name}{ending}": part[:, i] for i, name in enumerate(names)}
@@ -333,9 +335,10 @@ class Trajectory:
         entered = np.concatenate([self.side[:1], self.crossings.side])
         # A crossing at which a run has stopped may have been moved back beyond the last step.
         back = len(self.t) > 2 and (self.t[-1] - self.t[-2]) * (self.t[-2] - self.t[0]) < 0.0
-        t, x, side, segment = (a[: len(self.t) - back] for a in (self.t, self.x, self.side, self.segment))
-        track = Track(t, x, side, segment, self.entered_t, self.entered_x, entered)
-        along = times if t[-1] >= t[0] else -times
+        n = len(self.t) - back
+        rows = self.t[:n], self.x[:n], self.side[:n], self.segment[:n]
+        track = Track(*rows, self.entered_t, self.entered_x, entered)
+        along = times if track.t[-1] >= track.t[0] else -times
         order = None if (along[1:] >= along[:-1]).all() else np.argsort(along, kind="stable")
         found = Stepper(self.system, METHODS[self.method], self.tolerance).find(
             track, times if order is None else times[order]

@@ -29,6 +29,7 @@ _TOLERANCES = tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13, 15))
 #: Step sizes: the coarsest as part of the mean time between crossings, the digits of error between one and the next and
 #: from the first to the last, and the number of steps a second of the budget is good for.
 _COARSEST, _DIGITS, _ALL_DIGITS, _STEPS_A_SECOND = 0.25, 1.5, 12.0, 5e5
+_NUMBERS = "a tuple is needed, as in (0.1, 0.05)"
 _MAX_SETTINGS, _MAX_REPEATS = 64, 1000
 #: Where no end is given: so many crossings, or where there are none, so long.
 _CROSSINGS, _LENGTH = 10, 10.0
@@ -258,9 +259,9 @@ def _checked_names(
     if methods is None:
         known = bool(system.psi_minus or system.psi_plus)
         methods = [name for name in _METHODS if known or not METHODS[name].needs_conserved]
-    given = [methods] if isinstance(methods, str | Method) else listed(methods, "methods", "('dmm2', 'rk4')")
+    given = listed(methods, "methods", "a tuple is needed, as in ('dmm2', 'rk4')", (str, Method))
     names = [checked_method(system, name).name for name in given]
-    others = [peers] if isinstance(peers, str) else listed(peers, "peers", "('scipy',)")
+    others = listed(peers, "peers", "a tuple is needed, as in ('scipy', 'heyoka')", str)
     for name in others:
         if not isinstance(name, str) or name not in PEERS:
             raise ValueError(f"peer {name!r} is not known: choose from {', '.join(PEERS)}")
@@ -299,7 +300,7 @@ def _checked_ladders(names: Sequence[str], settings: Mapping[str, Sequence[float
         raise ValueError(f"settings of {unknown[0]!r}, which is not among {', '.join(names)}")
     ladders = {}
     for name, values in settings.items():
-        ladder = [number(v, f"setting of {name!r}") for v in listed(values, f"settings of {name!r}")]
+        ladder = [number(v, f"setting of {name!r}") for v in listed(values, f"settings of {name!r}", _NUMBERS)]
         if not 1 <= len(ladder) <= _MAX_SETTINGS:
             raise ValueError(f"settings of {name!r} are {len(ladder)} numbers: 1 to {_MAX_SETTINGS} are possible")
         for value in ladder:

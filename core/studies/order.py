@@ -145,14 +145,15 @@ def order_study(
 
 
 def _checked_taus(taus: Iterable[float]) -> Floats:
-    steps = np.array([number(tau, "tau") for tau in listed(taus, "taus")])
+    steps = np.array([number(tau, "tau") for tau in listed(taus, "taus", "a tuple is needed, as in (0.1, 0.05)")])
     if not 2 <= len(steps) <= _MAX_TAUS:
         raise ValueError(f"taus has {len(steps)} step sizes: 2 to {_MAX_TAUS} are possible")
     return steps
 
 
 def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
-    numbers = tuple(count(k, "crossings") for k in listed(crossings, "crossings", "(10, 20, 30)"))
+    given = listed(crossings, "crossings", "a tuple is needed, as in (10, 20, 30)")
+    numbers = tuple(count(k, "crossings") for k in given)
     if not numbers or any(b <= a for a, b in pairwise(numbers)):
         raise ValueError(f"crossings = {crossings!r}: increasing numbers from 1 are needed, as in (10, 20, 30)")
     return numbers

@@ -79,7 +79,7 @@ def _span(t_span: Any) -> tuple[float, float]:
 
 
 def _methods(system: PiecewiseSystem, methods: Sequence[str | Method] | str | Method) -> tuple[str, ...]:
-    given = (methods,) if isinstance(methods, str | Method) else listed(methods, "methods", "('dmm2', 'rk2')")
+    given = listed(methods, "methods", "a tuple is needed, as in ('dmm2', 'rk2')", (str, Method))
     names = tuple(checked_method(system, one).name for one in given)
     if not names or len(set(names)) < len(names):
         raise ValueError(f"methods = {methods!r}: one or several different ones are needed, as in ('dmm2', 'rk2')")
@@ -88,7 +88,9 @@ def _methods(system: PiecewiseSystem, methods: Sequence[str | Method] | str | Me
 
 def _increasing(given: Iterable[float], what: str) -> Floats:
     """Return several different finite numbers in order, else raise ValueError."""
-    numbers = np.unique(np.array([number(value, what) for value in listed(given, what)]))
+    numbers = np.unique(
+        np.array([number(value, what) for value in listed(given, what, "a tuple is needed, as in (0.1, 0.2)")])
+    )
     if not 2 <= len(numbers) <= _MOST:
         raise ValueError(f"{what} = {given!r}: from 2 to {_MOST} different finite numbers are needed")
     return numbers

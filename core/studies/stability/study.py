@@ -149,7 +149,7 @@ def _never() -> bool:
 
 
 def _checked_parts(parts: Sequence[str]) -> list[str]:
-    given = (parts,) if isinstance(parts, str) else listed(parts, "parts", "('map', 'drift')")
+    given = listed(parts, "parts", "a tuple is needed, as in ('map', 'drift')", str)
     if not given or any(not isinstance(part, str) or part not in PARTS for part in given):
         raise ValueError(f"parts = {parts!r}: choose from {', '.join(PARTS)}")
     return [part for part in PARTS if part in given]
