@@ -10,11 +10,12 @@ from core.studies.order import OrderStudy, order_study
 from core.studies.stability import StabilityStudy, stability_study
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE
-from core.trajectory import Crossings, Status, Trajectory
+from core.trajectory import Crossing, Crossings, Status, Trajectory
 
 __all__ = [
     "CATALOGUE",
     "METHODS",
+    "Crossing",
     "Crossings",
     "Diagnosis",
     "Method",

@@ -24,6 +24,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arguments import count, number
 from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text, polish_text
 from core.laws import Laws
 from core.methods import METHODS, Method
@@ -102,8 +103,16 @@ def compile_beside(size: int = 2, idle: float = 900.0) -> None:
         How many of them; one more than there are processors has no use.
     idle
         Seconds without anything to compile after which they end, too; called once more, this begins others.
+
+    Raises
+    ------
+    ValueError
+        If there is no such number of processes, or of seconds.
     """
     global _workshop
+    size, idle = count(size, "size"), number(idle, "idle")
+    if not idle > 0:
+        raise ValueError(f"idle = {idle!r}: a positive number of seconds is needed")
     with _lock:
         if _workshop is not None and not _workshop.closed:
             _workshop.keep()

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from core.arguments import count, number, numbers
 from core.diagnostics import step_warning
 from core.laws import Floats
 from core.methods import METHODS, Method, method_named
 from core.runner import Runner, Settings, no_crossings
-from core.system import PiecewiseSystem
+from core.sampling import Sampler
+from core.system import PiecewiseSystem, Start
+from core.systems import System, system_of
 from core.trajectory import Status, Trajectory
 
 __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
@@ -22,15 +27,16 @@ _RECORDS = ("steps", "crossings", "end")
 _TAU, _TOLERANCE = 1e-2, 1e-12
 _EPS, _COARSEST = 2.0**-52, 1e-2
 _MAX_COUNTED = 10**9  #: crossings that are counted and not kept
+_UNLIMITED = 2**62  #: fits the loop's counters
 _MAX_ROWS = 10**7  #: with record="steps", where max_steps is not given
 
 
 def integrate(
-    system: PiecewiseSystem,
+    system: System,
     t_span: tuple[float, float],
-    x0: Iterable[float] | None = None,
+    x0: Start | None = None,
     tau: float | None = None,
-    method: str = "dmm2",
+    method: str | Method = "dmm2",
     *,
     tolerance: float | None = None,
     transition: str = "mannshardt",
@@ -41,22 +47,24 @@ def integrate(
     max_steps: int | None = None,
     envelope: int | None = None,
     cancel: Callable[[], bool] | None = None,
+    progress: Callable[[float], object] | None = None,
+    t_eval: ArrayLike | None = None,
 ) -> Trajectory:
     """Integrate a piecewise system across its switching surface.
 
     Parameters
     ----------
     system
-        What to integrate.
+        What to integrate, or a key of CATALOGUE.
     t_span
         Start and end time; the end may be the earlier.
     x0
-        d numbers; the system's own x0 where not given.
+        d numbers, or a mapping from the names of all variables to theirs; the system's own x0 where not given.
     tau
         Step size, positive; 1e-2 where not given. The last step is shortened to end at the end time. A method that
         chooses its own steps ("taylor") takes none longer than this.
     method
-        A key of METHODS.
+        A key of METHODS, or one of its values.
     tolerance
         Of a method that chooses its own steps, relative to the state: 1e-12 where not given. Others take none.
     transition
@@ -72,7 +80,14 @@ def integrate(
         In how many equal parts of the time to keep the least and the greatest error of ψ, taken at every step in the
         loop itself: of a run of any length, with nothing else recorded.
     cancel
-        Asked every few milliseconds; the run stops when it returns True.
+        Asked every few milliseconds; the run stops when it returns True. What it raises ends the run, and comes out.
+    progress
+        Called every few milliseconds, and at the end, with the part of the time that is done, from 0 to 1; likewise.
+    t_eval
+        Times at which to record, in any order, instead of at the steps, which stay as they are: see `Trajectory.at`.
+        First and last state are recorded besides (``run.at(t_eval)`` has those at `t_eval` alone), and a time twice
+        given is recorded once. Crossings are kept as `record` says; with "end", no more memory is used than these
+        states take. Where the run stops early, later times are left out.
 
     Returns
     -------
@@ -84,36 +99,70 @@ def integrate(
     ValueError
         On arguments that make no sense, naming the value and what would do.
     """
+    system = system_of(system)
     chosen = checked_method(system, method)
-    if record not in _RECORDS:
+    if not isinstance(record, str) or record not in _RECORDS:
         raise ValueError(f"record = {record!r}: choose from {', '.join(_RECORDS)}")
     t0, t1 = _span(t_span)
     start = checked_start(system, t0, x0)
-    if max_steps is None and record == "steps":
+    times = None if t_eval is None else _checked_times(t_eval, t0, t1)
+    if max_steps is None and record == "steps" and times is None:
         max_steps = _MAX_ROWS
     if max_crossings is None and record == "end":
         max_crossings = _MAX_COUNTED
     settings = checked_settings(
         chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel
     )
-    columns = 0 if envelope is None else _count(envelope, "envelope")
+    columns = 0 if envelope is None else count(envelope, "envelope")
     runner = Runner(system, chosen, t0, start, settings, columns)
-    runner.advance(t1, record=record == "steps", keep_hits=record != "end")
-    return _wrap(runner, chosen, t0, np.array(start), record)
+    sampler = None if times is None or not times.size else Sampler(runner, chosen, times)
+    record_steps = sampler is not None or (times is None and record == "steps")
+    runner.advance(t1, record_steps, record != "end", _after(runner, t0, t1, sampler, progress))
+    if sampler is not None:
+        sampler.take(final=True)
+    run = _wrap(runner, chosen, t0, np.array(start), record, sampler)
+    return run if times is None else replace(run, record="t_eval")
 
 
-def checked_method(system: PiecewiseSystem, name: str) -> Method:
+def _after(
+    runner: Runner, t0: float, t1: float, sampler: Sampler | None, progress: Callable[[float], object] | None
+) -> Callable[[], None] | None:
+    """What to do whenever the loop returns; None for nothing."""
+    if sampler is None and progress is None:
+        return None
+
+    def after() -> None:
+        if sampler is not None:
+            sampler.take()
+        if progress is not None:
+            progress(min(max((runner.t - t0) / (t1 - t0), 0.0), 1.0))
+
+    return after
+
+
+def _checked_times(t_eval: ArrayLike, t0: float, t1: float) -> Floats:
+    """Return the times after the start, in the order of the run, if the run is to pass them all, else ValueError."""
+    times = np.unique(numbers(t_eval, "t_eval"))
+    low, high = min(t0, t1), max(t0, t1)
+    outside = (times < low) | (times > high)
+    if outside.any():
+        raise ValueError(f"t_eval holds {float(times[outside][0])!r}, which is outside t_span = {(t0, t1)!r}")
+    times = times[times != t0]
+    return np.array(times if t1 >= t0 else times[::-1])
+
+
+def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
     """Return the method of that name, if it can be used on the system, else raise ValueError."""
     method = method_named(name)
     if method.needs_conserved and not (system.psi_minus or system.psi_plus):
         others = ", ".join(m.name for m in METHODS.values() if not m.needs_conserved)
         raise ValueError(
-            f"method {name!r} keeps conserved quantities, and {system.name!r} has none: use one of {others}"
+            f"method {method.name!r} keeps conserved quantities, and {system.name!r} has none: use one of {others}"
         )
     return method
 
 
-def checked_start(system: PiecewiseSystem, t0: float, x0: Iterable[float] | None) -> tuple[float, ...]:
+def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple[float, ...]:
     """Return the initial state, if one can start there, else raise ValueError."""
     start = system.x0 if x0 is None else system.check_state(x0)
     laws, d = system.laws, system.dimension
@@ -143,25 +192,34 @@ def checked_settings(
 ) -> Settings:
     """Return the settings of a run, if they make sense, else raise ValueError."""
     step, accuracy = _step_size(method, tau), _accuracy(method, tolerance)
-    if transition not in _TRANSITIONS:
+    if not isinstance(transition, str) or transition not in _TRANSITIONS:
         raise ValueError(f"transition = {transition!r}: choose from {', '.join(_TRANSITIONS)}")
     shift = 0.0
     if perturbation_order is not None:
-        order = _number(perturbation_order, "perturbation_order")
+        order = number(perturbation_order, "perturbation_order")
         if method.adaptive:
             raise ValueError(f"perturbation_order = {order:g}: method {method.name!r} has no fixed step size tau")
         if order <= 0:
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
-        shift = _number(perturbation_scale, "perturbation_scale") * step**order
+        shift = _shift(number(perturbation_scale, "perturbation_scale"), step, order)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
-    given = {name: _count(n, name) for name, n in limits.items() if n is not None}
+    given = {name: min(count(n, name), _UNLIMITED) for name, n in limits.items() if n is not None}
     return Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel, **given)
+
+
+def _shift(scale: float, step: float, order: float) -> float:
+    """c·τᵖ."""
+    try:
+        power = step**order
+    except OverflowError:
+        power = math.inf
+    return number(scale * power, "perturbation_scale * tau**perturbation_order") if scale else 0.0
 
 
 def _step_size(method: Method, tau: float | None) -> float:
     if tau is None:
         return math.inf if method.adaptive else _TAU
-    step = _number(tau, "tau")
+    step = number(tau, "tau")
     if not step > 0:
         raise ValueError(f"tau = {step!r}: the step size must be positive")
     return step
@@ -172,7 +230,7 @@ def _accuracy(method: Method, tolerance: float | None) -> float:
         return _TOLERANCE
     if not method.adaptive:
         raise ValueError(f"tolerance = {tolerance!r}: method {method.name!r} takes steps of size tau, and no tolerance")
-    accuracy = _number(tolerance, "tolerance")
+    accuracy = number(tolerance, "tolerance")
     if not _EPS <= accuracy <= _COARSEST:
         raise ValueError(f"tolerance = {accuracy!r} is outside {_EPS:.2g} … {_COARSEST:g}")
     return accuracy
@@ -183,29 +241,12 @@ def _span(t_span: tuple[float, float]) -> tuple[float, float]:
         t0, t1 = t_span
     except (TypeError, ValueError):
         raise ValueError(f"t_span = {t_span!r}: a start and an end time are needed, as in (0.0, 60.0)") from None
-    return _number(t0, "start time"), _number(t1, "end time")
+    return number(t0, "start time"), number(t1, "end time")
 
 
-def _number(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what} = {value!r} is no number") from None
-    if not math.isfinite(number):
-        raise ValueError(f"{what} = {value!r}: a finite number is needed")
-    return number
-
-
-def _count(value: Any, what: str) -> int:
-    number = _number(value, what)
-    if number < 1 or number != int(number):
-        raise ValueError(f"{what} = {value!r}: a whole number of at least 1 is needed")
-    return int(number)
-
-
-def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) -> Trajectory:
-    """Rows from the loop, with the first and the last state always among them."""
-    rows = runner.rows
+def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sampler: Sampler | None) -> Trajectory:
+    """Rows from the loop, or samples, with the first and the last state always among them."""
+    rows = runner.rows if sampler is None else sampler.rows
     t = _between(t0, rows.t, runner.t)
     x = _between(x0, rows.x, runner.x)
     side = _between(runner.first_side, rows.side, runner.side)
@@ -213,9 +254,9 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) ->
     if t[-1] == t[-2] and (x[-1] == x[-2]).all():  # it was recorded, or the run has not moved
         t, x, side, segment = t[:-1], x[:-1], side[:-1], segment[:-1]
     if record == "end":
-        entry = runner.entry()
-        entered_t, entered_x = np.array([t0, entry[0]]), np.array([x0, entry[1]])
-        segment, crossings = np.arange(len(t)), no_crossings(len(x0))
+        crossings = no_crossings(len(x0))
+        known = [(0, t0, x0), *(sampler.entered if sampler is not None else []), (runner.segment, *runner.entry())]
+        segment, entered_t, entered_x = _entered(segment, known)
     else:
         crossings = runner.crossings()
         entered_t = np.concatenate([[t0], crossings.t])
@@ -224,8 +265,16 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str) ->
     return Trajectory(
         runner.system, method.name, tau, t, x, side, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
-        _envelope(runner), step_warning,
+        _envelope(runner), step_warning, record, runner.settings.tolerance if method.adaptive else math.nan,
     )  # fmt: skip
+
+
+def _entered(segment: Any, known: list[tuple[int, float, Floats]]) -> tuple[Any, Floats, Floats]:
+    """Number afresh the segments that rows lie in, and say when and where each was entered."""
+    numbers = {k: (t, x) for k, t, x in known}
+    order = {k: place for place, k in enumerate(numbers)}
+    fresh = np.array([order[k] for k in segment.tolist()])
+    return fresh, np.array([t for t, _ in numbers.values()]), np.array([x for _, x in numbers.values()])
 
 
 def _between(first: Any, parts: list[Any], last: Any) -> Any:

@@ -38,6 +38,11 @@ class Method:
     needs_conserved: bool = False
     """Whether it makes no sense without a conserved quantity."""
 
+    def __repr__(self) -> str:
+        order = "order by tolerance" if self.order is None else f"order {self.order}"
+        kept = [word for word, so in (("conservative", self.conservative), ("symmetric", self.symmetric)) if so]
+        return f"<Method {self.name}: {', '.join([order, *kept])}>"
+
     @property
     def adaptive(self) -> bool:
         """Whether it chooses its own step size, from a tolerance."""
@@ -157,14 +162,16 @@ METHODS: Mapping[str, Method] = MappingProxyType({
 })  # fmt: skip
 
 
-def method_named(name: str) -> Method:
-    """The method of that name.
+def method_named(method: str | Method) -> Method:
+    """The method of that name, or the method itself where it is one of METHODS.
 
     Raises
     ------
     ValueError
         If there is none.
     """
-    if name not in METHODS:
-        raise ValueError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
-    return METHODS[name]
+    name = method.name if isinstance(method, Method) else method
+    found = METHODS.get(name) if isinstance(name, str) else None
+    if found is None or (isinstance(method, Method) and method != found):
+        raise ValueError(f"unknown method {method!r}; known are {', '.join(METHODS)}")
+    return found

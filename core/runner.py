@@ -155,12 +155,17 @@ class Runner:
 
     @property
     def segment(self) -> int:
-        """Index of the segment between crossings that the run is in: a crossing it stopped at opens no other."""
-        stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING)
+        """Index of the segment between crossings that the run is in.
+
+        A crossing it stopped at opens no other, unless the state has jumped there: its ψ is not that from before.
+        """
+        stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING) and self.system.jump is None
         return max(self.crossing_count - stopped, 0)
 
-    def advance(self, t_end: float, record: bool = False, keep_hits: bool = True) -> Status:
-        """Go on to `t_end`, or to where the run stops before it."""
+    def advance(
+        self, t_end: float, record: bool = False, keep_hits: bool = True, after: Callable[[], object] | None = None
+    ) -> Status:
+        """Go on to `t_end`, or to where the run stops before it; `after` is called whenever the loop returns."""
         run = self._run
         sign = 1.0 if t_end >= self.t else -1.0
         run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
@@ -173,11 +178,13 @@ class Runner:
                 self.status = Status.CANCELLED
             else:
                 self.status = self._chunk(record, keep_hits)
+                if after is not None:
+                    after()
         if self.status in _UNDECIDED and self.side == 0 and self.first_side == 0:
             sides = sides_entered(self.system, self.t, self.x, sign)
             if len(sides) == 1:
                 self._run["first_side"] = self.first_side = sides[0]
-                return self.advance(t_end, record, keep_hits)
+                return self.advance(t_end, record, keep_hits, after)
             self.status = Status.REPELLING if sides else self.status
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
             self.status = self._judged()
@@ -233,6 +240,12 @@ class Runner:
         """Length of a step, signed."""
         length = self.settings.tau if math.isfinite(self.settings.tau) else self.longest
         return math.copysign(length, float(self._run["tau"][0]))
+    def latest(self, count: int) -> Crossings:
+        """The last crossings, `count` of them: as many at most as there were since the loop was last called."""
+        if not count:
+            return no_crossings(self.system.dimension)
+        hits, places = self._hit_chunks[-1]
+        return _crossings(hits[-count:], places[-count:])
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)

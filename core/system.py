@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
+from core.arguments import listed, number
 from core.expressions import TIME, check_name, parse, to_text
 from core.identities import independent, is_larger, is_zero, tidied
 from core.laws import Floats, Laws, Side, derive
 from core.stream import stream_function
 
-__all__ = ["Parameter", "PiecewiseSystem"]
+__all__ = ["Parameter", "PiecewiseSystem", "Start"]
+
+#: A state to start from: d numbers, or a number by the name of each variable.
+Start: TypeAlias = "Iterable[float] | Mapping[str, float]"
 
 MAX_DIMENSION = 24
 _SHOWN_NODES = 200  #: of the time derivative of what is not conserved
@@ -44,7 +47,7 @@ class Parameter:
         if self.bounds is not None:
             if not isinstance(self.bounds, Sequence) or len(self.bounds) != 2:
                 raise ValueError(f"bounds of parameter {self.name} are {self.bounds!r}: two numbers are needed")
-            low, high = (_finite(b, f"bound of parameter {self.name}") for b in self.bounds)
+            low, high = (number(b, f"bound of parameter {self.name}") for b in self.bounds)
             if not low < high:
                 raise ValueError(f"bounds of parameter {self.name} are {self.bounds}: the first must be the smaller")
             object.__setattr__(self, "bounds", (low, high))
@@ -57,10 +60,10 @@ class Parameter:
 
     def check(self, value: float) -> float:
         """Return `value` as a float if the parameter may take it, else raise ValueError."""
-        number = _finite(value, f"parameter {self.name}")
-        if self.bounds is not None and not self.bounds[0] <= number <= self.bounds[1]:
-            raise ValueError(f"parameter {self.name} = {number!r} is outside {self.bounds[0]:g} … {self.bounds[1]:g}")
-        return number
+        found = number(value, f"parameter {self.name}")
+        if self.bounds is not None and not self.bounds[0] <= found <= self.bounds[1]:
+            raise ValueError(f"parameter {self.name} = {found!r} is outside {self.bounds[0]:g} … {self.bounds[1]:g}")
+        return found
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,8 @@ class PiecewiseSystem:
         set_(self, "parameters", self._check_parameters())
         for name in ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump"):
             texts = getattr(self, name)
-            set_(self, name, None if texts is None else tuple(_text(e) for e in _listed(texts, name)))
+            if texts is not None or name != "jump":
+                set_(self, name, tuple(_text(e) for e in _listed(texts, name)))
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
         self._check_dimensions()
@@ -137,6 +141,10 @@ class PiecewiseSystem:
     def __reduce__(self) -> tuple[Any, ...]:
         given = [getattr(self, f.name) for f in fields(self)]
         return PiecewiseSystem, (*given[:-1], dict(self.values))
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} = {value:g}" for name, value in self.values.items())
+        return f"<PiecewiseSystem {self.name!r} in {', '.join(self.variables)}{values and '; ' + values}>"
 
     # What it is ------------------------------------------------------------------------------------------------------
 
@@ -171,23 +179,23 @@ class PiecewiseSystem:
 
     def field(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """f of a side (−1 or +1) at states (..., d) -> (..., d)."""
-        return self.laws.evaluate(("f", side), self._side(side).field, t, x, self.parameter_array)
+        return self._evaluate(("f", side), self._side(side).field, t, x)
 
     def switching(self, t: ArrayLike, x: ArrayLike) -> Floats:
         """g at states (..., d) -> (...)."""
-        return self.laws.evaluate("g", (self.laws.g,), t, x, self.parameter_array)[..., 0]
+        return self._evaluate("g", (self.laws.g,), t, x)[..., 0]
 
     def switching_gradient(self, t: ArrayLike, x: ArrayLike) -> Floats:
         """∇g at states (..., d) -> (..., d)."""
-        return self.laws.evaluate("grad g", self.laws.gradient, t, x, self.parameter_array)
+        return self._evaluate("grad g", self.laws.gradient, t, x)
 
     def switching_rate(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """ġ = g_t + ∇g·f with the field of a side, at states (..., d) -> (...)."""
-        return self.laws.evaluate(("g'", side), (self._side(side).g_dot,), t, x, self.parameter_array)[..., 0]
+        return self._evaluate(("g'", side), (self._side(side).g_dot,), t, x)[..., 0]
 
     def conserved(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """ψ of a side at states (..., d) -> (..., m)."""
-        return self.laws.evaluate(("psi", side), self._side(side).conserved, t, x, self.parameter_array)
+        return self._evaluate(("psi", side), self._side(side).conserved, t, x)
 
     def latex(self) -> dict[str, str]:
         """The declaration as LaTeX: keys f_minus, f_plus, g, psi_minus, psi_plus."""
@@ -202,25 +210,43 @@ class PiecewiseSystem:
             texts |= {f"f_{word}": typeset(side.field), f"psi_{word}": typeset(side.conserved)}
         return texts
 
+    def _evaluate(self, key: object, expressions: Sequence[sympy.Expr], t: ArrayLike, x: ArrayLike) -> Floats:
+        """Values of expressions at times and states that are numbers, and as many as there are variables."""
+        times, states = np.asarray(t), np.asarray(x)
+        for what, array in (("t", times), ("x", states)):
+            if array.dtype.kind not in "fiu":
+                raise ValueError(f"{what} = {array!r}: numbers are needed")
+        if states.shape[-1:] != (self.dimension,):
+            raise ValueError(f"x has shape {states.shape}: states (..., {self.dimension}) are needed")
+        return self.laws.evaluate(key, expressions, times, states, self.parameter_array)
+
     def _side(self, side: int) -> Side:
-        if side not in (-1, 1):
+        if np.ndim(side) or side not in (-1, 1):
             raise ValueError(f"side = {side!r}: it is -1 where g < 0 and +1 where g > 0")
         return self.laws.sides[int(side)]
 
     # Checks ----------------------------------------------------------------------------------------------------------
 
-    def check_state(self, x: Iterable[float], what: str = "x0") -> tuple[float, ...]:
-        """Return a state as d finite floats, else raise ValueError."""
-        try:
-            state = tuple(float(v) for v in x)
-        except (TypeError, ValueError):
-            raise ValueError(f"{what} = {x!r}: {self.dimension} numbers are needed") from None
-        if len(state) != self.dimension:
-            names = ", ".join(self.variables)
-            raise ValueError(f"{what} = {state!r} has {len(state)} numbers: {self.dimension} are needed ({names})")
-        if not all(map(math.isfinite, state)):
-            raise ValueError(f"{what} = {state!r}: every number must be finite")
-        return state
+    def check_state(self, x: Start, what: str = "x0") -> tuple[float, ...]:
+        """Return a state as d finite floats, else raise ValueError.
+
+        Parameters
+        ----------
+        x
+            d numbers, or a mapping from the name of every variable to its number.
+        """
+        names = ", ".join(self.variables)
+        if isinstance(x, Mapping):
+            wrong = [f"{v!r} is missing" for v in self.variables if v not in x]
+            wrong += [f"{v!r} is no variable" for v in x if v not in self.variables]
+            if wrong:
+                raise ValueError(f"{what} = {dict(x)!r}: {wrong[0]}; a number for each of {names} is needed")
+            x = [x[v] for v in self.variables]
+        given = listed(x, what, f"{self.dimension} numbers are needed ({names})")
+        if len(given) != self.dimension:
+            raise ValueError(f"{what} = {given!r} has {len(given)} numbers: {self.dimension} are needed ({names})")
+        wanted = f"{what} = {given!r}: {self.dimension} numbers are needed ({names}), and each must be finite; "
+        return tuple(number(value, wanted + v) for v, value in zip(self.variables, given, strict=True))
 
     def _check_variables(self) -> tuple[str, ...]:
         names = tuple(check_name(v, "variable") for v in _listed(self.variables, "variables"))
@@ -236,7 +262,8 @@ class PiecewiseSystem:
             given = [q if isinstance(q, Parameter) else Parameter(name, q) for name, q in given.items()]
             if renamed := [name for name, q in zip(self.parameters, given, strict=True) if name != q.name]:
                 raise ValueError(f"parameters: {renamed[0]!r} is given a Parameter of another name; names must agree")
-        for q in given if isinstance(given, Iterable) else [given]:
+        given = listed(given, "parameters", "give name: value or Parameter(name, default)", Parameter)
+        for q in given:
             if not isinstance(q, Parameter):
                 raise ValueError(f"parameters: {q!r} is no Parameter; give name: value or Parameter(name, default)")
         names = [*self.variables, *(q.name for q in given)]
@@ -246,6 +273,8 @@ class PiecewiseSystem:
 
     def _check_values(self, values: Mapping[str, float]) -> dict[str, float]:
         known = {q.name: q for q in self.parameters}
+        if not isinstance(values, Mapping):
+            raise ValueError(f"values = {values!r}: a mapping from names of parameters is needed")
         if unknown := set(values) - set(known):
             raise ValueError(f"unknown parameter {sorted(unknown)[0]!r}; known are {', '.join(known) or 'none'}")
         defaults = {name: self.values.get(name, q.default) for name, q in known.items()}
@@ -304,23 +333,11 @@ def _is_readable(text: str, names: Iterable[str]) -> bool:
 
 
 def _listed(given: Any, what: str) -> Sequence[Any]:
-    if isinstance(given, str) or not isinstance(given, Iterable):
-        raise ValueError(f"{what} = {given!r}: a tuple is needed, as in ('y', '-x')")
-    return tuple(given)
+    return listed(given, what, "a tuple is needed, as in ('y', '-x')")
 
 
 def _text(expression: Any) -> str:
     return to_text(expression) if isinstance(expression, sympy.Basic) else str(expression)
-
-
-def _finite(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise ValueError(f"{what} = {value!r} is no number") from None
-    if not math.isfinite(number):
-        raise ValueError(f"{what} = {value!r}: a finite number is needed")
-    return number
 
 
 def _latex_name(name: str) -> str:

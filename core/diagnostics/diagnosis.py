@@ -27,7 +27,7 @@ _CHUNK = 65536  #: crossings worked on at a time, times d²: so that memory stay
 _FIRST = 256  #: crossings that `step_warning` looks at
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Constants:
     """What the theory says of each crossing; (k,) each."""
 
@@ -65,7 +65,7 @@ class Constants:
     linear, 0 where the discrete transversality fails."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Diagnosis(Constants):
     """The constants of the paper's theory, at every crossing of a run and over all of them.
 
@@ -85,6 +85,9 @@ class Diagnosis(Constants):
     summary: str
     """All this in a line."""
 
+    def __repr__(self) -> str:
+        return f"<Diagnosis: {self.summary}>"
+
 
 def diagnose(run: Trajectory) -> Diagnosis:
     """Compute the theory's constants and step bounds at every crossing of a run.
@@ -99,7 +102,14 @@ def diagnose(run: Trajectory) -> Diagnosis:
     -------
     Diagnosis
         Without crossings its arrays are empty, its scalars nan, and there are no warnings.
+
+    Raises
+    ------
+    ValueError
+        If it is no run.
     """
+    if not isinstance(run, Trajectory):
+        raise ValueError(f"run = {run!r}: give a Trajectory, as `integrate` returns it")
     return _diagnosis(run, run.crossings)
 
 

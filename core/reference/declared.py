@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from core.arguments import number
 from core.reference.exact import exact_solution
 from core.reference.peer import peer_solution
 from core.reference.solution import Solution
 from core.reference.taylor import TaylorSolution
-from core.system import PiecewiseSystem
+from core.system import Start
+from core.systems import System, system_of
 
 __all__ = ["reference_solution"]
 
 
-def reference_solution(
-    system: PiecewiseSystem, x0: Iterable[float] | None = None, t0: float = 0.0, independent: bool = False
-) -> Solution:
+def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0, independent: bool = False) -> Solution:
     """Exact solution where both fields have a known closed form, else the Taylor method at two tolerances.
 
     A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
@@ -28,8 +26,10 @@ def reference_solution(
 
     Parameters
     ----------
+    system
+        A system, or a key of CATALOGUE.
     x0
-        d numbers; the system's own x0 where not given.
+        d numbers, or a mapping from the names of the variables; the system's own x0 where not given.
     t0
         Start time.
     independent
@@ -48,6 +48,7 @@ def reference_solution(
     ValueError
         If the initial state is on the surface and cannot leave it to one side.
     """
+    system, t0 = system_of(system), number(t0, "t0")
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
     laws = system.laws
     # The very numbers that the compiled functions use: a float is a ratio.

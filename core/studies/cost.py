@@ -10,14 +10,17 @@ from typing import Any
 
 import numpy as np
 
+from core.arguments import count, listed, number
+from core.brief import Brief
 from core.integrate import checked_method, checked_settings, checked_start
 from core.laws import Floats
-from core.methods import METHODS
+from core.methods import METHODS, Method
 from core.reference import Solution, reference_solution
 from core.studies.measure import Measured, Problem, measure
 from core.studies.peers import PEERS
 from core.studies.tasks import as_completed
-from core.system import PiecewiseSystem
+from core.system import PiecewiseSystem, Start
+from core.systems import System, system_of
 
 __all__ = ["CANCELLED", "DONE", "WAITING", "CostCurve", "WorkPrecision", "work_precision"]
 
@@ -26,6 +29,7 @@ _TOLERANCES = tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13, 15))
 #: Step sizes: the coarsest as part of the mean time between crossings, the digits of error between one and the next and
 #: from the first to the last, and the number of steps a second of the budget is good for.
 _COARSEST, _DIGITS, _ALL_DIGITS, _STEPS_A_SECOND = 0.25, 1.5, 12.0, 5e5
+_NUMBERS = "a tuple is needed, as in (0.1, 0.05)"
 _MAX_SETTINGS, _MAX_REPEATS = 64, 1000
 #: Where no end is given: so many crossings, or where there are none, so long.
 _CROSSINGS, _LENGTH = 10, 10.0
@@ -37,8 +41,8 @@ _ROUND_OFF, _OF_ESTIMATE = 16.0 * 2.0**-52, 0.1
 WAITING, CANCELLED, DONE = "not measured yet", "cancelled", "completed"
 
 
-@dataclass(frozen=True)
-class CostCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class CostCurve(Brief):
     """One integrator at m settings; nan where there is nothing to show, and `status` says why."""
 
     name: str
@@ -70,7 +74,7 @@ class CostCurve:
     """Processor time of getting ready, in none of `seconds`: to compile, or to load from disk. nan if not measured."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WorkPrecision:
     """What every integrator made of the same initial value."""
 
@@ -83,6 +87,12 @@ class WorkPrecision:
     floor: Mapping[str, float]
     """Error below which nothing but round-off, of run and reference, is seen: of "state", "time" and "invariant"."""
 
+    def __repr__(self) -> str:
+        names = ", ".join(curve.name for curve in self.curves)
+        done = "complete" if self.complete else "not complete"
+        span = f"t = {self.t_span[0]:g} … {self.t_span[1]:g}"
+        return f"<WorkPrecision of {names} over {span}: {self.crossings} crossings, against {self.reference}; {done}>"
+
     @property
     def complete(self) -> bool:
         """Whether everything has been measured."""
@@ -90,12 +100,12 @@ class WorkPrecision:
 
 
 def work_precision(
-    system: PiecewiseSystem,
+    system: System,
     t_span: tuple[float, float] | None = None,
-    x0: Sequence[float] | None = None,
-    methods: Sequence[str] | None = None,
+    x0: Start | None = None,
+    methods: Sequence[str | Method] | str | Method | None = None,
     settings: Mapping[str, Sequence[float]] | None = None,
-    peers: Sequence[str] = ("scipy",),
+    peers: Sequence[str] | str = ("scipy",),
     repeats: int = 3,
     budget: float = 2.0,
     executor: Executor | None = None,
@@ -113,12 +123,15 @@ def work_precision(
 
     Parameters
     ----------
+    system
+        A system, or a key of CATALOGUE.
     t_span
         Start and end time; where not given, from 0 to halfway between the tenth crossing and the next.
     x0
-        d numbers; the system's own x0 where not given.
+        d numbers, or a mapping from the names of the variables; the system's own x0 where not given.
     methods
-        Keys of METHODS. Where not given, those of dmm2, dmm4, rk4, prk8 and taylor that the system admits.
+        Keys of METHODS, or its values. Where not given, those of dmm2, dmm4, rk4, prk8 and taylor that the system
+        admits.
     settings
         Name of a method or a peer -> step sizes, or tolerances. For names not in it, some that suit the system.
     peers
@@ -139,11 +152,12 @@ def work_precision(
     ValueError
         On arguments that make no sense, and where the solution ends before `t_span` does.
     """
+    system = system_of(system)
     names = _checked_names(system, methods, peers)
     span = _checked_span(t_span)
     start = checked_start(system, span[0], x0)
-    _check_limits(repeats, budget)
-    given = _checked_ladders(names, settings or {})
+    repeats, budget = count(repeats, "repeats", _MAX_REPEATS), _checked_budget(budget)
+    given = _checked_ladders(names, settings if settings is not None else {})
     exact = reference_solution(system, start, span[0])
     target = _target(system, exact, start, span)
     ladders = {name: given.get(name) or _ladder(name, target, budget) for name in names}
@@ -151,14 +165,14 @@ def work_precision(
     most = 2 * target.crossings + 10
     problem = Problem(system, span[0], target.end, start, most, repeats, budget)
     tasks = [(problem, name, setting) for _, name, setting in study.places]
-    for done, (number, measured) in enumerate(as_completed(measure, tasks, executor, cancel), 1):
-        study.put(number, measured)
+    for done, (place, measured) in enumerate(as_completed(measure, tasks, executor, cancel), 1):
+        study.put(place, measured)
         if progress is not None:
             progress(done, len(tasks), study.result())
     return study.result(CANCELLED)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Target:
     """The solution, where runs are compared with it."""
 
@@ -239,15 +253,19 @@ def _with_point(curve: CostCurve, k: int, measured: Measured, target: _Target) -
     )
 
 
-def _checked_names(system: PiecewiseSystem, methods: Sequence[str] | None, peers: Sequence[str]) -> list[str]:
+def _checked_names(
+    system: PiecewiseSystem, methods: Sequence[str | Method] | str | Method | None, peers: Sequence[str] | str
+) -> list[str]:
     if methods is None:
         known = bool(system.psi_minus or system.psi_plus)
         methods = [name for name in _METHODS if known or not METHODS[name].needs_conserved]
-    names = [checked_method(system, name).name for name in methods]
-    for name in peers:
-        if name not in PEERS:
+    given = listed(methods, "methods", "a tuple is needed, as in ('dmm2', 'rk4')", (str, Method))
+    names = [checked_method(system, name).name for name in given]
+    others = listed(peers, "peers", "a tuple is needed, as in ('scipy', 'heyoka')", str)
+    for name in others:
+        if not isinstance(name, str) or name not in PEERS:
             raise ValueError(f"peer {name!r} is not known: choose from {', '.join(PEERS)}")
-    names += peers
+    names += others
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"{twice[0]!r} stands twice among the methods and peers: name each once")
     if not names:
@@ -259,27 +277,30 @@ def _checked_span(t_span: tuple[float, float] | None) -> tuple[float, float | No
     if t_span is None:
         return 0.0, None
     try:
-        t0, end = (float(t) for t in t_span)
+        t0, end = t_span
     except (TypeError, ValueError):
         raise ValueError(f"t_span = {t_span!r}: a start and an end time are needed, as in (0.0, 60.0)") from None
-    if not (math.isfinite(t0) and math.isfinite(end) and t0 < end):
-        raise ValueError(f"t_span = {t_span!r}: the end must be after the start, and both finite")
-    return t0, end
+    span = number(t0, "start time"), number(end, "end time")
+    if not span[0] < span[1]:
+        raise ValueError(f"t_span = {t_span!r}: the end must be after the start")
+    return span
 
 
-def _check_limits(repeats: int, budget: float) -> None:
-    if not isinstance(repeats, int) or not 1 <= repeats <= _MAX_REPEATS:
-        raise ValueError(f"repeats = {repeats!r}: a whole number from 1 to {_MAX_REPEATS} is needed")
-    if not (math.isfinite(budget) and budget > 0):
+def _checked_budget(budget: float) -> float:
+    seconds = number(budget, "budget")
+    if not seconds > 0:
         raise ValueError(f"budget = {budget!r}: a positive number of seconds is needed")
+    return seconds
 
 
 def _checked_ladders(names: Sequence[str], settings: Mapping[str, Sequence[float]]) -> dict[str, list[float]]:
-    if unknown := sorted(set(settings) - set(names)):
+    if not isinstance(settings, Mapping):
+        raise ValueError(f"settings = {settings!r}: a mapping is needed, as in {{'rk4': (0.1, 0.05)}}")
+    if unknown := [name for name in settings if name not in names]:
         raise ValueError(f"settings of {unknown[0]!r}, which is not among {', '.join(names)}")
     ladders = {}
     for name, values in settings.items():
-        ladder = [float(v) for v in values]
+        ladder = [number(v, f"setting of {name!r}") for v in listed(values, f"settings of {name!r}", _NUMBERS)]
         if not 1 <= len(ladder) <= _MAX_SETTINGS:
             raise ValueError(f"settings of {name!r} are {len(ladder)} numbers: 1 to {_MAX_SETTINGS} are possible")
         for value in ladder:

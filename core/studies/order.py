@@ -10,12 +10,14 @@ from typing import TypeAlias
 
 import numpy as np
 
+from core.arguments import count, listed, number
 from core.integrate import checked_method, checked_settings, checked_start
 from core.laws import Floats
 from core.methods import Method
 from core.reference import Solution, reference_solution
 from core.runner import Runner, Settings
-from core.system import PiecewiseSystem
+from core.system import PiecewiseSystem, Start
+from core.systems import System, system_of
 from core.trajectory import Status
 
 __all__ = ["OrderStudy", "order_study"]
@@ -37,7 +39,7 @@ _MAX_TAUS = 64
 Progress: TypeAlias = "Callable[[int, int, OrderStudy], object]"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OrderStudy:
     """Errors over step sizes (paper: fig:harmonic_timeError, fig:harmonic_transition and their elliptic twins)."""
 
@@ -65,12 +67,19 @@ class OrderStudy:
     reference: str
     """What the errors were measured against."""
 
+    def __repr__(self) -> str:
+        slopes = ", ".join(f"{slope:.2f}" for slope in self.state_slope)
+        return (
+            f"<OrderStudy of {self.method}: {len(self.taus)} step sizes {self.taus.min():g} … {self.taus.max():g}, "
+            f"crossings {', '.join(map(str, self.crossings))}; slopes of the state {slopes}>"
+        )
+
 
 def order_study(
-    system: PiecewiseSystem,
+    system: System,
     taus: Iterable[float],
-    x0: Iterable[float] | None = None,
-    method: str = "dmm2",
+    x0: Start | None = None,
+    method: str | Method = "dmm2",
     crossings: Sequence[int] = (10, 20, 30),
     perturbation_order: int | None = None,
     perturbation_scale: float = 1.0,
@@ -89,7 +98,7 @@ def order_study(
         Step sizes, 2 to 64 of them.
     crossings
         Numbers of the crossings to look at, increasing, from 1.
-    perturbation_order, perturbation_scale, transition, cancel
+    system, x0, method, perturbation_order, perturbation_scale, transition, cancel
         As in `integrate`.
     progress
         Told after each step size how many are done, of how many, and the study as far as it has come.
@@ -99,9 +108,10 @@ def order_study(
     ValueError
         On arguments that make no sense, and where the trajectory has fewer crossings than asked for.
     """
+    system, t0 = system_of(system), number(t0, "t0")
     chosen = checked_method(system, method)
     if chosen.adaptive:
-        raise ValueError(f"method {method!r} chooses its step size and its order: there is no order to study")
+        raise ValueError(f"method {chosen.name!r} chooses its step size and its order: there is no order to study")
     start = checked_start(system, t0, x0)
     steps = _checked_taus(taus)
     numbers = _checked_crossings(crossings)
@@ -118,8 +128,8 @@ def order_study(
         time_slope, time_window = _fits(steps, time_error, floor, max(size, 1.0))
         state_slope, window = _fits(steps, state_error, floor, size)
         return OrderStudy(
-            method, steps, numbers, times, time_error.copy(), state_error.copy(), time_slope, state_slope, time_window,
-            window, floor, exact.name,
+            chosen.name, steps, numbers, times, time_error.copy(), state_error.copy(), time_slope, state_slope,
+            time_window, window, floor, exact.name,
         )  # fmt: skip
 
     for j, setting in enumerate(settings):
@@ -135,15 +145,16 @@ def order_study(
 
 
 def _checked_taus(taus: Iterable[float]) -> Floats:
-    steps = np.array([float(tau) for tau in taus])
+    steps = np.array([number(tau, "tau") for tau in listed(taus, "taus", "a tuple is needed, as in (0.1, 0.05)")])
     if not 2 <= len(steps) <= _MAX_TAUS:
         raise ValueError(f"taus has {len(steps)} step sizes: 2 to {_MAX_TAUS} are possible")
     return steps
 
 
 def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
-    numbers = tuple(int(k) for k in crossings)
-    if not numbers or numbers[0] < 1 or any(b <= a for a, b in pairwise(numbers)):
+    given = listed(crossings, "crossings", "a tuple is needed, as in (10, 20, 30)")
+    numbers = tuple(count(k, "crossings") for k in given)
+    if not numbers or any(b <= a for a, b in pairwise(numbers)):
         raise ValueError(f"crossings = {crossings!r}: increasing numbers from 1 are needed, as in (10, 20, 30)")
     return numbers
 

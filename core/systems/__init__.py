@@ -3,10 +3,14 @@
 from collections.abc import Mapping
 from importlib import import_module
 from types import MappingProxyType
+from typing import TypeAlias
 
 from core.system import PiecewiseSystem
 
-__all__ = ["CATALOGUE"]
+__all__ = ["CATALOGUE", "System", "system_of"]
+
+#: A system, or the key of one in the catalogue.
+System: TypeAlias = PiecewiseSystem | str
 
 _NAMES = (
     "harmonic_oscillator",
@@ -32,3 +36,19 @@ _NAMES = (
 CATALOGUE: Mapping[str, PiecewiseSystem] = MappingProxyType(
     {name: import_module(f"core.systems.{name}").SYSTEM for name in _NAMES}
 )
+
+
+def system_of(system: System) -> PiecewiseSystem:
+    """Return a system, or the one of that key in the catalogue.
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
+    if isinstance(system, PiecewiseSystem):
+        return system
+    if isinstance(system, str) and system in CATALOGUE:
+        return CATALOGUE[system]
+    known = ", ".join(CATALOGUE)
+    raise ValueError(f"system = {system!r}: give a PiecewiseSystem, or a key of CATALOGUE, which are {known}")

@@ -363,3 +363,23 @@ def test_the_end_alone_knows_where_its_segment_was_entered(name, t_end):
     assert end.crossing_count == len(whole.crossings) > 0
     assert end.entered_t[-1] == whole.entered_t[whole.segment[-1]]
     assert (end.entered_x[-1] == whole.entered_x[whole.segment[-1]]).all()
+
+
+def test_progress_is_told_as_the_part_of_the_time_that_is_done():
+    told = []
+    core.integrate(ELLIPTIC, (0.0, 400.0), tau=1e-3, record="end", progress=told.append)
+    assert told == sorted(told)
+    assert len(told) == 4
+    assert told[-1] == 1.0
+    told.clear()
+    core.integrate(ELLIPTIC, (10.0, 0.0), progress=told.append)
+    assert told == [1.0]
+
+
+@pytest.mark.parametrize("callback", ["progress", "cancel"])
+def test_what_a_callback_raises_comes_out(callback):
+    def fails(*_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        core.integrate(ELLIPTIC, (0.0, 10.0), **{callback: fails})

@@ -1,5 +1,7 @@
 """What a run returns."""
 
+import copy
+
 import numpy as np
 import pytest
 import sympy
@@ -59,3 +61,87 @@ def test_crossings_can_be_cut_short():
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 10.0))
     assert len(run.crossings.first(3)) == 3
     assert (run.crossings.first(3).x == run.crossings.x[:3]).all()
+
+
+def every_kind_of_result():
+    system = core.CATALOGUE["elliptic_curve"]
+    run = core.integrate(system, (0.0, 10.0))
+    study = core.stability_study(system, methods="rk2", taus=(0.1, 0.2), values=(-1.0, -0.9), steps=100)
+    cost = core.work_precision(system, (0.0, 2.0), methods="rk2", settings={"rk2": (0.1,)}, peers=())
+    order = core.order_study(system, (0.1, 0.05), crossings=(1,))
+    return [system, run, run.crossings, run.crossings[0], order, cost, cost.curves[0], study, study.largest_tau,
+            study.map, study.drift, study.grazing, core.diagnose(run), core.METHODS["dmm2"],
+            core.reference_solution(system), system.parameters[0], run.status]  # fmt: skip
+
+
+def test_whatever_the_library_returns_can_be_compared_hashed_and_shown_in_a_line():
+    for result in every_kind_of_result():
+        again = copy.copy(result)
+        assert result == result
+        assert (result == again) in (True, False)
+        assert result in [again, result]
+        assert isinstance(hash(result), int)
+        for text in (repr(result), str(result)):
+            assert "\n" not in text
+            assert len(text) < 500, text
+
+
+def test_a_run_says_in_a_line_what_it_is():
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 10.0))
+    for fact in ("Elliptic curve", "dmm2", "tau = 0.01", "0 … 10", "states: 1001", "crossings: 10", "COMPLETED"):
+        assert fact in repr(run)
+    assert repr(run.crossings).startswith("<Crossings: 10, t = 0.975")
+    assert "tolerance = 1e-09" in repr(core.integrate("elliptic_curve", (0.0, 1.0), method="taylor", tolerance=1e-9))
+
+
+def test_crossings_are_a_sequence():
+    crossings = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 10.0)).crossings
+    assert len(list(crossings)) == len(crossings) == 10
+    for k, hit in enumerate(crossings):
+        assert (hit.t, hit.side, hit.kind, hit.g) == (
+            crossings.t[k], crossings.side[k], crossings.kind[k], crossings.g[k]
+        )  # fmt: skip
+        assert (hit.x == crossings.x[k]).all()
+        assert [type(v) for v in (hit.t, hit.side, hit.kind)] == [float, int, str]
+    assert crossings[-1].t == crossings.t[-1]
+    assert crossings[np.int64(2)].t == crossings.t[2]
+    assert crossings[2:5].t.tolist() == crossings.t[2:5].tolist()
+    assert set(crossings[crossings.side == 1].side) == {1}
+    assert crossings[[3, 1]].t.tolist() == crossings.t[[3, 1]].tolist()
+    assert [hit.t for hit in reversed(crossings)] == crossings.t[::-1].tolist()
+    with pytest.raises(IndexError):
+        crossings[10]
+
+
+def test_columns_are_what_data_frames_take():
+    run = core.integrate(core.CATALOGUE["rigid_body"], (0.0, 3.0), tau=0.1)
+    columns = run.columns()
+    names = list(run.system.variables)
+    assert list(columns) == ["t", *names, "side", "psi error 1", "psi error 2"]
+    assert all(column.shape == run.t.shape for column in columns.values())
+    assert (columns[names[1]] == run.x[:, 1]).all()
+    hits = run.crossings.columns(run.system.variables)
+    assert {"t", *names, *(f"{name} after" for name in names), "side", "kind"} <= set(hits)
+    assert all(column.shape == run.crossings.t.shape for column in hits.values())
+    assert list(run.crossings.columns())[1] == "x0"
+    with pytest.raises(ValueError, match="3 names are needed"):
+        run.crossings.columns(("x",))
+
+
+def test_a_variable_keeps_its_column_where_it_is_named_like_another():
+    system = core.PiecewiseSystem("names", ("side", "g"), ("g", "-side"), ("g", "-side"), "side", x0=(1.0, 0.0))
+    run = core.integrate(system, (0.0, 2.0), tau=0.1)
+    assert (run.columns()["side"] == run.x[:, 0]).all()
+    assert (run.columns()["side_"] == run.side).all()
+    assert (run.crossings.columns(system.variables)["g"] == run.crossings.x[:, 1]).all()
+
+
+def test_a_run_that_stops_after_a_jump_has_no_error_of_psi_from_before_it():
+    system = core.PiecewiseSystem(
+        "caught", ("x", "y"), ("1", "0"), ("-1", "0"), "x", ("y",), ("y",), x0=(1.0, 0.0), jump=("0", "y + 1")
+    )
+    for record in ("steps", "crossings", "end"):
+        run = core.integrate(system, (0.0, 3.0), tau=0.1, record=record)
+        assert run.status is Status.SLIDING
+        assert run.x[-1].tolist() == [0.0, 1.0]
+        assert np.nanmax(np.abs(run.conserved_error())) < 1e-15

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from core.brief import Brief
 from core.integrate import integrate
 from core.laws import Floats
 from core.methods import METHODS
@@ -27,8 +28,8 @@ _COLUMNS = 24  #: parts of each piece in which the largest error is kept
 _ADAPTIVE = 4  #: a method that chooses its steps may take so many times as many
 
 
-@dataclass(frozen=True)
-class Drift:
+@dataclass(frozen=True, eq=False, repr=False)
+class Drift(Brief):
     """|Δψ| against time: what an integrator has made of ψ, added up over the visits to both sides.
 
     A visit's part of it is worked out in double-double in the loop; what earlier visits left is measured at the
@@ -53,7 +54,7 @@ class Drift:
     """(methods,) processor time in the loop."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Piece:
     """Where a run is after a piece of it, and the errors in that piece."""
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.brief import Brief
 from core.integrate import integrate
 from core.laws import Floats
 from core.reference import Solution
@@ -28,8 +29,8 @@ _HORIZONS = np.array([1.0, 0.8, 1.2, 0.6, 1.4])  # of the time from the touch to
 Integers = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Grazing:
+@dataclass(frozen=True, eq=False, repr=False)
+class Grazing(Brief):
     """Runs that start beside the value at which the trajectory touches the surface without crossing it.
 
     Both sides of that value: on one of them the trajectory dips through the surface, and crosses it twice within a

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.brief import Brief
 from core.laws import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
@@ -24,8 +25,8 @@ _KEPT = 1e-10  #: of the size of ψ: what a conservative method may make of it a
 _SHARP = 1.01  #: the limit is known to lie within this factor
 
 
-@dataclass(frozen=True)
-class LargestTau:
+@dataclass(frozen=True, eq=False, repr=False)
+class LargestTau(Brief):
     """The largest step size that works, per method: it and every smaller one tried.
 
     A step size works if the run ends as the solution does, with as many crossings, and a conservative method keeps ψ.

@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.brief import Brief
 from core.laws import Floats
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, NO_START, Verdict, expected_of, judge, start_at
@@ -20,8 +21,8 @@ __all__ = ["OutcomeMap", "count", "run"]
 Integers = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class OutcomeMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class OutcomeMap(Brief):
     """Outcome and error of runs over (τ, one coordinate of x₀)."""
 
     taus: Floats

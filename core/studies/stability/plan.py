@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from core.arguments import count, listed, number
 from core.integrate import checked_method, checked_settings, checked_start
 from core.laws import Floats
+from core.methods import Method
 from core.studies.stability.verdict import reference_run
-from core.system import PiecewiseSystem
+from core.system import PiecewiseSystem, Start
 
 __all__ = ["MAX_STEPS", "Plan", "checked_plan"]
 
@@ -29,7 +30,7 @@ _MOST_STEPS = 10**9
 _FAR, _MARGIN = 4.0, 0.2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Plan:
     """A study's arguments, each with a value that makes sense."""
 
@@ -49,8 +50,9 @@ class Plan:
 
 
 def checked_plan(
-    system: PiecewiseSystem, t_span: tuple[float, float] | None, x0: Iterable[float] | None, methods: Sequence[str],
-    taus: Iterable[float] | None, coordinate: int | str, values: Iterable[float] | None, tau: float | None, steps: int,
+    system: PiecewiseSystem, t_span: tuple[float, float] | None, x0: Start | None,
+    methods: Sequence[str | Method] | str | Method, taus: Iterable[float] | None, coordinate: int | str,
+    values: Iterable[float] | None, tau: float | None, steps: int,
 ) -> Plan:  # fmt: skip
     """Return the plan of a study, if its arguments make sense, else raise ValueError."""
     span = _span(_T_SPAN if t_span is None else t_span)
@@ -62,35 +64,34 @@ def checked_plan(
         step = checked_settings(chosen[0], one).tau
     index = _coordinate(system, coordinate)
     wanted = _usual_values(system, start, span, index) if values is None else _increasing(values, "values")
-    if not isinstance(steps, int) or not 1 <= steps <= _MOST_STEPS:
-        raise ValueError(f"steps = {steps!r}: a whole number from 1 to {_MOST_STEPS:,} is needed")
-    return Plan(system, span, start, names, ladder, index, wanted, step, steps)
+    return Plan(system, span, start, names, ladder, index, wanted, step, count(steps, "steps", _MOST_STEPS))
 
 
 def _span(t_span: Any) -> tuple[float, float]:
     try:
-        t0, t1 = (float(t) for t in t_span)
+        start, end = t_span
     except (TypeError, ValueError):
         raise ValueError(f"t_span = {t_span!r}: a start and an end time are needed, as in (0.0, 20.0)") from None
-    if not (math.isfinite(t0) and math.isfinite(t1) and t0 < t1):
-        raise ValueError(f"t_span = {t_span!r}: two finite times are needed, the later one second")
+    t0, t1 = number(start, "start time"), number(end, "end time")
+    if not t0 < t1:
+        raise ValueError(f"t_span = {t_span!r}: two times are needed, the later one second")
     return t0, t1
 
 
-def _methods(system: PiecewiseSystem, methods: Sequence[str]) -> tuple[str, ...]:
-    names = (methods,) if isinstance(methods, str) else tuple(methods)
+def _methods(system: PiecewiseSystem, methods: Sequence[str | Method] | str | Method) -> tuple[str, ...]:
+    given = listed(methods, "methods", "a tuple is needed, as in ('dmm2', 'rk2')", (str, Method))
+    names = tuple(checked_method(system, one).name for one in given)
     if not names or len(set(names)) < len(names):
         raise ValueError(f"methods = {methods!r}: one or several different ones are needed, as in ('dmm2', 'rk2')")
-    return tuple(checked_method(system, name).name for name in names)
+    return names
 
 
 def _increasing(given: Iterable[float], what: str) -> Floats:
     """Return several different finite numbers in order, else raise ValueError."""
-    try:
-        numbers = np.unique(np.array([float(number) for number in given]))
-    except (TypeError, ValueError):
-        raise ValueError(f"{what} = {given!r}: numbers are needed, as in (0.1, 0.2)") from None
-    if not 2 <= len(numbers) <= _MOST or not np.isfinite(numbers).all():
+    numbers = np.unique(
+        np.array([number(value, what) for value in listed(given, what, "a tuple is needed, as in (0.1, 0.2)")])
+    )
+    if not 2 <= len(numbers) <= _MOST:
         raise ValueError(f"{what} = {given!r}: from 2 to {_MOST} different finite numbers are needed")
     return numbers
 
@@ -98,10 +99,11 @@ def _increasing(given: Iterable[float], what: str) -> Floats:
 def _coordinate(system: PiecewiseSystem, coordinate: int | str) -> int:
     if isinstance(coordinate, str) and coordinate in system.variables:
         return system.variables.index(coordinate)
-    if not isinstance(coordinate, int) or not 0 <= coordinate < system.dimension:
+    whole = isinstance(coordinate, int | np.integer) and not isinstance(coordinate, bool)
+    if not whole or not 0 <= int(coordinate) < system.dimension:
         names = ", ".join(system.variables)
         raise ValueError(f"coordinate = {coordinate!r}: one of {names}, or a number from 0 to {system.dimension - 1}")
-    return coordinate
+    return int(coordinate)
 
 
 def _usual_values(

@@ -7,6 +7,8 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
+from core.arguments import listed
+from core.methods import Method
 from core.studies.stability import drift, grazing, largest, outcomes
 from core.studies.stability.drift import Drift
 from core.studies.stability.grazing import Grazing
@@ -14,7 +16,8 @@ from core.studies.stability.largest import LargestTau
 from core.studies.stability.outcomes import OutcomeMap
 from core.studies.stability.plan import Plan, checked_plan
 from core.studies.stability.verdict import REFERENCE
-from core.system import PiecewiseSystem
+from core.system import Start
+from core.systems import System, system_of
 
 __all__ = ["PARTS", "StabilityStudy", "stability_study"]
 
@@ -36,7 +39,7 @@ class _Part(Protocol):
 _PARTS: dict[str, _Part] = {"largest_tau": largest, "map": outcomes, "drift": drift, "grazing": grazing}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StabilityStudy:
     """What goes well and what does not; a part is None where it was not asked for, or not reached."""
 
@@ -58,12 +61,18 @@ class StabilityStudy:
     complete: bool = False
     """Whether all that was asked for is there."""
 
+    def __repr__(self) -> str:
+        parts = ", ".join(part for part in PARTS if getattr(self, part) is not None) or "nothing yet"
+        methods, span = ", ".join(self.methods), f"t = {self.t_span[0]:g} … {self.t_span[1]:g}"
+        done = "complete" if self.complete else "not complete"
+        return f"<StabilityStudy of {methods} on {self.system!r} over {span}: {parts}; {done}>"
+
 
 def stability_study(
-    system: PiecewiseSystem,
+    system: System,
     t_span: tuple[float, float] | None = None,
-    x0: Iterable[float] | None = None,
-    methods: Sequence[str] = ("dmm2", "rk2"),
+    x0: Start | None = None,
+    methods: Sequence[str | Method] | str | Method = ("dmm2", "rk2"),
     taus: Iterable[float] | None = None,
     coordinate: int | str = 0,
     values: Iterable[float] | None = None,
@@ -80,12 +89,13 @@ def stability_study(
     Parameters
     ----------
     system
+        A system, or a key of CATALOGUE.
     t_span
         Start and end time, the end later: 0 and 20 where not given.
     x0
-        d numbers; the system's own x0 where not given.
+        d numbers, or a mapping from the names of the variables; the system's own x0 where not given.
     methods
-        Keys of METHODS.
+        Keys of METHODS, or its values.
     taus
         2 to 400 step sizes, for the largest τ and the map; 25 from 1/20,000 to a tenth of the time where not given. A
         run of more than 50,000 steps ends with STEP_LIMIT.
@@ -115,7 +125,7 @@ def stability_study(
     ValueError
         On arguments that make no sense, naming the value and what would do.
     """
-    wanted = _checked_parts(parts)
+    system, wanted = system_of(system), _checked_parts(parts)
     plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps)
     name = system.variables[plan.coordinate]
     study = StabilityStudy(system.name, plan.methods, plan.t_span, plan.x0, plan.coordinate, name, REFERENCE)
@@ -139,7 +149,7 @@ def _never() -> bool:
 
 
 def _checked_parts(parts: Sequence[str]) -> list[str]:
-    given = [parts] if isinstance(parts, str) else list(parts)
-    if not given or set(given) - set(PARTS):
+    given = listed(parts, "parts", "a tuple is needed, as in ('map', 'drift')", str)
+    if not given or any(not isinstance(part, str) or part not in PARTS for part in given):
         raise ValueError(f"parts = {parts!r}: choose from {', '.join(PARTS)}")
     return [part for part in PARTS if part in given]

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from core.brief import Brief
 from core.laws import Floats
 from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
@@ -29,8 +30,8 @@ _APART = 1e-3  #: of the time: crossings farther apart than this are not the sam
 _NARROW, _WIDE = 1e-13, 1e-9  #: of the size of the coordinate: where the exact solution is asked
 
 
-@dataclass(frozen=True)
-class Tangency:
+@dataclass(frozen=True, eq=False, repr=False)
+class Tangency(Brief):
     """Where and when a trajectory touches the surface."""
 
     value: float

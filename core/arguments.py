@@ -1,0 +1,73 @@
+"""What a person may give where numbers are wanted: checked, or refused with a ValueError that names it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Set
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["count", "listed", "number", "numbers"]
+
+#: Python would make numbers of these.
+_NO_NUMBERS = (str, bytes, bytearray, bool, np.bool_, np.complexfloating, np.datetime64, np.timedelta64)
+#: And sequences of these: "12" of digits, b"12" of codes, {2, 1} in whatever order.
+_UNORDERED = (str, bytes, bytearray, Set, Mapping)
+
+
+def number(value: Any, what: str) -> float:
+    """Return a finite float, else raise ValueError; text and truth values are none."""
+    try:
+        if isinstance(value, _NO_NUMBERS) or np.ndim(value):
+            raise TypeError
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} = {value!r} is no number") from None
+    if not math.isfinite(found):
+        raise ValueError(f"{what} = {value!r}: a finite number is needed")
+    return found
+
+
+def count(value: Any, what: str, most: float = math.inf) -> int:
+    """Return a whole number from 1 to `most`, else raise ValueError."""
+    found = number(value, what)
+    if found < 1 or found != int(found) or found > most:
+        span = "of at least 1" if most == math.inf else f"from 1 to {most:,}"
+        raise ValueError(f"{what} = {value!r}: a whole number {span} is needed")
+    return int(found)
+
+
+def listed(values: Any, what: str, wanted: str, alone: type | tuple[type, ...] = ()) -> tuple[Any, ...]:
+    """Return what a sequence holds, else raise ValueError: a text is none, and what has no order.
+
+    One of the types `alone` stands for a sequence of one.
+    """
+    if isinstance(values, alone):
+        return (values,)
+    try:
+        if isinstance(values, _UNORDERED):
+            raise TypeError
+        return tuple(values)
+    except TypeError:
+        raise ValueError(f"{what} = {values!r}: {wanted}") from None
+
+
+def numbers(values: Any, what: str) -> NDArray[np.float64]:
+    """Return an array of finite floats, of the shape that is given, else raise ValueError."""
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        raise ValueError(f"{what} = {values!r}: an array of numbers is needed") from None
+    if array.dtype.kind not in "fiu":
+        if array.dtype.kind != "O":
+            raise ValueError(f"{what} = {values!r}: numbers are needed")
+        array = np.array([number(v, what) for v in array.ravel()]).reshape(array.shape)
+    array = array.astype(np.float64)
+    finite = np.isfinite(array)
+    if not finite.all():
+        raise ValueError(f"{what} holds {array[~finite][0]!r}: finite numbers are needed")
+    return array
