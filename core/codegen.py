@@ -77,10 +77,14 @@ def look_text(laws: Laws) -> str:
     """Text of `look`: g and its rates at a place."""
     names = Names(laws)
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
-    slack = sum((abs(u * v) for u, v in zip(laws.gradient, laws.x, strict=True)), sympy.Integer(0)) * sympy.Float(_EPS)
-    values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, slack])
-    targets = [f"w[{k}]" for k in (signatures.G, signatures.RATES, signatures.RATES + 1, signatures.SLACK)]
-    return function_text("look", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
+    # Sizes are taken in the text: sympy has no real |exp(x)| of a symbol that may be complex.
+    changes = [u * v for u, v in zip(laws.gradient, laws.x, strict=True) if u != 0]
+    parts = [f"m{k}" for k in range(len(changes))]
+    targets = [f"w[{k}]" for k in (signatures.G, signatures.RATES, signatures.RATES + 1)] + parts
+    values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, *changes])
+    slack = f"w[{signatures.SLACK}] = {_EPS!r}*({' + '.join(f'abs({m})' for m in parts) or 0.0})"
+    lines += [*assignments(targets, values, names.temporaries), slack]
+    return function_text("look", [*lines, "return 0"])
 
 
 def jump_text(laws: Laws) -> str:
