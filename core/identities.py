@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
 from core.sampling import Domain, Samples
+from core.tape import Tape
 
 __all__ = [
     "EVERYWHERE", "Counterexample", "Domain", "counterexample", "has_values", "has_values_throughout", "independent",
@@ -101,16 +102,11 @@ def has_values_throughout(expression: Expr, domain: Domain = EVERYWHERE) -> bool
 def independent(rows: sympy.Matrix, domain: Domain = EVERYWHERE) -> bool:
     """Whether the rows of a matrix of expressions are linearly independent in every piece of a domain."""
     samples = Samples(tuple(rows), domain)
-    shape, places = (rows.rows, rows.cols), [samples.tape.place[u] for u in rows]
-    matrices = np.stack([samples.nodes[k] for k in places], axis=-1).reshape(-1, *shape)
-    part = _standing_out(matrices)
+    part = _standing_out(_scaled(rows, samples.tape, samples.nodes).astype(float))
     order = np.argsort(part, kind="stable")
 
     def dependent(values: Sequence[Any] | None, limit: float) -> bool:
-        if values is None:
-            return False
-        entries = np.array([values[k] for k in places], dtype=object).reshape(shape)
-        return _rank_is_lost(entries.tolist(), limit)
+        return values is not None and _rank_is_lost(_scaled(rows, samples.tape, values).tolist(), limit)
 
     return not any(
         dependent(values, _DEPENDENT[0]) and dependent(samples.in_digits(point, more=True), _DEPENDENT[1])
@@ -121,14 +117,23 @@ def independent(rows: sympy.Matrix, domain: Domain = EVERYWHERE) -> bool:
 _NO_ROWS: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 
 
-def _standing_out(matrices: Array) -> Array:
-    """The least singular value of each matrix with its rows scaled to length 1; 0 where a row is zero."""
+def _scaled(rows: sympy.Matrix, tape: Tape, values: Sequence[Any]) -> NDArray[Any]:
+    """The values of a matrix, (points, rows, columns) or (rows, columns), rows in units of their terms.
+
+    What is nothing but round-off is small then; what has no terms is zero.
+    """
     with np.errstate(all="ignore"):
-        rows = matrices / np.abs(matrices).max(axis=-1, keepdims=True)
-        rows /= np.linalg.norm(rows, axis=-1, keepdims=True)
-    known = np.isfinite(rows).all(axis=(-2, -1))
+        entries = [[values[tape.place[u]] for u in rows.row(i)] for i in range(rows.rows)]
+        sizes = [sum(tape.size(u, values) for u in rows.row(i)) for i in range(rows.rows)]
+        scaled = [[u / size for u in row] if np.any(size) else row for row, size in zip(entries, sizes, strict=True)]
+        return np.moveaxis(np.array(scaled), (0, 1), (-2, -1))
+
+
+def _standing_out(matrices: Array) -> Array:
+    """The least singular value of each matrix; 0 where it has none."""
+    known = np.isfinite(matrices).all(axis=(-2, -1))
     out = np.zeros(len(matrices))
-    out[known] = np.linalg.svd(rows[known], compute_uv=False)[:, -1]
+    out[known] = np.linalg.svd(matrices[known], compute_uv=False)[:, -1]
     return out
 
 
@@ -136,10 +141,7 @@ def _rank_is_lost(rows: list[list[Any]], limit: float) -> bool:
     """Whether Gram and Schmidt leave less than the limit of one of the rows."""
     kept: list[list[Any]] = []
     for row in rows:
-        length = sum(abs(u) for u in row)
-        if length == 0:
-            return True
-        rest = [u / length for u in row]
+        rest = row
         for _ in range(2):  # twice is enough
             for unit in kept:
                 along = sum(a * b for a, b in zip(rest, unit, strict=True))
@@ -147,8 +149,7 @@ def _rank_is_lost(rows: list[list[Any]], limit: float) -> bool:
         size = sum(a * a for a in rest)
         if size <= limit * limit:
             return True
-        root = size**0.5
-        kept.append([a / root for a in rest])
+        kept.append([a / size**0.5 for a in rest])
     return False
 
 
