@@ -14,8 +14,8 @@ from core.arguments import count, number, numbers
 from core.diagnostics import step_warning
 from core.laws import Floats
 from core.methods import METHODS, Method, method_named
+from core.recording import Sampler
 from core.runner import Runner, Settings, no_crossings
-from core.sampling import Sampler
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 from core.trajectory import Status, Trajectory

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from core.compiled import compile_run
 from core.failure import GROWTH, ends_beyond, runs_away
-from core.folds import sides_entered
 from core.isolation import scratch_shape
 from core.laws import Floats
 from core.locating import MAX_LOOKS
@@ -25,6 +24,7 @@ from core.recurrences import STRIDE, order_of
 from core.signatures import ORDER, TOLERANCE, Frame
 from core.state import HIT, JUMP_ANYWHERE, JUMP_TO_SURFACE, ROW, RUN
 from core.system import MAX_DIMENSION, PiecewiseSystem
+from core.tangency import sides_entered
 from core.taylor import memo_rows
 from core.trajectory import CROSSING_KINDS, Crossings, Status
 
@@ -240,6 +240,7 @@ class Runner:
         """Length of a step, signed."""
         length = self.settings.tau if math.isfinite(self.settings.tau) else self.longest
         return math.copysign(length, float(self._run["tau"][0]))
+
     def latest(self, count: int) -> Crossings:
         """The last crossings, `count` of them: as many at most as there were since the loop was last called."""
         if not count:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import sympy
 from sympy import Expr, Symbol
 
 from core.expressions import FUNCTIONS, TIME
-from core.identities import is_zero, size_expanded
+from core.identities import EVERYWHERE, Domain, has_values_throughout, is_zero, size_expanded
 
 __all__ = ["stream_function"]
 
@@ -19,7 +20,7 @@ _SOUGHT_TERMS, _SOUGHT_FACTORS, _SOUGHT_POWER = 60, 3, 8  #: of a field whose an
 _WHITELIST = tuple(exact for name, (exact, _) in FUNCTIONS.items() if name != "sqrt")
 
 
-def stream_function(field: Sequence[Expr], variables: Sequence[Symbol]) -> Expr | None:
+def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: Domain = EVERYWHERE) -> Expr | None:
     """ψ with (x', y') = (∂ψ/∂y, −∂ψ/∂x), or None where there is none, or none that is easily found.
 
     Parameters
@@ -28,13 +29,16 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol]) -> Expr 
         2 expressions in the variables; None is returned for any other number of them, and where they name t.
     variables
         (x, y).
+    domain
+        Where it has to hold.
     """
     if len(variables) != 2 or any(f.has(TIME) for f in field):
         return None
     if not _is_soon_integrated(field, variables):
         return None
     (x, y), (u, v) = variables, field
-    if not is_zero(u.diff(x) + v.diff(y)):
+    domain = replace(domain, defined=(u, v))
+    if not is_zero(u.diff(x) + v.diff(y), domain):
         return None
     part = _integral(u, y)
     if part is None:
@@ -45,9 +49,16 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol]) -> Expr 
     other = None if rest.has(y) else _integral(rest, x)
     if other is None:
         return None
-    psi = part + other
-    exact = psi.free_symbols and is_zero(psi.diff(y) - u) and is_zero(psi.diff(x) + v)
-    return psi if exact else None
+    psi = _real_throughout(part + other, domain)
+    if psi is None or not psi.free_symbols:
+        return None
+    return psi if is_zero(psi.diff(y) - u, domain) and is_zero(psi.diff(x) + v, domain) else None
+
+
+def _real_throughout(psi: Expr, domain: Domain) -> Expr | None:
+    """ψ, or else ψ with log(u²)/2 for log(u), if it is real all over the domain: on both sides of a pole of f, too."""
+    even = psi.replace(sympy.log, lambda u: sympy.log(u**2) / 2)
+    return next((found for found in dict.fromkeys((psi, even)) if has_values_throughout(found, domain)), None)
 
 
 def _integral(expression: Expr, variable: Symbol) -> Expr | None:

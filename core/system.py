@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from core.arguments import listed, number
 from core.expressions import TIME, check_name, parse, to_text
-from core.identities import independent, is_larger, is_zero, tidied
+from core.identities import Domain, counterexample, has_values, independent, is_larger, tidied
 from core.laws import Floats, Laws, Side, derive
 from core.stream import stream_function
 
@@ -297,7 +297,7 @@ class PiecewiseSystem:
         for sign, name in ((-1, "psi_minus"), (1, "psi_plus")):
             if self.dimension == 2 and not getattr(self, name):
                 side = self.laws.sides[sign]
-                found = stream_function(side.field, side.variables)
+                found = stream_function(side.field, side.variables, self._domain(side))
                 if found is not None and _is_readable(text := to_text(found), names):
                     object.__setattr__(self, name, (text,))
                     self.__dict__.pop("laws")  # they have a ψ more
@@ -306,21 +306,38 @@ class PiecewiseSystem:
         if not self.laws.g.free_symbols & set(self.laws.x):
             raise ValueError(f"g = {self.g!r} names no variable, so it has no surface: write one in {self.variables}")
 
-    def _check_conserved(self, side: Side) -> None:
-        word = "minus" if side.sign < 0 else "plus"
+    def _domain(self, side: Side) -> Domain:
+        """Where the law of a side is used: on its side of the surface, for every value its parameters may take."""
         ranges = {sympy.Symbol(q.name): q.bounds for q in self.parameters if q.bounds is not None}
+        return Domain(ranges, side.sign * self.laws.g, side.field)
+
+    def _check_conserved(self, side: Side) -> None:
+        domain, word = self._domain(side), "minus" if side.sign < 0 else "plus"
         for k, psi in enumerate(side.conserved):
-            rate = side.rate_of(psi)
-            if not is_zero(rate, ranges):
-                shown = "too long to show" if is_larger(rate, _SHOWN_NODES) else to_text(tidied(rate))
-                text = f"psi_{word}[{k}] = {getattr(self, f'psi_{word}')[k]!r}"
-                raise ValueError(f"{text} is not conserved by f_{word}: its time derivative is {shown}, not 0")
+            if reason := _not_conserved(psi, side, domain, word):
+                raise ValueError(f"psi_{word}[{k}] = {getattr(self, f'psi_{word}')[k]!r} {reason}")
         rows = sympy.Matrix([[psi.diff(v) for v in (*side.variables, TIME)] for psi in side.conserved])
-        if side.conserved and not independent(rows, ranges):
+        if side.conserved and not independent(rows, domain):
             raise ValueError(
-                f"psi_{word} = {getattr(self, f'psi_{word}')!r}: their gradients are linearly dependent (or zero); "
-                "leave out what follows from the others"
+                f"psi_{word} = {getattr(self, f'psi_{word}')!r}: their gradients are linearly dependent (or zero), "
+                "everywhere or in a part of their side; leave out what follows from the others"
             )
+
+
+def _not_conserved(psi: sympy.Expr, side: Side, domain: Domain, word: str) -> str:
+    """What is wrong with a quantity of a side that is not conserved, nothing if it is."""
+    rate = side.rate_of(psi)
+    if not has_values((psi, rate), domain):
+        where = f"where g {'<' if side.sign < 0 else '>'} 0"
+        return f"has no real value {where}: write it so that it has, as log(x**2) in place of log(x), or leave it out"
+    found = counterexample(rate, domain)
+    if found is None:
+        return ""
+    if found.partly:
+        value = f"its time derivative is {found.value:.3g}, not 0"
+        return f"is conserved by f_{word} {found.scope}: at {found.at()}, {value}"
+    shown = "too long to show" if is_larger(rate, _SHOWN_NODES) else to_text(tidied(rate))
+    return f"is not conserved by f_{word}: its time derivative is {shown}, not 0"
 
 
 def _is_readable(text: str, names: Iterable[str]) -> bool:

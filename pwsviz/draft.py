@@ -14,7 +14,7 @@ from sympy import Expr, Symbol
 
 import core
 from core.expressions import TIME, check_name, parse, to_text
-from core.identities import independent, is_larger, is_zero, tidied
+from core.identities import Domain, counterexample, has_values, independent, is_larger, tidied
 from core.integrate import checked_start
 from pwsviz.maths import TOO_LONG, markup, too_long
 from pwsviz.scene import MAX_COORDINATE
@@ -154,6 +154,7 @@ class _Check:
         self.conserved: dict[int, tuple[Finding, ...]] = {}
         self.variables: tuple[str, ...] = ()
         self.parameters: tuple[core.Parameter, ...] = ()
+        self.g: Expr | None = None
 
     def run(self) -> Checked:
         self.refuse_long_texts()
@@ -263,6 +264,8 @@ class _Check:
             self.complain("g", "Type one expression, as in: x**2 + y**2 - 1. The law changes where it is zero.")
         elif not found[0].free_symbols & set(map(Symbol, self.variables)):
             self.complain("g", f"{self.texts['g'].strip()[:_SHOWN]!r} names no variable, so it is zero on no surface.")
+        else:
+            self.g = found[0]
 
     def read_start(self) -> tuple[float, ...]:
         found = self.each("x0", _coordinate, MAX_VARIABLES)
@@ -288,14 +291,14 @@ class _Check:
         if not count:
             self.conserved[side] = (Finding("None given; conservative methods will not be offered.", False),)
         elif not self.complaints.keys() & {name, f"f_{word}", "variables", "parameters"}:
-            rates = [self.rate(psi, f) for psi in found]
-            self.conserved[side] = tuple(self.judge(sign, *pair) for pair in zip(lefts, rates, strict=True))
+            domain = self.domain(side, f)
+            self.conserved[side] = tuple(
+                self.judge(sign, left, psi, self.rate(psi, f), domain) for left, psi in zip(lefts, found, strict=True)
+            )
             for finding in self.conserved[side]:
                 if not finding.conserved:
                     self.complain(name, f"{finding.words} Mend it, mend f{sign}, or leave it out.")
-            if name not in self.complaints and not independent(
-                sympy.Matrix([*map(self.gradient, found)]), self.ranges()
-            ):
+            if name not in self.complaints and not independent(sympy.Matrix([*map(self.gradient, found)]), domain):
                 self.complain(name, "Their gradients are linearly dependent, or zero: leave out what says nothing new.")
 
     def rate(self, psi: Expr, f: tuple[Expr, ...]) -> Expr:
@@ -306,13 +309,23 @@ class _Check:
     def gradient(self, u: Expr) -> list[Expr]:
         return [u.diff(v) for v in (*map(Symbol, self.variables), TIME)]
 
-    def ranges(self) -> dict[Symbol, tuple[float, float]]:
-        return {Symbol(p.name): p.bounds for p in self.parameters if p.bounds is not None}
+    def domain(self, side: int, f: tuple[Expr, ...]) -> Domain:
+        """Where the law of a side is used; everywhere as long as g cannot be read."""
+        ranges = {Symbol(p.name): p.bounds for p in self.parameters if p.bounds is not None}
+        return Domain(ranges, None if self.g is None else side * self.g, f)
 
-    def judge(self, sign: str, left: _Left, rate: Expr) -> Finding:
+    def judge(self, sign: str, left: _Left, psi: Expr, rate: Expr, domain: Domain) -> Finding:
         """Say whether a quantity is conserved, and else what is left over."""
-        if is_zero(rate, self.ranges()):
+        if not has_values((psi, rate), domain):
+            return Finding(f"{left.said} has no real value on its side of the surface.", False)
+        witness = counterexample(rate, domain)
+        if witness is None:
             return Finding(f"{left.said} is conserved: its time derivative along f{sign} is 0.", True)
+        if witness.partly:
+            words = (
+                f"{left.said} is conserved {witness.scope}: at {witness.at()}, d/dt {left.said} = {witness.value:.3g}."
+            )
+            return Finding(words, False)
         if is_larger(rate, _LEFT_OVER):
             return Finding(f"{left.said} is not conserved: what is left over of d/dt {left.said} is long.", False)
         over = tidied(rate)

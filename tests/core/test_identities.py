@@ -5,7 +5,7 @@ import time
 import pytest
 import sympy
 
-from core.identities import independent, is_larger, is_zero, size_expanded, tidied
+from core.identities import Domain, independent, is_larger, is_zero, size_expanded, tidied
 
 X, Y, A = sympy.symbols("x y a")
 
@@ -36,7 +36,7 @@ def test_points_are_taken_in_the_given_ranges() -> None:
     # Zero for negative a only.
     identity = sympy.sqrt(A**2) + A
     assert not is_zero(identity)
-    assert is_zero(identity, {A: (-2.0, -1.0)})
+    assert is_zero(identity, Domain({A: (-2.0, -1.0)}))
 
 
 def test_without_a_finite_value_only_a_symbolic_zero_counts() -> None:
