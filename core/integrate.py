@@ -266,6 +266,7 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
         runner.system, method.name, tau, t, x, side, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
         _envelope(runner), step_warning, record, runner.settings.tolerance if method.adaptive else math.nan,
+        runner.samples,
     )  # fmt: skip
 
 

@@ -31,6 +31,22 @@ _STRETCH = 1.0 + 1e-9
 
 
 @internal
+def write_sample(run, x, samples):
+    """Keep the start of a step; where there is no room, keep every second of those kept, and of those to come."""
+    if run.samples == samples.shape[0]:
+        run.samples //= 2
+        run.stride *= 2
+        for k in range(run.samples):
+            for i in range(samples.shape[1]):
+                samples[k, i] = samples[2 * k, i]
+    samples[run.samples, 0], samples[run.samples, 1] = run.t, run.side
+    for i in range(x.size):
+        samples[run.samples, 2 + i] = x[i]
+    run.samples += 1
+    run.next_sample = run.steps + run.stride
+
+
+@internal
 def write_row(run, x, rows, rows_x):
     """Record a step."""
     row = rows[run.rows]
@@ -45,7 +61,7 @@ def _signature() -> Any:
     matrix, places = types.float64[:, ::1], types.float64[:, :, ::1]
     whole = types.int64
     return whole(
-        whole[::1], run, vector, vector, whole, matrix, matrix, matrix, whole, row, matrix, hit, places, places
+        whole[::1], run, vector, vector, whole, matrix, matrix, matrix, whole, row, matrix, hit, places, places, matrix
     )
 
 
@@ -55,10 +71,10 @@ def compiled_march() -> Callable[..., int]:
 
     Returns
     -------
-    march(functions, run, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope) -> Status as int
-        Makes up to `budget` moves from the state it is given, and leaves that state ready to go on: RUNNING means
-        that the budget or a buffer is used up. See `signatures` for functions, p, the frame w and memo, `state` for
-        the records.
+    march(functions, run, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope, samples) -> int
+        A Status. Makes up to `budget` moves from the state it is given, and leaves that state ready to go on: RUNNING
+        means that the budget or a buffer is used up. See `signatures` for functions, p, the frame w and memo, `state`
+        for the records.
     """
     # numba looks for changes in this file only. The loop inlines others: a hash of them, being a closed-over
     # variable, becomes part of the key that numba caches under.
@@ -68,7 +84,7 @@ def compiled_march() -> Callable[..., int]:
     head = Frame(0, 0).x
 
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
-    def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope):
+    def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope, samples):
         inlined  # noqa: B018 - see above
         run = records[0]
         x, carry = w[head : head + d], w[head + d : head + 2 * d]
@@ -104,6 +120,8 @@ def compiled_march() -> Callable[..., int]:
                     plain = plain and abs(x[i] + increment[i]) < BOUND
                 plain = plain and is_plain(run, h, run.side * w[G_END], run.side * w[RATE_END])
             if plain:
+                if run.steps >= run.next_sample:
+                    write_sample(run, x, samples)
                 run.evaluations += count
                 for i in range(d):
                     x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])

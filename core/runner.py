@@ -33,6 +33,7 @@ __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 #: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
 _CHUNK = 131072
 _HITS, _FEW = 4096, 1024  #: crossings to a call of the loop; where they are not kept, few enough to stay in the cache
+_SAMPLES = 256  #: steps that are looked into once a run is over (`diagnostics.resolution`), out of all its steps
 _KINDS = np.array(CROSSING_KINDS)
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)  #: to first order, of a start on the surface
 _MARGIN = 0.1  #: of the time that a solution is followed, by which its pole may be misplaced
@@ -106,6 +107,7 @@ class Runner:
         if system.jump is not None:
             self._run["jump"] = JUMP_TO_SURFACE if system.laws.jump_stays else JUMP_ANYWHERE
         self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
+        self._run["stride"], self._samples = 1, np.empty((_SAMPLES, 2 + d))
         self._memo = np.empty((1, 1))
         self._scratch: tuple[Floats, ...] = (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))
         if method.adaptive:
@@ -132,6 +134,11 @@ class Runner:
     def side(self) -> int:
         """Side occupied; 0 before the first step."""
         return int(self._run["side"][0])
+
+    @property
+    def samples(self) -> Floats:
+        """(k, 2 + d) time, side and state at the start of some of the steps in which no crossing was found."""
+        return self._samples[: int(self._run["samples"][0])]
 
     @property
     def longest(self) -> float:
@@ -196,6 +203,7 @@ class Runner:
         other._run, other._w = self._run.copy(), self._w.copy()
         frame = Frame(self.system.dimension, 0)
         other._x = other._w[frame.x : frame.carry]
+        other._samples = self._samples.copy()
         other._memo, other._scratch = self._memo.copy(), tuple(a.copy() for a in self._scratch)
         return other
 
@@ -258,7 +266,7 @@ class Runner:
         started = time.thread_time()
         status = self._march(
             self._compiled.addresses, self._run, self._p, self._w, d, self._memo, *self._scratch, budget,
-            rows, rows_x, *hits, self.envelope,
+            rows, rows_x, *hits, self.envelope, self._samples,
         )  # fmt: skip
         self.seconds += time.thread_time() - started
         self._collect(int(self._run["rows"][0]), rows, rows_x)

@@ -43,6 +43,9 @@ RUN = np.dtype(
         ("evaluations", np.int64),
         ("crossings", np.int64),
         ("max_crossings", np.int64),
+        ("stride", np.int64),  # of the steps without a crossing, one of so many has its start kept
+        ("next_sample", np.int64),
+        ("samples", np.int64),  # kept so far
         ("rows", np.int64),  # written since the last return
         ("hits", np.int64),
     ],

@@ -248,6 +248,8 @@ class Trajectory:
     """Which states are recorded: "steps", "crossings", "end", or "t_eval" for those at times asked for."""
     tolerance: float = math.nan
     """Of a method that chooses its own step size; else nan."""
+    samples: Floats | None = field(default=None, repr=False)
+    """(k, 2 + d) time, side and state at the start of some of the steps in which no crossing was found."""
 
     def __repr__(self) -> str:
         step = f"tolerance = {self.tolerance:g}" if METHODS[self.method].adaptive else f"tau = {self.tau:g}"

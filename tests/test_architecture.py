@@ -43,7 +43,7 @@ def test_importing_core_loads_nothing_of_a_screen():
         ("core/reference/flows.py", ["core.march", "core.integrate", "core.methods", "core.compiled"]),
         ("core/studies/cost.py", ["pwsviz"]),
         ("core/dense.py", ["core.march", "core.runner", "core.integrate", "core.trajectory"]),
-        ("core/sampling.py", ["core.march", "core.integrate"]),
+        ("core/recording.py", ["core.march", "core.integrate"]),
         ("core/excess.py", ["core.march", "core.runner", "core.integrate", "core.trajectory"]),
         ("pwsviz/scene.py", ["panel", "bokeh", "pwsviz.views", "pwsviz.explorer"]),
         ("pwsviz/link.py", ["panel", "bokeh", "pwsviz.views", "pwsviz.explorer"]),

@@ -16,6 +16,7 @@ from core.diagnostics.constants import (
     second_rate_bound,
     wellposed_bound,
 )
+from core.diagnostics.resolution import unresolved
 from core.diagnostics.scheme import Scheme
 from core.laws import Floats
 from core.methods import METHODS
@@ -114,10 +115,14 @@ def diagnose(run: Trajectory) -> Diagnosis:
 
 
 def step_warning(run: Trajectory) -> str:
-    """The first of `Diagnosis.warnings` as a sentence, from the first 256 crossings only; '' where there is none."""
+    """What speaks against the step size, in a sentence; '' where nothing does.
+
+    A surface that varies more within a step than the step shows; or else the first of `Diagnosis.warnings`, from the
+    first 256 crossings only.
+    """
     if run.status is Status.ZENO:  # crossings that accumulate come closer than any step
         return ""
-    warnings = _diagnosis(run, run.crossings.first(_FIRST)).warnings
+    warnings = unresolved(run) or _diagnosis(run, run.crossings.first(_FIRST)).warnings
     return f"{warnings[0]}." if warnings else ""
 
 
