@@ -68,7 +68,7 @@ class Exact:
 
 
 def first_root(height: Callable[[Array], Array], start: Any, end: Any, spacing: float) -> Any:
-    """The first time at which a height, positive just after the start, passes below zero; None if not before the end."""
+    """The first time at which a height, positive just after the start, passes below zero; None if there is none."""
     for times in _samples(start, end, spacing):
         found = _bracket(height, times)
         if found is not None:
