@@ -16,6 +16,8 @@ __all__ = ["Flow", "Modes", "accelerated", "forced", "integrated", "linear", "re
 Flow = Callable[[int, Any, Array], Flight]
 Sided = Mapping[int, Any]
 
+_PIECE = 0.25  # time that a flight is worked out for at once: little of it is in vain where crossings are many
+
 
 def real(**values: float) -> dict[str, Any]:
     """Numbers in extended precision, each the float it is given as."""
@@ -102,12 +104,29 @@ def linear(modes: Mapping[int, Modes]) -> Flow:
     return lambda side, t0, x0: modes[side].flight(t0, x0)
 
 
-def integrated(fields: Mapping[int, Callable[[float, Any], Any]], t_end: float) -> Flow:
+class _Integrated:
+    """A flight worked out piece by piece, as far as it is asked for."""
+
+    def __init__(self, field: Callable[[float, Any], Any], t0: float, x0: Any) -> None:
+        self.field, self.ends, self.pieces = field, [t0], [x0]
+
+    def __call__(self, t: Array) -> Array:
+        times = np.asarray(t, dtype=float)
+        while self.ends[-1] < times.max(initial=-np.inf) or len(self.ends) == 1:
+            self._extend()
+        which = np.clip(np.searchsorted(self.ends, times, side="right") - 1, 0, len(self.ends) - 2)
+        states = np.empty((len(times), len(self.pieces[0])), dtype=Real)
+        for k in np.unique(which):
+            states[which == k] = self.pieces[k + 1].sol(times[which == k]).T
+        return states
+
+    def _extend(self) -> None:
+        start = self.pieces[0] if len(self.pieces) == 1 else self.pieces[-1].y[:, -1]
+        span = (self.ends[-1], self.ends[-1] + _PIECE)
+        self.pieces.append(solve_ivp(self.field, span, start, "DOP853", dense_output=True, rtol=3e-14, atol=1e-15))
+        self.ends.append(span[1])
+
+
+def integrated(fields: Mapping[int, Callable[[float, Any], Any]]) -> Flow:
     """x' = f(t, x) of each side by SciPy's DOP853, to some 1e-11 in the state."""
-
-    def flow(side: int, t0: Any, x0: Array) -> Flight:
-        span = (float(t0), t_end + 1e-3)
-        found = solve_ivp(fields[side], span, x0.astype(float), "DOP853", dense_output=True, rtol=3e-14, atol=1e-15)
-        return lambda t: found.sol(np.asarray(t, dtype=float)).T.astype(Real)
-
-    return flow
+    return lambda side, t0, x0: _Integrated(fields[side], float(t0), x0.astype(float))

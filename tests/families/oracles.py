@@ -23,6 +23,7 @@ _CHUNK = 192  # samples of g taken at a time
 _FIRST = 2.0**-30  # the first sample after an event, as a part of the spacing
 _REFINED = 32  # parts of an interval that is looked into
 _ACCUMULATED = 1e-7  # gaps below this part of the spacing: the motion chatters
+_TOO_LARGE = 0.01  # relative to the state: with such an error, what comes next cannot be told
 _PERTURBED = 10.0  # perturbations of the start, in units of the error that a method may make
 
 
@@ -172,6 +173,8 @@ def trusted(
 
     Starts moved by ten times that error must meet the surface likewise, at times that differ by little of the gaps.
     """
+    if error > _TOO_LARGE:
+        return Exact((), Real(t0), np.asarray(x0, dtype=Real), "nothing can be told", *np.full((2, 1), np.nan))
     base = solve(system, t0, x0, t_end, most)
     x0 = np.asarray(x0, dtype=Real)
     size = _PERTURBED * error * np.maximum(np.abs(x0), 0.1)

@@ -256,7 +256,7 @@ def pendulum(rng: np.random.Generator) -> Case:
     t_end, rate = float(rng.uniform(3, 10)), max(p["w"], 3.0)
     fields = {s: lambda t, x, k=k: (x[1], -k * np.sin(x[0])) for s, k in ((-1, p["km"]), (1, p["kp"]))}
     a, w = real(a=p["a"], w=p["w"]).values()
-    exact = Hybrid(integrated(fields, t_end), lambda t, x: x[:, 0] - a * np.sin(w * t), 0.05 / rate)
+    exact = Hybrid(integrated(fields), lambda t, x: x[:, 0] - a * np.sin(w * t), 0.05 / rate)
     x0 = (float(rng.uniform(0.5, 2.5)), float(rng.normal()))
     return Case(_pendulum_system().with_parameters(**p), exact, x0, t_end, rate, 2.0)
 
@@ -337,7 +337,7 @@ def test_straight_motion_meets_every_zero_of_a_sine(k):
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_taylor_meets_every_crossing_and_goes_on(draws, name):
-    for rng in draws(8):
+    for rng in draws(3 if name == "pendulum" else 8):
         case = FAMILIES[name](rng)
         found, early, _ = judged(case, "taylor", tolerance_of(rng))
         assert not found, found
@@ -346,7 +346,7 @@ def test_taylor_meets_every_crossing_and_goes_on(draws, name):
 
 @pytest.mark.parametrize("name", FIXED)
 def test_steps_that_resolve_the_surface_meet_every_crossing(draws, name):
-    for rng in draws(8):
+    for rng in draws(3 if name == "pendulum" else 8):
         case = FAMILIES[name](rng)
         found, early, _ = judged(case, FIXED[name], resolving(rng, case))
         assert not found, found
@@ -355,7 +355,7 @@ def test_steps_that_resolve_the_surface_meet_every_crossing(draws, name):
 
 @pytest.mark.parametrize("name", FIXED)
 def test_steps_too_coarse_for_the_surface_are_right_or_say_so(draws, name):
-    for rng in draws(8):
+    for rng in draws(3 if name == "pendulum" else 8):
         case = FAMILIES[name](rng)
         found, _, run = judged(case, FIXED[name], resolving(rng, case) * float(rng.uniform(5.0, 50.0)))
         assert not (found and silent(run)), found
