@@ -105,7 +105,7 @@ def hidden(run: core.Trajectory, name: str, told: float) -> str:
         return ""
     k = int(more.argmax())
     return (
-        f"crossing {k} of {len(errors)}, t = {run.crossings.t[k]:.12g}: psi is off by {errors[k]:.3e}, told {told:.3e}\n"
+        f"crossing {k} of {len(errors)}, t = {run.crossings.t[k]:.12g}: psi lost {errors[k]:.3e}, told {told:.3e}\n"
         f"{name}: with_parameters(**{dict(run.system.values)}), x0 = {run.x[0].tolist()}, tau = {run.tau!r}\n"
         f"{run.method} -> {run.message}"
     )
