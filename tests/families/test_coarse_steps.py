@@ -172,7 +172,7 @@ def continued(law: Law, p: tuple[float, ...], start: tuple[float, float], h: flo
             if ds < 1e-9:
                 raise Folds from None
             continue
-        s, stages, ds = trial, found, min(1.5 * ds, 1e-2)
+        s, stages, ds = trial, found, min(1.5 * ds, 0.03)
     return point
 
 
@@ -207,7 +207,7 @@ def off_branch(name: str, method: str, p: dict[str, float], start: tuple[float, 
     return found and f"{found}\n{name}, {p}, x0 = {start}, tau = {h!r}, {method} -> {run.message}", run
 
 
-BRANCHES = [("elliptic", "dmm2"), ("elliptic", "dmm4"), ("elliptic", "dmm8"), ("quartic", "dmm2"), ("quartic", "dmm8"),
+BRANCHES = [("elliptic", "dmm2"), ("elliptic", "dmm4"), ("elliptic", "dmm8"), ("quartic", "dmm2"), ("quartic", "dmm4"),
             ("pendulum", "dmm2"), ("pendulum", "dmm4"), ("harmonic", "dmm2")]  # fmt: skip
 
 

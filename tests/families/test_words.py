@@ -21,8 +21,8 @@ _UNDEFINED = re.compile(r"defined|finite|domain")
 
 def _reproduced(run: core.Trajectory) -> str:
     return (
-        f"{run.system.name}: with_parameters(**{dict(run.system.values)}), x0 = {run.x[0].tolist()}, tau = {run.tau!r}\n"
-        f"{run.method} -> {run.message}"
+        f"{run.system.name}: with_parameters(**{dict(run.system.values)}), x0 = {run.x[0].tolist()}\n"
+        f"tau = {run.tau!r}, {run.method} -> {run.message}"
     )
 
 
