@@ -1,4 +1,4 @@
-"""Whether g varies within a step more than its values at both ends show: asked of steps in which no crossing was found."""
+"""Whether g varies within a step more than its ends show: asked of steps in which no crossing was found."""
 
 from __future__ import annotations
 
