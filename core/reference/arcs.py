@@ -20,6 +20,8 @@ __all__ = ["ExactArc", "Level"]
 _MAX_STEPS = 2000  # of one arc: some 300 turns
 _POLE = 2.0**-40  # relative distance to a pole at which the search for a crossing ends
 _GROWN = 2.0**20  # times the start's size that a state there is at least
+_LARGEST = 1e100  # size of a state above which no crossing is looked for: its square is no double any more soon
+_RESTING = 64  # steps in a row that change nothing, after which the solution is at rest: some hundred time constants
 _TOUCH = 0.75  # part of the bits of which a root is one: what is lower than all of them, touches
 _CLOSED = 0.5  # part of the bits to which a closed orbit comes back
 _EXPECTED = 2.0**-30  # relative error that a crossing expected from fewer digits may have
@@ -49,7 +51,9 @@ class ExactArc:
         self._level, self._leaving, self._guide = level, on_surface, guide
         self._context = level.digits.context
         self._eps = self._context.ldexp(1, -int(_TOUCH * (self._context.prec - GUARD)))
+        self._round_off = self._context.ldexp(1, GUARD - self._context.prec)
         self._steps: list[Step] = []
+        self._still = 0  # steps in a row that changed nothing
         self._end, self._last, self._unit = self._context.mpf(0), x, level.fields[side].unit(level.digits, x)
         self._fate = ""  # why it never reaches the surface, once known
         self._period: Any = None  # once it is known to be closed
@@ -93,7 +97,9 @@ class ExactArc:
         step = self._level.fields[self.side].step(self._level.digits, self._end, self._last, self._unit)
         self._steps.append(step)
         self._end += step.span
-        self._last, self._unit = step.at(self._end), step.next_unit
+        before, self._last, self._unit = self._last, step.at(self._end), step.next_unit
+        unchanged = np.abs(self._last - before).max() <= np.abs(self._last).max() * self._round_off
+        self._still = self._still + 1 if unchanged else 0
         if not self._meets(step):
             self._search(step)
         self._leaving = False
@@ -132,12 +138,14 @@ class ExactArc:
         """Whether no crossing can follow: at a pole, and on a closed orbit beside a surface that stands still."""
         if self._course is None:
             self._course = self._steps[0].polynomial()[:2]
-        if step.span < _POLE * self._end and np.abs(self._last).max() > _GROWN * np.abs(self.x).max():
+        if np.abs(self._last).max() > _LARGEST:
+            self._fate = f"it grows beyond {_LARGEST:g} by t = {float(self.t + self._end):.17g}"
+        elif step.span < _POLE * self._end and np.abs(self._last).max() > _GROWN * np.abs(self.x).max():
             self._fate = f"it escapes to infinity at t = {float(self.t + self._end):.17g}"
         elif self._level.surface.moves:
             return
-        elif not self._course[1].any():
-            self._fate = "it stays at rest"
+        elif not self._course[1].any() or self._still == _RESTING:
+            self._fate = f"it comes to rest at {self._last.astype(float)}"
         elif (period := self._return(self._course, step, states)) is not None:
             self._period, self._fate = period, f"its orbit closes after a period {float(period):.17g}"
 

@@ -115,19 +115,19 @@ class ExactSolution:
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
         t, x, _ = self._agreed(lambda solution: solution.passage(k))
-        return float(t), x.astype(float)
+        return float(t), as_doubles(x)
 
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
-        return self._agreed(lambda solution: solution.passage(k))[2].astype(float)
+        return as_doubles(self._agreed(lambda solution: solution.passage(k))[2])
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
-        return self._agreed(lambda solution: (solution.point(t),))[0].astype(float)
+        return as_doubles(self._agreed(lambda solution: (solution.point(t),))[0])
 
     def side(self, t: float) -> int:
         """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
-        return self._agreed(lambda solution: (solution.side(t),))[0]
+        return int(self._agreed(lambda solution: (solution.side(t),))[0])
 
     def _agreed(self, ask: Callable[[ReferenceSolution], tuple[Any, ...]]) -> tuple[Any, ...]:
         """The answer that two precisions agree on, or that of the highest."""
@@ -142,7 +142,8 @@ class ExactSolution:
         self._error = max(self._error, absolute)
         if isinstance(fine, ValueError):
             raise fine
-        return fine
+        agreed: tuple[Any, ...] = fine
+        return agreed
 
     def _difference(self, coarse: Any, fine: Any) -> tuple[float, float]:
         """Largest difference of two outcomes, and the largest relative to the time, or to the size of the state."""
@@ -155,6 +156,11 @@ class ExactSolution:
             absolute = max(absolute, difference)
             relative = max(relative, difference / size if difference else 0.0)
         return absolute, relative
+
+
+def as_doubles(x: State) -> NDArray[np.float64]:
+    """The state (d,), each number rounded once."""
+    return np.array([float(u) for u in x])
 
 
 def _outcome(ask: Callable[[ReferenceSolution], tuple[Any, ...]], solution: ReferenceSolution) -> Any:

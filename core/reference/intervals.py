@@ -7,7 +7,7 @@ concluded from them. Source: Moore, Kearfott, Cloud, *Introduction to Interval A
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +61,7 @@ class Intervals:
     def number(self, constant: Constant) -> Interval:
         """The double nearest to the constant, and what lies around it."""
         if constant not in self._numbers:
-            value = self._doubles.number(constant)
+            value = np.asarray(self._doubles.number(constant))
             self._numbers[constant] = _widely(value, value)
         return self._numbers[constant]
 
@@ -157,6 +157,6 @@ def _wave(ends: Interval, trough: NDArray[np.bool_], crest: NDArray[np.bool_]) -
     )
 
 
-def around(center: Bounds, radius: Bounds | Any) -> Interval:
+def around(center: Bounds, radius: Bounds) -> Interval:
     """The interval of a radius around a number."""
     return _outwards(center - radius, center + radius)

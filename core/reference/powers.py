@@ -27,10 +27,10 @@ _CANCELLED = 6  # bits by which a term may be larger than the state
 _APART = 4  # coefficients from one that this is asked of to the next
 _FAR = 100.0  # exponent of 2 of what stands for infinity
 _LEAST = 0.9  # of the step at which the last coefficients are of the size of the precision
-_GROWTH = 2  # a step may be 2^2 times as long as the one before
+_GROWTH = 4  # a step may be 2^4 times as long as the one before
 _TOO_LONG = 2.0**-5  # part of its unit below which a step is taken anew, in a shorter unit
 _DOUBLE = 96  # bits of a coefficient that are kept on its way to a double
-_LARGEST, _LEAST_EXPONENT = 1e280, -1000  # states within the range of a double
+_LEAST_EXPONENT = -1000  # of 2, of a state within the range of a double
 
 
 class Field:
@@ -54,17 +54,15 @@ class Field:
             if not whole or (operation == "call" and detail not in ("sin", "cos")):
                 raise ValueError(f"no power series for {operation} {detail} in a field")
 
-    def unit(self, digits: Digits, x: Sequence[Any]) -> int:
+    def unit(self, digits: Digits, x: NDArray[Any]) -> int:
         """Exponent of 2 of the time in which the state x (d,) changes by its size."""
-        size, rate = (max(map(abs, u)) for u in (x, self._program.run(digits, x)))
+        size, rate = (max(map(abs, u)) for u in (x, self._program.run(digits, list(x))))
         return int(digits.context.mag(size) - digits.context.mag(rate)) if size and rate else 0
 
-    def step(self, digits: Digits, start: Any, x: Sequence[Any], unit: int) -> Step:
+    def step(self, digits: Digits, start: Any, x: NDArray[Any], unit: int) -> Step:
         """Expand the solution from the state x (d,), at the elapsed time `start`, in units of time of about 2^unit."""
         context = digits.context
         size = max(map(abs, x))
-        if size > _LARGEST:
-            raise ValueError(f"the solution grows beyond {_LARGEST:g}")
         bits = context.prec - GUARD
         point = context.prec - (min(max(context.mag(size), _LEAST_EXPONENT), 0) if size else 0)
         while True:
@@ -107,15 +105,18 @@ class _Expansion:
         if operation == "input":
             series = self.states[detail]
         elif operation == "add":
-            series = self._sum([u if isinstance(u, list) else self._constant(u) for u in given])
+            series = self._sum([self._series_of(u) for u in given])
         elif operation == "multiply":
             series = self._product(given)
         elif operation == "power":
             series = self._product(given * detail.integer)
         else:
-            series = self._wave(given[0])[detail == "cos"]
+            series = self._wave(self._series_of(given[0]))[detail == "cos"]
         self._placed.append(series)
         return series
+
+    def _series_of(self, value: list[int] | Constant) -> list[int]:
+        return value if isinstance(value, list) else self._constant(value)
 
     def _constant(self, number: Constant) -> list[int]:
         p, q = self._digits.ratio(number)
@@ -231,8 +232,8 @@ class Step:
 
     def polynomial(self) -> NDArray[np.float64]:
         """Coefficients (order + 1, d) of powers of the part of the step, from 0 to 1, to double precision."""
-        context = self._digits.context
-        shift = max(0, context.prec - _DOUBLE)
+        shift = max(0, max(u[0].bit_length() for u in self._series) - _DOUBLE)
         scale = np.cumprod(np.append(1.0, np.full(len(self._series[0]) - 1, self._end)))
         rows = [[float(c >> shift) for c in series] for series in self._series]
-        return np.ldexp(np.array(rows).T, shift - self._point) * scale[:, None]
+        coefficients: NDArray[np.float64] = np.ldexp(np.array(rows).T, shift - self._point) * scale[:, None]
+        return coefficients

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from core.reference.search import Time
 
 __all__ = ["MAX_CROSSINGS", "Arc", "Motion", "ReferenceSolution", "Solution", "State", "Stop", "first_arc"]
 
-State: TypeAlias = NDArray[np.floating]
+State: TypeAlias = NDArray[Any]  # (d,) of such numbers as time is
 
 TANGENT = 1e-8  # |ġ| below this fraction of its largest value on the arc: a tangency, not a crossing
 OFF_SURFACE = 1e-9  # |g| after a jump above this fraction of the largest seen: the jump leads off the surface
@@ -41,8 +41,14 @@ class Arc(Protocol):
     side: int
     t: Time
     x: State
-    steepest: float  # largest |ġ| seen on it
-    deepest: float  # largest |g| seen on it
+
+    @property
+    def steepest(self) -> float:
+        """Largest |ġ| seen on it."""
+
+    @property
+    def deepest(self) -> float:
+        """Largest |g| seen on it."""
 
     def arrival(self, until: float) -> tuple[Time, State] | None:
         """First time and state on the surface; None if not before `until`.
@@ -75,8 +81,12 @@ class Solution(Protocol):
         """What it rests on, for display."""
 
     @property
-    def error(self) -> float | None:
-        """Its own estimate of its error; None if it is exact to round-off."""
+    def exact(self) -> bool:
+        """Whether all that was asked for so far is right to round-off of a double."""
+
+    @property
+    def error(self) -> float:
+        """Bound on the error of what was asked for so far where it is exact, else its own estimate of it."""
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k, from 1 on."""
@@ -101,12 +111,14 @@ class ReferenceSolution:
     motion : Motion
     first : Arc
     max_crossings : int
-    error : float or None
-        Its own estimate of its error in the state; None if it is exact to round-off.
+    error : float
+        Its own estimate of its error in the state.
     """
 
+    exact = False
+
     def __init__(
-        self, name: str, motion: Motion, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float | None = None
+        self, name: str, motion: Motion, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float = np.inf
     ) -> None:
         self.name = name
         self.error = error

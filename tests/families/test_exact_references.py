@@ -1,7 +1,7 @@
 """Exact references of random systems, against power series of 40 digits and a dense look at the surface."""
 
+import re
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -19,7 +19,7 @@ IN_DOUBLES = {name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "
 IN_DIGITS = {name: getattr(MP, name) for name in IN_DOUBLES}
 
 
-class Undecided(Exception):
+class UndecidedError(Exception):
     """The oracle's looks are too far apart for this case."""
 
 
@@ -34,10 +34,16 @@ def dyadic(rng: np.random.Generator, low: float, high: float) -> float:
 def linear(a: list[list[float]], b: list[float]) -> tuple[list[str], Callable[[list[list[Any]], int], list[Any]]]:
     """x' = a x + b as text, and its recurrence."""
     names = "xyzw"[: len(b)]
-    texts = ["+".join([f"({c!r})*{n}" for c, n in zip(row, names, strict=True)] + [f"({e!r})"]) for row, e in zip(a, b, strict=True)]
+    texts = [
+        "+".join([f"({c!r})*{n}" for c, n in zip(row, names, strict=True)] + [f"({e!r})"])
+        for row, e in zip(a, b, strict=True)
+    ]
 
     def rate(x: list[list[Any]], k: int) -> list[Any]:
-        return [sum(c * u[k] for c, u in zip(row, x, strict=True)) + (e if k == 0 else 0) for row, e in zip(a, b, strict=True)]
+        return [
+            sum(c * u[k] for c, u in zip(row, x, strict=True)) + (e if k == 0 else 0)
+            for row, e in zip(a, b, strict=True)
+        ]
 
     return texts, rate
 
@@ -72,16 +78,27 @@ def body(m: float) -> tuple[list[str], Callable[[list[list[Any]], int], list[Any
 class Oracle:
     """Crossings one after another by fixed steps, each looked at densely."""
 
-    def __init__(self, fields: dict[int, Any], g: str, t0: float, x0: list[float], h: float, order: int, jump: Any = None):
-        self.fields, self.t, self.x, self.h, self.order, self.jump = fields, MP.mpf(t0), [MP.mpf(u) for u in x0], h, order, jump
+    def __init__(
+        self, fields: dict[int, Any], g: str, t0: float, x0: list[float], h: float, order: int, jump: Any = None
+    ):
+        self.fields, self.t, self.x, self.h, self.order, self.jump = (
+            fields,
+            MP.mpf(t0),
+            [MP.mpf(u) for u in x0],
+            h,
+            order,
+            jump,
+        )
         self.code = compile(g, "g", "eval")
         self.side = 1 if self.g(self.t, self.x) > 0 else -1
         self.names = "xyzw"[: len(x0)]
 
     def g(self, t: Any, x: Any, functions: dict[str, Any] = IN_DIGITS) -> Any:
-        return eval(self.code, dict(functions), {"t": t, **dict(zip("xyzw", x, strict=False))})
+        """The switching function, by Python itself."""
+        return eval(self.code, dict(functions), {"t": t, **dict(zip("xyzw", x, strict=False))})  # noqa: S307 - our own text
 
     def series(self) -> list[list[Any]]:
+        """Coefficients of the solution from where it is."""
         x = [[u] for u in self.x]
         for k in range(self.order):
             for u, v in zip(x, self.fields[self.side](x, k), strict=True):
@@ -102,8 +119,8 @@ class Oracle:
             last = below[0] if len(below) else DENSE
             inner = depth[1:last]
             dips = inner[1:-1][(inner[1:-1] < inner[:-2]) & (inner[1:-1] < inner[2:])]
-            if leaving and below.size and last == 1 or dips.size and dips.min() < 1e-3 * np.abs(inner).max():
-                raise Undecided
+            if (leaving and below.size and last == 1) or (dips.size and dips.min() < 1e-3 * np.abs(inner).max()):
+                raise UndecidedError
             if len(below):
                 return self.cross(x, s[last - 1], s[last])
             self.t, self.x = self.t + MP.mpf(self.h), [MP.polyval(u[::-1], MP.mpf(self.h)) for u in x]
@@ -111,16 +128,28 @@ class Oracle:
         return None
 
     def cross(self, x: list[list[Any]], low: float, high: float) -> tuple[Any, list[Any]]:
-        at = lambda s: [MP.polyval(u[::-1], s) for u in x]
-        height = lambda s: self.g(self.t + s, at(s))
-        s = MP.findroot(height, (MP.mpf(low), MP.mpf(high)), solver="anderson", tol=1e-80, maxsteps=60, verify=False)
+        """Go to the crossing between two times of the step, and over to the other side."""
+
+        def at(s: Any) -> list[Any]:
+            return [MP.polyval(u[::-1], s) for u in x]
+
+        s = MP.findroot(
+            lambda s: self.g(self.t + s, at(s)),
+            (MP.mpf(low), MP.mpf(high)),
+            solver="anderson",
+            tol=1e-80,
+            maxsteps=60,
+            verify=False,
+        )
         t, place = self.t + s, at(s)
         self.t, self.x = t, self.jump(t, place) if self.jump else place
         self.side = -self.side if self.jump is None else self.side
         return t, place
 
 
-def compare(kinds: list[Any], g: str, x0: list[float], t0: float, until: float, most: int, h: float, order: int = 45) -> int:
+def compare(
+    kinds: list[Any], g: str, x0: list[float], t0: float, until: float, most: int, h: float, order: int = 45
+) -> int:
     """Hold the reference of fields of two kinds against the oracle; how many crossings were compared."""
     (minus, below), (plus, above) = kinds
     names = "xyzw"[: len(x0)]
@@ -134,17 +163,19 @@ def compare(kinds: list[Any], g: str, x0: list[float], t0: float, until: float, 
     for k in range(1, most + 1):
         try:
             wanted = oracle.next(until)
-        except Undecided:
+        except UndecidedError:
             return k - 1
         try:
             t, x = reference.crossing(k)
         except ValueError as end:
-            assert wanted is None or "tangent" in str(end) or "slides" in str(end), f"{case}: crossing {k}: {end}"
-            return k - 1
+            if wanted is None or re.search("tangent|slides", str(end)):
+                return k - 1
+            pytest.fail(f"{case}: crossing {k}: {end}")
         if wanted is None:
             assert t > until - 2 * h, f"{case}: crossing {k} at {t}, none to be expected before {until}"
             return k - 1
-        assert reference.exact and reference.error <= ULP * (abs(t) + np.abs(x).max()), case
+        assert reference.exact, case
+        assert reference.error <= ULP * (abs(t) + np.abs(x).max()), case
         assert abs(t - wanted[0]) <= np.spacing(abs(t)), f"{case}: crossing {k} at {t!r}, not {MP.nstr(wanted[0], 20)}"
         size = max(abs(u) for u in wanted[1])
         assert max(abs(u - v) for u, v in zip(x, wanted[1], strict=True)) <= ULP * size, f"{case}: crossing {k} at {x}"
@@ -165,21 +196,116 @@ def curved(rng: np.random.Generator) -> str:
 
 def test_flights_over_any_surface_miss_no_crossing(draws):
     compared = 0
-    for rng in draws(40):
+    for rng in draws(20):
         fall = dyadic(rng, -1, 0) * int(rng.integers(2))
         flight = [linear([[0, 0], [c, 0]], [dyadic(rng, 0.2, 2), dyadic(rng, -0.5, 0.5)]) for c in (fall, fall)]
         x0 = [dyadic(rng, -6, 0), dyadic(rng, 0, 3)]
-        compared += compare(flight, curved(rng), x0, 0.0, 8.0, 6, 0.125, 20)
-    assert compared > 20
+        compared += compare(flight, curved(rng), x0, 0.0, 8.0, 6, 0.25, 4)
+    assert compared > 10
 
 
 def test_linear_fields_with_any_eigenvalues_under_any_surface(draws):
     compared = 0
-    for rng in draws(25):
+    for rng in draws(14):
         kinds = []
         for _ in range(2):
             p, q, r = dyadic(rng, -0.5, 0.2), dyadic(rng, 0.5, 3), dyadic(rng, -1, 1)
             matrix = [[[p, q], [-q, p]], [[p, 1.0], [0.0, p]], [[p, 0.5], [r, -q / 2]]][rng.integers(3)]
             kinds.append(linear(matrix, [dyadic(rng, -1, 1), dyadic(rng, -1, 1)]))
-        compared += compare(kinds, curved(rng), [dyadic(rng, -2, 2), dyadic(rng, -2, 2)], 0.0, 6.0, 5, 0.125, 30)
-    assert compared > 10
+        kinds = kinds if rng.integers(2) else [kinds[0], kinds[0]]
+        compared += compare(kinds, curved(rng), [dyadic(rng, -2, 2), dyadic(rng, -2, 2)], 0.0, 6.0, 5, 0.25, 36)
+    assert compared > 5
+
+
+def test_second_passages_of_a_saddle_keep_their_digits(draws):
+    # near a separatrix a passage takes as long as the logarithm of the distance from it: 64 bits lose that
+    compared = 0
+    for rng in draws(1):
+        near = float(10 ** rng.uniform(-7, -4))
+        k, m = dyadic(rng, 0.75, 2), dyadic(rng, 0.25, 0.75)
+        cases = [
+            ([body(m), body(m)], f"x - {dyadic(rng, -0.3, 0.3)}", [1.0, near, near], 0.25),
+            ([pendulum(k), pendulum(k)], f"x - {dyadic(rng, -1, 1)}", [float(np.pi) - near, 0.0], 0.25),
+            ([elliptic(-3.0), elliptic(-3.0)], f"x - {dyadic(rng, -0.5, 0.5)}", [1.0 - near, 0.0], 0.125),
+        ]
+        for kinds, g, x0, h in cases:
+            compared += compare(kinds, g, x0, 0.0, 60.0, 3, h, 40)
+    assert compared >= 6
+
+
+def test_kinds_of_fields_beside_each_other_and_moving_surfaces_from_late_starts(draws):
+    compared = 0
+    for rng in draws(6):
+        make = [
+            lambda rng: pendulum(dyadic(rng, 0.5, 3)),
+            lambda rng: linear([[0.0, 1.0], [-dyadic(rng, 0.5, 3), -dyadic(rng, 0, 0.25)]], [0.0, 0.0]),
+            lambda rng: elliptic(-dyadic(rng, 2, 4)),
+        ]
+        kinds = [make[rng.integers(3)](rng) for _ in range(2)]
+        w, a = dyadic(rng, 1, 30), dyadic(rng, 0.05, 0.5)
+        g = rng.choice([f"y - {a}*sin({w}*t)", f"x - {a}*cos({w}*t)", f"y - {a}*sin({w}*x - t)", "x**2 + y**2 - 1"])
+        t0 = float(rng.choice([0.0, 1e4]))
+        compared += compare(kinds, str(g), [dyadic(rng, -1, 0.5), dyadic(rng, -1, 1)], t0, t0 + 6, 6, 0.0625, 30)
+    assert compared > 6
+
+
+def test_balls_on_a_moving_table_hit_it_where_it_is(draws):
+    compared = 0
+    for rng in draws(8):
+        a, w, r, t0 = dyadic(rng, 0.05, 0.3), dyadic(rng, 1, 12), dyadic(rng, 0.5, 1), float(rng.choice([0.0, 1e4]))
+        g, x0, speed = f"x - {a}*sin({w}*t)", [dyadic(rng, 0.5, 2), 0.0], f"{a * w}*cos({w}*t)"
+        fall = linear([[0.0, 1.0], [0.0, 0.0]], [0.0, -9.75])
+        system = core.PiecewiseSystem(
+            name="table", variables=("x", "y"), f_minus=tuple(fall[0]), f_plus=tuple(fall[0]), g=g, x0=tuple(x0),
+            jump=("x", f"{speed} - {r}*(y - {speed})"),
+        )  # fmt: skip
+
+        def land(t, x, a=a, w=w, r=r):
+            table = MP.mpf(a) * w * MP.cos(w * t)
+            return [x[0], table - r * (x[1] - table)]
+
+        oracle, reference = (
+            Oracle({1: fall[1], -1: fall[1]}, g, t0, x0, 0.0625, 6, land),
+            core.reference_solution(system, x0, t0),
+        )
+        for k in range(1, 7):
+            case = f"a={a} w={w} r={r} x0={x0} t0={t0}: impact {k}"
+            try:
+                wanted = oracle.next(t0 + 10)
+                t, x = reference.crossing(k)
+            except UndecidedError:
+                break
+            if wanted is None and t > t0 + 9.9:
+                break
+            assert wanted is not None, f"{case} at {t!r}: none to be expected"
+            assert abs(t - wanted[0]) <= np.spacing(abs(t)), f"{case} at {t!r}, not {MP.nstr(wanted[0], 20)}"
+            assert np.abs(reference.after(k) - np.array(oracle.x, dtype=float)).max() <= 4 * ULP * np.abs(x).max(), case
+            compared += 1
+    assert compared > 20
+
+
+@pytest.mark.parametrize("depth", [1e-13, 1e-9, 1e-5])
+def test_a_shallow_dip_below_a_narrow_bump_is_seen(depth):
+    # flight at a height of 1 under the tip of a bump of the surface, wherever the samples of a search may fall
+    for place in (0.3, 7.0, 333.0):
+        flight = {"f_minus": ("1", "0"), "f_plus": ("1", "0"), "g": f"y - (1 + {depth!r})*exp(-40000*(x - {place})**2)"}
+        system = core.PiecewiseSystem(name="bump", variables=("x", "y"), x0=(0.0, 1.0), **flight)
+        solution = core.reference_solution(system)
+        half = float(mpmath.sqrt(mpmath.log1p(mpmath.mpf(repr(depth))) / 40000))
+        (first, _), (second, _) = solution.crossing(1), solution.crossing(2)
+        assert second - first == pytest.approx(2 * half, abs=2 * np.spacing(place))
+
+
+def test_a_tangency_of_a_surface_ends_the_solution_in_words(draws):
+    for rng in draws(10):
+        k = dyadic(rng, 0.5, 4)
+        system = core.PiecewiseSystem(
+            name="touch",
+            variables=("x", "y"),
+            f_minus=("1", "0"),
+            f_plus=("1", "0"),
+            g=f"y + cos({k}*x)",
+            x0=(0.0, 1.0),
+        )
+        with pytest.raises(ValueError, match="tangent"):
+            core.reference_solution(system).crossing(1)
