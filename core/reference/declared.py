@@ -22,7 +22,8 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
 
     A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
     curves, pendulums and free rigid bodies; one side may be of one kind and the other of another, and the surface may
-    move. Its `name` says which it is.
+    move. Its `name` says which it is. The solution is worked out to as many digits as it takes two precisions to agree
+    to round-off of a double, and no crossing is missed: bounds on g between samples show that there is none.
 
     Parameters
     ----------
@@ -40,8 +41,9 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
     -------
     Solution
         ``.crossing(k)`` -> (t, x) on the surface and ``.after(k)`` -> x after its jump, for k = 1, 2, …; ``.state(t)``,
-        ``.side(t)``; worked out when first asked for. ``.error`` is its own estimate of its error, None where it is
-        exact to round-off.
+        ``.side(t)``; worked out when first asked for. ``.exact`` says whether all that was asked for so far is right to
+        round-off of a double, and ``.error`` bounds its error before it is rounded; where it is not exact, ``.error``
+        is its own estimate, and where a closed form is known but no number of digits was enough, ``.name`` says so.
 
     Raises
     ------

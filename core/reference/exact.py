@@ -1,29 +1,33 @@
-"""Exact piecewise solutions: closed-form flows between crossings located to the last digit."""
+"""Exact piecewise solutions of fields with closed forms, worked out in as many digits as they need.
+
+A solution is a power series of time to many digits between crossings, and crossings are found by bounds that leave none
+unseen. It is worked out at two precisions; where they differ by more than round-off of a double, at higher ones. What
+a passage of a saddle, or thirty crossings, magnify is thus held against the digits that are carried.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import islice, pairwise
+from collections.abc import Callable
+from itertools import count
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from core.expressions import TIME
-from core.reference.flows import Flow
-from core.reference.recognition import exact_numbers, extended_number, recognise
-from core.reference.search import Sample, Time, first_zero
-from core.reference.solution import MAX_CROSSINGS, Arc, Motion, ReferenceSolution, State, first_arc
-from core.reference.weierstrass import Extended
+from core.reference.arcs import ExactArc, Level
+from core.reference.powers import GUARD, Field
+from core.reference.program import Digits, Program
+from core.reference.recognition import exact_numbers, recognise
+from core.reference.solution import MAX_CROSSINGS, Motion, ReferenceSolution, State, Stop, first_arc
+from core.reference.surface import Surface
 
-__all__ = ["exact_solution"]
+__all__ = ["ExactSolution", "exact_solution"]
 
-_MAX_SAMPLES = 20_000  # of one arc: over 300 periods of its fastest mode
-_CHUNK = 128  # samples taken in one vectorised call of the flow
-_RESOLUTION = 0.1  # sampling interval × fastest rate: 63 samples a period
-_GROWTH = 0.25  # sampling interval / time since leaving the surface, to see quick returns
-_FIRST = 1e-7  # first sample after leaving the surface, × fastest rate
-_POLE = 1e-10  # relative distance to a pole at which the search for a crossing ends
+_BITS = (60, 76, 114, 171, 256, 384, 576)
+Begin: TypeAlias = "Callable[[int, ReferenceSolution | None], ReferenceSolution]"
+_AGREEMENT = 2.0**-57  # relative difference that is round-off of a double: an eighth of what rounding it makes
 
 
 def exact_solution(
@@ -35,7 +39,7 @@ def exact_solution(
     x0: ArrayLike,
     max_crossings: int = MAX_CROSSINGS,
     jump: tuple[sympy.Expr, ...] | None = None,
-) -> ReferenceSolution | None:
+) -> ExactSolution | None:
     """Exact solution of x' = field_± (x), or None if no closed form of one of the fields is known.
 
     Parameters
@@ -56,159 +60,135 @@ def exact_solution(
     names = {TIME, *variables}
     if below is None or above is None or any(e.free_symbols - names for e in (g, *(jump or ()))):
         return None
-    flows, surface = {-1: below, 1: above}, _Surface(g, {-1: field_minus, 1: field_plus}, variables)
-    jumps = None if jump is None else [_extended_function(u, variables) for u in jump]
+    fields = {side: tuple(map(exact_numbers, f)) for side, f in ((-1, field_minus), (1, field_plus))}
+    surface = Surface(exact_numbers(g), fields, variables)
+    flows = {side: Field(f, variables) for side, f in fields.items()}
+    jumps = None if jump is None else Program([exact_numbers(u) for u in jump], (TIME, *variables))
+    start = np.asarray(x0, dtype=float)
 
-    def start(t: Time, x: State, side: int, on_surface: bool) -> Arc:
-        return _ExactArc(t, x, side, on_surface, flows[side], surface)
+    def begin(bits: int, guide: ReferenceSolution | None) -> ReferenceSolution:
+        level = Level(Digits.of(bits + GUARD), flows, surface)
+        return _solution(level, jumps, float(t0), start, max_crossings, guide)
 
-    def land(t: Time, x: State) -> State:
-        with np.errstate(all="ignore"):  # where it leads is looked at
-            return np.array([u(_column(t), _rows(x))[0] for u in jumps or ()])
-
-    motion = Motion(start, surface.height_at, surface.rate_at, land if jumps else None)
-    t, x = np.longdouble(t0), np.asarray(x0, dtype=np.longdouble)
-    first = first_arc(motion, t, x, surface.reach(t, x))
-    basis = sorted({below.name, above.name})
-    return ReferenceSolution(f"exact ({', '.join(basis)})", motion, first, max_crossings)
+    return ExactSolution(", ".join(sorted({below.name, above.name})), float(t0), begin)
 
 
-class _Surface:
-    """g and its rates, compiled in extended precision: of times (n,) and states (n, d) -> (n,)."""
+class ExactSolution:
+    """Piecewise smooth solution worked out at two precisions, higher ones where they do not agree.
 
-    def __init__(
-        self, g: sympy.Expr, fields: dict[int, tuple[sympy.Expr, ...]], variables: tuple[sympy.Symbol, ...]
-    ) -> None:
-        gradient, drift = [g.diff(v) for v in variables], g.diff(TIME)
-        self.moves = TIME in g.free_symbols
-        self.height = _extended_function(g, variables)
-        self.rates = {
-            side: _extended_function(sum((a * b for a, b in zip(gradient, f, strict=True)), drift), variables)
-            for side, f in fields.items()
-        }
-        self._slope = _extended_function(sympy.sqrt(sum(u**2 for u in gradient)), variables)
-        self._drift = _extended_function(drift, variables)
-        arguments = {a for f in g.atoms(sympy.Function) for a in f.args if a.has(TIME)}
-        self._clocks = [_extended_function(a.diff(TIME), variables) for a in arguments]
+    Parameters
+    ----------
+    basis : str
+        The closed forms of its fields, for display.
+    t0 : float
+    begin : callable
+        A precision in bits, and the solution at a lower one or None -> the solution worked out at it.
+    """
 
-    def height_at(self, t: Time, x: State) -> Time:
-        """g at one state (d,)."""
-        return np.longdouble(self.height(_column(t), _rows(x))[0])
+    def __init__(self, basis: str, t0: float, begin: Begin) -> None:
+        self._basis, self._t0, self._begin = basis, t0, begin
+        self._level = 0
+        self._coarse = begin(_BITS[0], None)
+        self._fine = begin(_BITS[1], self._coarse)
+        self._error = 0.0
+        self.exact = True  #: whether all that was asked for so far is right to round-off of a double
 
-    def rate_at(self, side: int, t: Time, x: State) -> Time:
-        """ġ = g_t + ∇g·f of a side at one state (d,)."""
-        return np.longdouble(self.rates[side](_column(t), _rows(x))[0])
+    @property
+    def name(self) -> str:
+        """What it rests on; where no number of digits was enough, also how large its error may be."""
+        return f"exact ({self._basis})" if self.exact else f"power series ({self._basis}), error {self._error:.1e}"
 
-    def reach(self, t: Time, x: State) -> Time:
-        """How far g may be from 0 on the surface by the rounding of t and x to double."""
-        slope, drift = (f(_column(t), _rows(x))[0] for f in (self._slope, self._drift))
-        return np.longdouble(2 * np.finfo(float).eps * (slope * np.abs(x).max() + np.abs(drift * t)))
+    @property
+    def error(self) -> float:
+        """Bound on the error of all times and states asked for so far, before they are rounded to double.
 
-    def tempo(self, t: Time, x: State) -> float:
-        """Fastest rate (1/time) at which g itself changes with time: of the arguments of its functions."""
-        return max((float(np.abs(clock(_column(t), _rows(x))[0])) for clock in self._clocks), default=0.0)
+        The largest difference between the last two precisions: that of the lower one, which is far above that of the
+        higher one, whose results are given.
+        """
+        return self._error
 
+    @property
+    def stop(self) -> Stop | None:
+        """Where, when and why it ends, once that is known."""
+        return self._fine.stop
 
-class _ExactArc:
-    """An arc along an exact flow, sampled from its start on as far as anyone asked."""
+    def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
+        """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
+        t, x, _ = self._agreed(lambda solution: solution.passage(k))
+        return float(t), as_doubles(x)
 
-    def __init__(
-        self, t: Time, x: State, side: int, on_surface: bool,
-        flow: Flow, surface: _Surface,
-    ) -> None:  # fmt: skip
-        self.t, self.x, self.side = t, x, side
-        self._flow, self._surface = flow, surface
-        depth, rate = self._look(np.zeros(1, dtype=np.longdouble))
-        self.steepest, self.deepest = float(np.abs(rate[0])), float(np.abs(depth[0]))
-        self._last = Sample(np.longdouble(0), 0 if on_surface else depth[0], rate[0])
-        end = flow.lifetime(x) if surface.moves else min(flow.lifetime(x), flow.period(x))
-        self._times = _sample_times(max(flow.rate(x), surface.tempo(t, x)), end)
-        self._found: tuple[Time, State] | None = None
+    def after(self, k: int) -> NDArray[np.float64]:
+        """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
+        return as_doubles(self._agreed(lambda solution: solution.passage(k))[2])
 
-    def arrival(self, until: float) -> tuple[Time, State] | None:
-        """First time and state on the surface; None if not before `until`."""
-        while self._found is None and self.t + self._last.t < until:
-            chunk = list(islice(self._times, _CHUNK))
-            if chunk:
-                self._search(np.array(chunk, dtype=np.longdouble))
-            elif until < np.inf:
-                return None
-            else:
-                raise ValueError(f"the solution never reaches the surface after t = {self.t:.17g}: {self._fate()}")
-        return self._found
+    def state(self, t: float) -> NDArray[np.float64]:
+        """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
+        return as_doubles(self._agreed(lambda solution: (solution.point(t),))[0])
 
-    def state(self, t: float) -> State:
-        """State (d,) at time t of this arc."""
-        if t - self.t >= self._flow.lifetime(self.x):
-            raise ValueError(f"no state at t = {t}: {self._fate()}")
-        return self._at(t - self.t)
+    def side(self, t: float) -> int:
+        """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
+        return int(self._agreed(lambda solution: (solution.side(t),))[0])
 
-    def _at(self, elapsed: Time) -> Extended:
-        state: Extended = self._flow(self.x, np.array([elapsed], dtype=np.longdouble))[0]
-        return state
+    def _agreed(self, ask: Callable[[ReferenceSolution], tuple[Any, ...]]) -> tuple[Any, ...]:
+        """The answer that two precisions agree on, or that of the highest."""
+        while True:
+            coarse, fine = _outcome(ask, self._coarse), _outcome(ask, self._fine)
+            absolute, relative = self._difference(coarse, fine)
+            if relative <= _AGREEMENT or self._level + 2 == len(_BITS):
+                break
+            self._level += 1
+            self._coarse, self._fine = self._fine, self._begin(_BITS[self._level + 1], self._fine)
+        self.exact = self.exact and relative <= _AGREEMENT
+        self._error = max(self._error, absolute)
+        if isinstance(fine, ValueError):
+            raise fine
+        agreed: tuple[Any, ...] = fine
+        return agreed
 
-    def _fate(self) -> str:
-        life = self._flow.lifetime(self.x)
-        if life < np.inf:
-            return f"it escapes to infinity at t = {self.t + life:.17g}"
-        return f"its orbit closes after a period {self._flow.period(self.x):.17g}"
-
-    def _look(self, elapsed: Extended) -> tuple[Extended, Extended]:
-        times, states = self.t + elapsed, self._flow(self.x, elapsed)
-        height, rate = self._surface.height(times, states), self._surface.rates[self.side](times, states)
-        return self.side * height, self.side * rate
-
-    def _search(self, elapsed: Extended) -> None:
-        """Look at further elapsed times (n,) and keep the first crossing among them."""
-        samples = [self._last, *map(Sample, elapsed, *self._look(elapsed))]
-        for a, b in pairwise(samples):
-            self.steepest, self.deepest = (
-                max(self.steepest, float(np.abs(a.rate))), max(self.deepest, float(np.abs(a.depth))),
-            )  # fmt: skip
-            when = first_zero(self._watch, a, b)
-            if when is not None:
-                self._found = self.t + when, self._at(when)
-                return
-        self._last = samples[-1]
-
-    def _watch(self, elapsed: Time) -> tuple[Time, Time]:
-        depth, rate = self._look(np.array([elapsed], dtype=np.longdouble))
-        return depth[0], rate[0]
+    def _difference(self, coarse: Any, fine: Any) -> tuple[float, float]:
+        """Largest difference of two outcomes, and the largest relative to the time, or to the size of the state."""
+        if isinstance(coarse, ValueError) or isinstance(fine, ValueError):
+            return (0.0, 0.0) if isinstance(coarse, ValueError) and isinstance(fine, ValueError) else (np.inf, np.inf)
+        absolute = relative = 0.0
+        for a, b in zip(coarse, fine, strict=True):
+            difference = float(np.max(np.abs(b - a)))
+            size = float(np.max(np.abs(b))) if isinstance(b, np.ndarray) else float(abs(b)) + abs(self._t0)
+            absolute = max(absolute, difference)
+            relative = max(relative, difference / size if difference else 0.0)
+        return absolute, relative
 
 
-def _sample_times(rate: float, end: float) -> Iterator[Time]:
-    """Elapsed times at which to look for a crossing, before `end`: denser at the start and towards a pole."""
-    unit = 1 / rate if rate > 0 else 1.0
-    widest = _RESOLUTION * unit if rate > 0 else np.inf  # without a rate the flow is polynomial in time
-    t = 0.0
-    for _ in range(_MAX_SAMPLES):
-        t += min(max(_FIRST * unit, _GROWTH * t), widest, _RESOLUTION * (end - t))
-        if end - t < _POLE * end or not np.isfinite(t):
-            return
-        yield t
-    raise ValueError(f"no crossing found in {_MAX_SAMPLES} samples, up to {t:.6g} after the last one")
+def as_doubles(x: State) -> NDArray[np.float64]:
+    """The state (d,), each number rounded once."""
+    return np.array([float(u) for u in x])
 
 
-def _column(t: Time) -> Extended:
-    return np.array([t], dtype=np.longdouble)
+def _outcome(ask: Callable[[ReferenceSolution], tuple[Any, ...]], solution: ReferenceSolution) -> Any:
+    try:
+        return ask(solution)
+    except ValueError as end:
+        return end
 
 
-def _rows(x: State) -> Extended:
-    return x[None].astype(np.longdouble)
+def _solution(
+    level: Level, jumps: Program | None, t0: float, x0: NDArray[np.float64], most: int, guide: ReferenceSolution | None
+) -> ReferenceSolution:
+    """The solution at one precision, along that at a lower one, if there is one."""
+    digits, surface, numbers = level.digits, level.surface, count()
 
+    def start(t: Any, x: State, side: int, on_surface: bool) -> ExactArc:
+        along = guide.arc(next(numbers)) if guide is not None else None
+        return ExactArc(level, t, x, side, on_surface, along if isinstance(along, ExactArc) else None)
 
-def _extended_function(
-    expression: sympy.Expr, variables: tuple[sympy.Symbol, ...]
-) -> Callable[[Extended, Extended], Extended]:
-    """Function of times (n,) and states (n, d) -> (n,) in extended precision, its constants included."""
-    exact = exact_numbers(expression)
-    inexact = [c for c in exact.atoms(sympy.Number, sympy.NumberSymbol) if not c.is_Integer]
-    names = [sympy.Dummy() for _ in inexact]
-    values = [extended_number(c) for c in inexact]
-    body = exact.xreplace(dict(zip(inexact, names, strict=True)))
-    compiled = sympy.lambdify([TIME, *variables, *names], body, "numpy")
+    def height(t: Any, x: State) -> Any:
+        return surface.look(digits, 1, t, x)[0]
 
-    def evaluate(t: Extended, x: Extended) -> Extended:
-        return np.broadcast_to(np.asarray(compiled(t, *x.T, *values), dtype=np.longdouble), x.shape[:1])
+    def rate(side: int, t: Any, x: State) -> Any:
+        return surface.look(digits, side, t, x)[1]
 
-    return evaluate
+    def land(t: Any, x: State) -> State:
+        return np.array(jumps.run(digits, [t, *x]) if jumps else x, dtype=object)
+
+    motion = Motion(start, height, rate, land if jumps else None)
+    t, x = digits.context.mpf(t0), np.array([digits.context.mpf(float(u)) for u in x0], dtype=object)
+    return ReferenceSolution("", motion, first_arc(motion, t, x, surface.reach(digits, t, x)), most)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.optimize import brentq
 
 __all__ = ["Sample", "Time", "first_zero"]
 
-Time: TypeAlias = float | np.longdouble
+Time: TypeAlias = Any  # a float, or a number of many digits
 Watch: TypeAlias = Callable[[Time], tuple[Time, Time]]
 
 

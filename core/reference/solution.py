@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from core.reference.search import Time
 
 __all__ = ["MAX_CROSSINGS", "Arc", "Motion", "ReferenceSolution", "Solution", "State", "Stop", "first_arc"]
 
-State: TypeAlias = NDArray[np.floating]
+State: TypeAlias = NDArray[Any]  # (d,) of such numbers as time is
 
 TANGENT = 1e-8  # |ġ| below this fraction of its largest value on the arc: a tangency, not a crossing
 OFF_SURFACE = 1e-9  # |g| after a jump above this fraction of the largest seen: the jump leads off the surface
@@ -41,8 +41,14 @@ class Arc(Protocol):
     side: int
     t: Time
     x: State
-    steepest: float  # largest |ġ| seen on it
-    deepest: float  # largest |g| seen on it
+
+    @property
+    def steepest(self) -> float:
+        """Largest |ġ| seen on it."""
+
+    @property
+    def deepest(self) -> float:
+        """Largest |g| seen on it."""
 
     def arrival(self, until: float) -> tuple[Time, State] | None:
         """First time and state on the surface; None if not before `until`.
@@ -75,8 +81,12 @@ class Solution(Protocol):
         """What it rests on, for display."""
 
     @property
-    def error(self) -> float | None:
-        """Its own estimate of its error; None if it is exact to round-off."""
+    def exact(self) -> bool:
+        """Whether all that was asked for so far is right to round-off of a double."""
+
+    @property
+    def error(self) -> float:
+        """Bound on the error of what was asked for so far where it is exact, else its own estimate of it."""
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k, from 1 on."""
@@ -101,12 +111,14 @@ class ReferenceSolution:
     motion : Motion
     first : Arc
     max_crossings : int
-    error : float or None
-        Its own estimate of its error in the state; None if it is exact to round-off.
+    error : float
+        Its own estimate of its error in the state.
     """
 
+    exact = False
+
     def __init__(
-        self, name: str, motion: Motion, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float | None = None
+        self, name: str, motion: Motion, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float = np.inf
     ) -> None:
         self.name = name
         self.error = error
@@ -119,21 +131,33 @@ class ReferenceSolution:
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
-        self._reach(k)
-        return self._times[k], self._places[k].astype(float)
+        t, x, _ = self.passage(k)
+        return float(t), x.astype(float)
 
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
-        self._reach(k)
-        return self._arcs[k].x.astype(float)
+        return self.passage(k)[2].astype(float)
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
-        return self._arc(t).state(t).astype(float)
+        return self.point(t).astype(float)
 
     def side(self, t: float) -> int:
         """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
         return self._arc(t).side
+
+    def passage(self, k: int) -> tuple[Time, State, State]:
+        """Time of crossing k and the states (d,) before and after its jump, to all digits that they have."""
+        self._reach(k)
+        return self._arcs[k].t, self._places[k], self._arcs[k].x
+
+    def arc(self, k: int) -> Arc | None:
+        """The arc after crossing k, the first one for k = 0; None if it has not been worked out."""
+        return self._arcs[k] if k < len(self._arcs) else None
+
+    def point(self, t: float) -> State:
+        """State (d,) at time t, to all digits that it has."""
+        return self._arc(t).state(t)
 
     def _reach(self, k: int) -> None:
         if not 1 <= k <= self._max_crossings:
@@ -188,7 +212,7 @@ class ReferenceSolution:
     def _landing(self, t: Time, x: State, tangent: float) -> Arc | str:
         """The arc after a jump to (t, x), or why there is none: on the surface it goes where the fields lead."""
         height = self._motion.height(t, x)
-        if not (np.isfinite(x).all() and np.isfinite(height)):
+        if not _finite(*x, height):
             return f"the jump leads to {x.astype(float)}, where nothing is defined"
         if np.abs(height) > OFF_SURFACE * self._deepest:
             return self._motion.start(t, x, 1 if height > 0 else -1, False)
@@ -210,8 +234,8 @@ class ReferenceSolution:
 def first_arc(motion: Motion, t: Time, x: State, reach: Time) -> Arc:
     """The arc from (t, x): the side is the sign of g, or where |g| ≤ `reach`, the one the fields lead to."""
     height = motion.height(t, x)
-    if not (np.isfinite(x).all() and np.isfinite(t) and np.isfinite(height)):
-        raise ValueError(f"the start t0 = {t}, x0 = {x}, with g = {height}, must be finite")
+    if not _finite(t, *x, height):
+        raise ValueError(f"the start t0 = {float(t)}, x0 = {x.astype(float)}, with g = {float(height)}, must be finite")
     if np.abs(height) > reach:
         return motion.start(t, x, 1 if height > 0 else -1, False)
     below, above = motion.rate(-1, t, x), motion.rate(1, t, x)
@@ -221,3 +245,7 @@ def first_arc(motion: Motion, t: Time, x: State, reach: Time) -> Arc:
         return motion.start(t, x, 1, True)
     kind = "attracts both fields (sliding)" if below > 0 > above else "repels both, or is tangent to one"
     raise ValueError(f"x0 = {x.astype(float)} is on the surface, which there {kind}: no side to start on")
+
+
+def _finite(*numbers: Time) -> bool:
+    return bool(np.isfinite([float(u) for u in numbers]).all())

@@ -34,6 +34,7 @@ class TaylorSolution:
     t0
     """
 
+    exact = False
     name = f"Taylor method at tolerances {_FINE:g} and {_COARSE:g}"
 
     def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float) -> None:

@@ -344,7 +344,7 @@ def _target(
         raise ValueError(f"t_span ends at {end:g}, after the solution: {why}; take an earlier end") from None
     times = _crossing_times(exact, end)
     size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
-    estimate = _OF_ESTIMATE * (exact.error or 0.0)
+    estimate = _OF_ESTIMATE * exact.error
     floor = {
         "state": max(_ROUND_OFF * size, estimate),
         "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),

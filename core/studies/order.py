@@ -120,7 +120,7 @@ def order_study(
     exact = reference_solution(system, start, t0)
     times, states, crossing_times = _targets(exact, t0, numbers)
     size = float(np.abs(states).max())
-    floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * (exact.error or 0.0))
+    floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * exact.error)
     time_error = np.full((len(numbers), len(steps)), np.nan)
     state_error = np.full((1 + len(numbers), len(steps)), np.nan)
 

@@ -182,7 +182,7 @@ def _sharpened(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangenc
 
 def _is_exact(plan: Plan, value: float) -> bool:
     try:
-        return reference_solution(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0]).error is None
+        return reference_solution(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0]).exact
     except ValueError:  # it touches the surface at the start
         return False
 

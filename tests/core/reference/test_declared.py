@@ -38,8 +38,11 @@ def test_others_are_integrated_by_taylor_or_when_asked_by_scipy_and_say_so():
         assert ours.side(t) == peer.side(t)
 
 
-def test_exact_solutions_own_to_no_error_and_the_others_to_an_estimate():
-    assert core.reference_solution(core.CATALOGUE["elliptic_curve"]).error is None
+def test_exact_solutions_have_a_bound_below_round_off_and_the_others_an_estimate():
+    exact = core.reference_solution(core.CATALOGUE["elliptic_curve"])
+    exact.crossing(20)
+    assert exact.exact
+    assert 0.0 < exact.error < 1e-17
     peer = core.reference_solution(FORCED, independent=True)
     assert peer.error == pytest.approx(1e-12, rel=1e-9, abs=0)  # 10 × rtol 1e-13 × |x0| = 1
     ours = core.reference_solution(core.CATALOGUE["kepler"])

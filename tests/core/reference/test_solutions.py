@@ -9,7 +9,7 @@ import sympy
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from core.reference import ReferenceSolution, exact_solution, peer_solution
+from core.reference import ExactSolution, ReferenceSolution, exact_solution, peer_solution
 
 mp.mp.dps = 50
 X, Y, Z, T = VARIABLES = sympy.symbols("x y z t")
@@ -29,18 +29,18 @@ def exact(
     g: sympy.Expr,
     x0: Sequence[float],
     t0: float = 0.0,
-) -> ReferenceSolution:
+) -> ExactSolution:
     fields = [tuple(map(sympy.sympify, f)) for f in (minus, plus)]
     solution = exact_solution(fields[0], fields[1], sympy.sympify(g), VARIABLES[: len(x0)], t0, x0)
     assert solution is not None
     return solution
 
 
-def oscillator(minus: float, plus: float, x0: Sequence[float]) -> ReferenceSolution:
+def oscillator(minus: float, plus: float, x0: Sequence[float]) -> ExactSolution:
     return exact((Y, -sympy.Float(minus) * X), (Y, -sympy.Float(plus) * X), Y, x0)
 
 
-def elliptic(minus: float, plus: float, x0: Sequence[float], radius: float = 1.0) -> ReferenceSolution:
+def elliptic(minus: float, plus: float, x0: Sequence[float], radius: float = 1.0) -> ExactSolution:
     fields = [(2 * Y, 3 * X**2 + sympy.Float(a)) for a in (minus, plus)]
     return exact(fields[0], fields[1], X**2 + Y**2 - sympy.Float(radius) ** 2, x0)
 
@@ -192,9 +192,9 @@ def test_state_and_side_are_continuous_and_carried_through_crossings() -> None:
 def test_crossings_are_computed_once() -> None:
     solution = elliptic(-3, -2, (-1, -1))
     last = solution.crossing(30)
-    arcs = list(solution._arcs)
+    arcs = list(solution._fine._arcs)
     assert solution.crossing(7)[0] < solution.crossing(30)[0] == last[0]
-    assert all(a is b for a, b in zip(arcs, solution._arcs, strict=True))
+    assert all(a is b for a, b in zip(arcs, solution._fine._arcs, strict=True))
 
 
 def test_start_time_is_added_to_all_times() -> None:
@@ -303,7 +303,10 @@ def test_closed_orbit_inside_one_side_is_reported_and_known_at_all_times() -> No
 
 def test_search_without_end_is_cut_off() -> None:
     solution = exact((-X, -2 * Y), (-X, -2 * Y), X + 1, (1, 1))  # decays towards 0, never to x = −1
-    with pytest.raises(ValueError, match="no crossing found in 20000 samples"):
+    with pytest.raises(ValueError, match=r"never reaches the surface.*comes to rest"):
+        solution.crossing(1)
+    solution = exact((-X, -2 * Y), (-X, -2 * Y), X + 1 + T, (1, 1))  # and a surface that leaves it behind
+    with pytest.raises(ValueError, match="no crossing found in 2000 steps"):
         solution.crossing(1)
     with pytest.raises(ValueError, match="crossing must be from 1"):
         solution.crossing(0)
