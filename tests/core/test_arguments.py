@@ -26,7 +26,7 @@ def test_numbers_of_every_kind_are_taken(value):
     "value", [None, "1", b"1", True, np.True_, 1 + 0j, np.complex128(1), [1.0], np.ones(1), {}, object]
 )
 def test_what_is_no_number_is_refused_by_its_name(value):
-    with pytest.raises(ValueError, match="tau = .* is no number"):
+    with pytest.raises(ValueError, match=r"tau = .* is no number"):
         number(value, "tau")
 
 
