@@ -20,7 +20,7 @@ _UNORDERED = (str, bytes, bytearray, Set, Mapping)
 def number(value: Any, what: str) -> float:
     """Return a finite float, else raise ValueError; text and truth values are none."""
     try:
-        if isinstance(value, _NO_NUMBERS) or np.ndim(value):
+        if type(value) not in (float, int) and (isinstance(value, _NO_NUMBERS) or np.ndim(value)):
             raise TypeError
         found = float(value)
     except OverflowError:

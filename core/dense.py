@@ -10,15 +10,18 @@ method, and no step reaches across a crossing.
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
+from core import arithmetic, jit, signatures
 from core.arithmetic import two_sum
 from core.compiled import compile_run
 from core.jit import OPTIONS, internal
@@ -165,6 +168,9 @@ def _signature() -> Any:
 @lru_cache(maxsize=1)
 def _compiled() -> Callable[..., int]:
     """Compile the loop over times, or load it from numba's cache."""
+    # As in `march`: numba looks for changes in this file only, and takes this hash of what is inlined into its key.
+    text = "\0".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in (arithmetic, jit, signatures))
+    inlined = hashlib.sha256(text.encode()).hexdigest()
     head = Frame(0, 0).x
 
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
@@ -172,6 +178,7 @@ def _compiled() -> Callable[..., int]:
         functions, p, w, memo, d, adaptive, conservative, sign,
         t, x, side, segment, entered_t, entered_x, entered_side, first, times, found, sides, segments,
     ):  # fmt: skip
+        inlined  # noqa: B018 - see above
         place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
         row, now = -1, -1  # the row before, and the segment whose levels are settled
         here, start, begin, plus, fresh = 0, x[0], t[0], 0, True

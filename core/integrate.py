@@ -255,8 +255,12 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
         t, x, side, segment = t[:-1], x[:-1], side[:-1], segment[:-1]
     if record == "end":
         crossings = no_crossings(len(x0))
-        known = [(0, t0, x0), *(sampler.entered if sampler is not None else []), (runner.segment, *runner.entry())]
-        segment, entered_t, entered_x = _entered(segment, known)
+        last = runner.entry()
+        if sampler is None:
+            segment = np.arange(len(t))
+            entered_t, entered_x = np.array([t0, last[0]]), np.array([x0, last[1]])
+        else:
+            segment, entered_t, entered_x = _entered(segment, [*sampler.entered, (runner.segment, *last)], t0, x0)
     else:
         crossings = runner.crossings()
         entered_t = np.concatenate([[t0], crossings.t])
@@ -270,9 +274,9 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
     )  # fmt: skip
 
 
-def _entered(segment: Any, known: list[tuple[int, float, Floats]]) -> tuple[Any, Floats, Floats]:
+def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0: Floats) -> tuple[Any, Floats, Floats]:
     """Number afresh the segments that rows lie in, and say when and where each was entered."""
-    numbers = {k: (t, x) for k, t, x in known}
+    numbers = {k: (t, x) for k, t, x in [(0, t0, x0), *known]}
     order = {k: place for place, k in enumerate(numbers)}
     fresh = np.array([order[k] for k in segment.tolist()])
     return fresh, np.array([t for t, _ in numbers.values()]), np.array([x for _, x in numbers.values()])

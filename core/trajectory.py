@@ -401,7 +401,7 @@ class Trajectory:
         rows = self.t[:n], self.x[:n], self.side[:n], self.segment[:n]
         track = Track(*rows, self.entered_t, self.entered_x, entered)
         along = times if track.t[-1] >= track.t[0] else -times
-        order = None if (along[1:] >= along[:-1]).all() else np.argsort(along, kind="stable")
+        order = None if (along[1:] >= along[:-1]).all() else np.argsort(along)
         found = Stepper(self.system, METHODS[self.method], self.tolerance).find(
             track, times if order is None else times[order]
         )

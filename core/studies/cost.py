@@ -280,9 +280,10 @@ def _checked_span(t_span: tuple[float, float] | None) -> tuple[float, float | No
         t0, end = t_span
     except (TypeError, ValueError):
         raise ValueError(f"t_span = {t_span!r}: a start and an end time are needed, as in (0.0, 60.0)") from None
-    span = number(t0, "start time"), number(end, "end time")
+    wanted = f"t_span = {t_span!r}: the end must be after the start, and both finite"
+    span = number(t0, f"{wanted}; start"), number(end, f"{wanted}; end")
     if not span[0] < span[1]:
-        raise ValueError(f"t_span = {t_span!r}: the end must be after the start")
+        raise ValueError(wanted)
     return span
 
 

@@ -89,7 +89,7 @@ def _methods(system: PiecewiseSystem, methods: Sequence[str | Method] | str | Me
 def _increasing(given: Iterable[float], what: str) -> Floats:
     """Return several different finite numbers in order, else raise ValueError."""
     numbers = np.unique(
-        np.array([number(value, what) for value in listed(given, what, "a tuple is needed, as in (0.1, 0.2)")])
+        np.array([number(value, what) for value in listed(given, what, "numbers are needed, as in (0.1, 0.2)")])
     )
     if not 2 <= len(numbers) <= _MOST:
         raise ValueError(f"{what} = {given!r}: from 2 to {_MOST} different finite numbers are needed")
