@@ -7,6 +7,7 @@ import ast
 import builtins
 
 import numpy as np
+import pytest
 import sympy
 from drawn_functions import drawn_expression, evaluated
 from scipy.integrate import solve_ivp
@@ -71,6 +72,15 @@ def drawn_declaration(rng, depth):
             given[f"psi_{word}"] = (drawn_psi(rng, variables, depth),)
             given[f"f_{word}"] = field_of(given[f"psi_{word}"][0], variables)
     return given
+
+
+@pytest.mark.parametrize(
+    "g", ["exp(x) - 2", "2**x - 1.5", "x*exp(-t) - 0.1", "log(1 + exp(x)) - 1", "x**k - t", "x**x"]
+)
+def test_a_surface_with_exponentials_is_written(g):
+    assert not unknown_names(
+        look_text(core.PiecewiseSystem("g", ("x",), ("1",), ("2",), g, parameters=PARAMETERS).laws)
+    )
 
 
 def test_whatever_is_declared_is_written_for_every_method_in_names_that_are_known(draws):
