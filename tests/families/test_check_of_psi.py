@@ -12,9 +12,21 @@ import sympy
 import core
 
 PARAMETERS = {"k": core.Parameter("k", 1.5, (0.5, 3.0)), "a": core.Parameter("a", 0.7)}
-FUNCTIONS = {
-    name: getattr(mpmath, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh")
-}
+
+
+def bounded(function):
+    """A function of mpmath that does not fill the memory."""
+
+    def value(u):
+        if abs(u) > 1e4:
+            raise OverflowError
+        return function(u)
+
+    return value
+
+
+FUNCTIONS = {name: bounded(getattr(mpmath, name)) for name in ("sin", "cos", "tan", "exp", "sinh", "cosh", "tanh")}
+FUNCTIONS |= {"log": mpmath.log, "sqrt": mpmath.sqrt}
 TERMS = (
     "{u}**2/2", "{u}**4/4", "cos({u})", "sin({u} + {v})", "{u}*{v}", "{u}**2*{v}**2", "k*{u}**2", "a*{u}**3",
     "exp({u}*{v}/4)", "exp(-{u}**2)", "log(1 + {u}**2)", "log({u})", "log({u}**2)", "sqrt(1 + {u}**2)", "sqrt({u}**2)",
