@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
 from core.folds import folds, near_folds, signs_at_folds
-from core.tape import Floats, Tape, digits
+from core.tape import Floats, Tape, digits, growing_argument
 
 __all__ = ["Domain", "Samples"]
 
@@ -144,6 +144,17 @@ class Samples:
         columns = dict(zip(self.symbols, self.points.T, strict=True)) | {u: found[tape.place[u]] for u in apart}
         return {u: np.sign(np.broadcast_to(v, len(self.points))) for u, v in columns.items()}
 
+    def _arguments(self) -> Array:
+        """The largest size of an argument of a growing function at each point."""
+        found = [np.zeros(len(self.points))]
+        with np.errstate(all="ignore"):
+            for u in self.tape.nodes:
+                if (argument := growing_argument(u)) is not None:
+                    values = [self.nodes[self.tape.place[a]] for a in argument]
+                    found.append(np.abs(values[0] * np.log(values[1]) if len(values) == 2 else values[0]))
+        largest: Array = np.max(found, axis=0)
+        return largest
+
     def _pieces(self) -> Rows:
         """The number of the piece each point is in: pieces differ in signs at folds, and of the symbols there."""
         apart = signs_at_folds(self.folds)
@@ -183,8 +194,10 @@ class Samples:
             Rows of points to begin with.
         """
         pieces = self._pieces()
+        telling = self._arguments() <= _TELLING
         rest = np.setdiff1d(np.arange(len(self.points)), first)
         order = _alternating(first, rest)
+        order = np.concatenate([order[telling[order]], order[~telling[order]]])
         queues = [[self.point(r) for r in order[pieces[order] == k]] for k in range(pieces.max(initial=-1) + 1)]
         if not queues:
             queues = [[self._mapping(p) for p in self._drawn()[:_ATTEMPTS]]]
@@ -222,17 +235,23 @@ def _alternating(first: Rows, second: Rows) -> Rows:
 def drawn(
     count: int, symbols: Sequence[Symbol], ranges: Mapping[Symbol, tuple[float, float]], rng: np.random.Generator
 ) -> Array:
-    """Random points (count, len(symbols)) of five kinds in turn: ordinary and positive, mixed, near 0, far, ordinary.
+    """Random points (count, len(symbols)) of six kinds in turn.
+
+    Their coordinates are: ordinary and positive, of mixed sizes, near 0, far, ordinary, ordinary but for one that is
+    far.
 
     Parameters
     ----------
     ranges
         Bounds of the symbols that have any.
     """
-    kinds = np.arange(count) % 5
+    kinds = np.arange(count) % 6
     sizes = rng.choice(len(_SIZES), p=_SHARES, size=(count, len(symbols)))
-    sizes[(kinds == 0) | (kinds == 4)] = 0
+    sizes[(kinds == 0) | (kinds == 4) | (kinds == 5)] = 0
     sizes[kinds == 2] = 1
+    lone = np.flatnonzero(kinds == 5)
+    if symbols:
+        sizes[lone, rng.integers(len(symbols), size=len(lone))] = 2
     sizes[kinds == 3] = rng.choice([2, 3], p=[0.7, 0.3], size=(np.sum(kinds == 3), len(symbols)))
     low, high = np.moveaxis(_SIZES[sizes], -1, 0)
     points: Array = np.exp(low + (high - low) * rng.random(sizes.shape))

@@ -99,7 +99,7 @@ class PiecewiseSystem:
     ------
     ValueError
         Naming the text, what is wrong with it and what would do: unknown names, what is not in the whitelist, wrong
-        dimensions, constants that are not finite, a ψ that its field does not conserve.
+        dimensions, constants that are not finite, a ψ that its field does not conserve everywhere on its side.
     """
 
     name: str

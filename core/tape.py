@@ -17,7 +17,7 @@ from sympy import Expr, Symbol
 
 from core.expressions import FUNCTIONS
 
-__all__ = ["Arithmetic", "Digits", "Floats", "Tape", "digits"]
+__all__ = ["Arithmetic", "Digits", "Floats", "Tape", "digits", "growing_argument"]
 
 _HALF = sympy.Rational(1, 2)
 _GROWING = ("exp", "sinh", "cosh", "tanh")
@@ -167,6 +167,13 @@ class Tape:
         if u.is_Pow and u.exp.is_Integer and u.exp > 0:
             return self.size(u.base, values) ** int(u.exp)
         return abs(values[self.place[u]])
+
+
+def growing_argument(u: Expr) -> tuple[Expr, ...] | None:
+    """The argument v of exp(v) and the like, (v, b) of b**v; None of any other operation."""
+    if type(u).__name__ in _GROWING:
+        return (u.args[0],)
+    return (u.exp, u.base) if u.is_Pow and len(_operands(u)) == 2 else None
 
 
 def _is_leaf(u: Expr) -> bool:

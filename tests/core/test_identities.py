@@ -5,7 +5,7 @@ import time
 import pytest
 import sympy
 
-from core.identities import Domain, independent, is_larger, is_zero, size_expanded, tidied
+from core.identities import Domain, counterexample, has_values, independent, is_larger, is_zero, size_expanded, tidied
 
 X, Y, A = sympy.symbols("x y a")
 
@@ -19,8 +19,12 @@ X, Y, A = sympy.symbols("x y a")
         "(x + y)**12 - expand((x + y)**12)",
         "log(x*y) - log(x) - log(y)",
         "1e9*(cosh(x)**2 - sinh(x)**2 - 1)",
-        "sqrt(x - 1)**2 - x + 1",  # complex at some points, zero all the same
+        "sqrt(x - 1)**2 - x + 1",  # real in some places only
         "x**a*x**(-a) - 1",
+        "y*(sin(x)**2 + cos(x)**2 - 1)",  # a product, whose terms do not tell its size
+        "log(x**2) - 2*log(x)",
+        "sqrt(x**2 - 1) - sqrt(x - 1)*sqrt(x + 1)",
+        "log(cosh(x)**2 - sinh(x)**2)*y",  # round-off under the logarithm
     ],
 )
 def test_zeros_are_recognised_without_simplification(text: str) -> None:
@@ -30,6 +34,67 @@ def test_zeros_are_recognised_without_simplification(text: str) -> None:
 @pytest.mark.parametrize("text", ["1", "x", "1e-20*x", "x - y", "sin(x) - x", "sin(x)**2 + cos(x)**2 - 1 + 1e-25*x"])
 def test_what_is_small_is_not_zero(text: str) -> None:
     assert not is_zero(sympy.sympify(text, rational=True))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sqrt(x**2) - x",
+        "sqrt(a**2) + a",
+        "(x**4)**(1/4) - x",
+        "y*(sqrt(x**2)/x - 1)",
+        "sqrt((x - 1)**2) - x + 1",
+        "sqrt(x**2 - 2*x + 1) - x + 1",
+        "sqrt((x - a)**2) - x + a",
+        "sqrt((x - 1000)**2) + x - 1000",
+        "sqrt((x + 1e-4)**2) - x - 1e-4",
+        "sqrt((x**2 + y**2 - 1)**2) - x**2 - y**2 + 1",
+        "(sqrt(x**2) - x)*(sqrt(y**2) - y)",
+        "sqrt(x**2 - 1) - x*sqrt(1 - 1/x**2)",
+        "sqrt(exp(2*x) - 2*exp(x) + 1) - exp(x) + 1",
+        "sqrt(1 + cos(2*x)) - sqrt(2)*cos(x)",
+        "1 - tanh(1000*x)",
+        "tanh(1e6*(x - 7)) - 1",
+        "exp(-1000*(x - 7)**2)",
+    ],
+)
+def test_what_vanishes_in_a_part_only_is_not_zero_and_a_place_is_shown_where_it_is_not(text: str) -> None:
+    expression = sympy.sympify(text, rational=True)
+    assert not is_zero(expression)
+    found = counterexample(expression)
+    assert found is not None
+    exact = {symbol: sympy.Rational(value) for symbol, value in found.point.items()}
+    assert float(expression.subs(exact).evalf(50)) == pytest.approx(found.value, rel=1e-9)
+    assert found.value != 0
+
+
+@pytest.mark.parametrize(
+    ("domain", "expected"),
+    [
+        (Domain(), "x > 0"),
+        (Domain(positive=-X - 5), None),  # zero nowhere
+        (Domain(positive=Y - X), "x > 0"),
+        (Domain(defined=(sympy.sqrt(2 - X),)), "x > 0"),
+    ],
+)
+def test_the_part_in_which_it_vanishes_is_said(domain: Domain, expected: str | None) -> None:
+    found = counterexample(sympy.sqrt(X**2) - X, domain)
+    assert found is not None
+    assert found.where == expected
+    assert found.partly == (expected is not None)
+
+
+@pytest.mark.parametrize("domain", [Domain(positive=X), Domain(defined=(sympy.log(X),)), Domain({X: (0.0, 9.0)})])
+def test_what_vanishes_all_over_the_domain_is_zero_there(domain: Domain) -> None:
+    assert is_zero(sympy.sqrt(X**2) - X, domain)
+    assert counterexample(sympy.sqrt(X**2) - X, domain) is None
+
+
+def test_values_are_found_where_there_are_any() -> None:
+    assert has_values((sympy.log(X),), Domain(positive=Y))
+    assert not has_values((sympy.log(X),), Domain(positive=-X))
+    assert has_values((sympy.sqrt(X - 300),))
+    assert not has_values((sympy.sqrt(-1 - X**2),))
 
 
 def test_points_are_taken_in_the_given_ranges() -> None:
@@ -53,6 +118,11 @@ def test_without_a_finite_value_only_a_symbolic_zero_counts() -> None:
         ([[X, Y, 1], [2 * X, 2 * Y, 2]], False),
         ([[X, Y, 1], [X**2, X * Y, X]], False),
         ([[X, 1, 0], [0, X, 1], [X**2, 2 * X, 1]], False),
+        ([[X**20, Y**20]], True),
+        ([[X**30, 0], [0, Y**30]], True),
+        ([[1 + sympy.sqrt(X**2) / X, 0]], False),  # zero where x < 0
+        ([[sympy.sqrt(X**2), 1], [X, 1]], False),
+        ([[sympy.sin(X) ** 2 + sympy.cos(X) ** 2 - 1]], False),
     ],
 )
 def test_rows_are_independent_or_not(rows: list[list[sympy.Expr]], expected: bool) -> None:

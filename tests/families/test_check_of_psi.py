@@ -12,9 +12,21 @@ import sympy
 import core
 
 PARAMETERS = {"k": core.Parameter("k", 1.5, (0.5, 3.0)), "a": core.Parameter("a", 0.7)}
-FUNCTIONS = {
-    name: getattr(mpmath, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh")
-}
+
+
+def bounded(function):
+    """A function of mpmath that does not fill the memory."""
+
+    def value(u):
+        if abs(u) > 1e4:
+            raise OverflowError
+        return function(u)
+
+    return value
+
+
+FUNCTIONS = {name: bounded(getattr(mpmath, name)) for name in ("sin", "cos", "tan", "exp", "sinh", "cosh", "tanh")}
+FUNCTIONS |= {"log": mpmath.log, "sqrt": mpmath.sqrt}
 TERMS = (
     "{u}**2/2", "{u}**4/4", "cos({u})", "sin({u} + {v})", "{u}*{v}", "{u}**2*{v}**2", "k*{u}**2", "a*{u}**3",
     "exp({u}*{v}/4)", "exp(-{u}**2)", "log(1 + {u}**2)", "log({u})", "log({u}**2)", "sqrt(1 + {u}**2)", "sqrt({u}**2)",
@@ -31,7 +43,7 @@ BRANCHES = (
     "(sqrt({w}**2) - {w})", "(({w}**4)**(1/4) - {w})", "(({w}**2)**(3/2) - {w}**3)", "({w}*sqrt({w}**2) - {w}**2)",
     "({w}/sqrt({w}**2) - 1)*{w}**2", "(exp(log({w}**2)/2) - {w})", "(1 - tanh(1000*{w}))",
 )  # fmt: skip
-SECONDS = 1.0  #: of processor time for a declaration, on a busy machine
+SECONDS = 3.0  #: of processor time for a declaration, on a busy machine
 
 
 def drawn_field(rng, psi, variables):
@@ -58,7 +70,7 @@ def drawn_psi(rng, variables):
     for _ in range(rng.integers(2, 5)):
         u, v = rng.choice(variables, size=2, replace=False)
         term = str(rng.choice(TERMS)).format(u=u, v=v)
-        terms.append(f"{round(float(rng.uniform(0.2, 3)), 2)}*{term}" + rng.choice(["", "", "", "*exp(t/3)"]))
+        terms.append(f"{rng.integers(1, 24) / 8}*{term}" + rng.choice(["", "", "", "*exp(t/3)"]))
     # every variable has its part, so that ∇ψ is nowhere zero for good
     return " + ".join(terms + [f"{v}**2/3" for v in variables])
 
@@ -96,25 +108,24 @@ def value(code, point):
     return found if isinstance(found, mpmath.mpf) and mpmath.isfinite(found) else None
 
 
-def rate(psi, field, variables, point):
+def rate(psi, field, variables, point, h):
     """Time derivative of ψ along f, and what its size is measured by; None where there is none."""
     speeds = [value(f, point) for f in field]
     if None in speeds:
         return None
-    h = mpmath.mpf(10) ** -12
     ends = []
     for s in (-h, h):
         moved = {v: point[v] + s * f for v, f in zip(variables, speeds, strict=True)}
         ends.append(value(psi, {**point, **moved, "t": point["t"] + s}))
     if None in ends:
         return None
-    return (ends[1] - ends[0]) / (2 * h), 1 + abs(ends[0]) + max(map(abs, speeds)) ** 2
+    return (ends[1] - ends[0]) / (2 * h), 1 + max(map(abs, speeds)) ** 2
 
 
 def a_point(rng, variables):
     """A point of a random orthant."""
     names = (*variables, "t", "a")
-    sizes = rng.uniform(0.05, 3.0, size=len(names)) * rng.choice([1, 1, 1, 12], size=len(names))
+    sizes = rng.uniform(0.05, 3.0, size=len(names)) * rng.choice([1, 1, 1, 8], size=len(names))
     signs = rng.choice([-1.0, 1.0], size=len(names))
     return {n: mpmath.mpf(float(s)) for n, s in zip(names, sizes * signs, strict=True)} | {
         "k": mpmath.mpf(float(rng.uniform(0.5, 3.0)))
@@ -124,23 +135,49 @@ def a_point(rng, variables):
 def changes_somewhere(rng, psi, field, variables, g, side, points=100):
     """A point on the side where ψ changes, found by looking at many; None if there is none among them."""
     psi, g, *field = (compile(text, "drawn", "eval") for text in (psi, g, *field))
-    with mpmath.workdps(30):
-        for _ in range(points):
-            point = a_point(rng, variables)
-            height = value(g, point)
-            found = None if height is None or side * height <= 0.05 else rate(psi, field, variables, point)
-            if found is not None and abs(found[0]) > 1e-4 * found[1]:
-                return point
+    for _ in range(points):
+        point = a_point(rng, variables)
+        height = value(g, point)
+        if height is not None and side * height > 0.05 and changes_at(psi, field, variables, point):
+            return point
     return None
+
+
+def changes_at(psi, field, variables, point):
+    """Whether ψ changes at a point, and by the same in 30 digits as in 90."""
+    found = []
+    for digits in (30, 90):
+        with mpmath.workdps(digits):
+            found.append(rate(psi, field, variables, point, mpmath.mpf(10) ** (-digits // 3)))
+        if found[-1] is None or abs(found[-1][0]) < 1e-4 * found[-1][1]:
+            return False
+    return abs(found[0][0] - found[1][0]) < 1e-3 * abs(found[1][0])
+
+
+def has_value(rng, psi, field, variables, g, side):
+    """Whether a place on the side is found where f and ψ have values."""
+    codes = [compile(text, "drawn", "eval") for text in (psi, g, *field)]
+    for _ in range(400):
+        values = [value(code, point) for point in [a_point(rng, variables)] for code in codes]
+        if None not in values and side * values[1] > 0:
+            return True
+    return False
 
 
 def test_what_is_conserved_is_accepted(draws):
     for rng in draws(40):
         variables, field, g, psi = case = drawn_case(rng)
-        assert changes_somewhere(rng, psi, field, variables, g, 1, points=8) is None, f"the oracle: {case}"
+        given = {
+            name: (psi,)
+            for side, name in ((-1, "psi_minus"), (1, "psi_plus"))
+            if has_value(rng, psi, field, variables, g, side)
+        }
+        for side in (-1, 1):
+            assert changes_somewhere(rng, psi, field, variables, g, side, points=8) is None, f"the oracle: {case}"
         start = time.process_time()
-        assert refusal(*case[:3], (psi,), (psi,)) is None, case
-        assert time.process_time() - start < SECONDS, case
+        assert refusal(variables, field, g, **given) is None, case
+        if len(given) == 2:  # else ψ is sought, which takes its own time
+            assert time.process_time() - start < SECONDS, case
 
 
 def test_what_changes_in_a_part_of_its_side_is_refused_with_a_place_where_it_does(draws):
@@ -154,9 +191,7 @@ def test_what_changes_in_a_part_of_its_side_is_refused_with_a_place_where_it_doe
             if changes_somewhere(rng, wrong, field, variables, g, side) is None:
                 continue  # it may be right
             case = (variables, field, g, {name: (wrong,)})
-            start = time.process_time()
             assert "conserved by" in str(refusal(*case[:3], **case[3])), f"not refused: {case}"
-            assert time.process_time() - start < SECONDS, case
             refused += 1
     assert refused
 
