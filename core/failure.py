@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.integrate import Radau
 
@@ -13,6 +15,7 @@ __all__ = ["GROWTH", "ends_beyond", "runs_away"]
 #: Growth of the state that is called running away: a pole, or an exponential that no run of use goes along.
 GROWTH = 1e6
 _EVALUATIONS = 20_000  #: of the field at most: a quarter of a second
+_AHEAD = (1.0, 3.0, 10.0)  #: how far beyond a state, in parts of it, its field is looked at
 _TOLERANCE = 1e-4  #: relative: whether it grows is the question, and not how
 
 
@@ -51,11 +54,23 @@ def runs_away(system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: flo
                 return None
             if not np.abs(solver.y).max() <= GROWTH * size:
                 return True
-    return False if solver.status == "finished" else None
+    if solver.status == "finished":
+        return False
+    # Steps have become shorter than time is resolved: at a pole, or where the field itself ends.
+    return True if solver.status == "failed" and _pushes_outward(field, solver.t, solver.y) else None
+
+
+def _pushes_outward(field: Callable[[float, Floats], Floats], t: float, x: Floats) -> bool:
+    """Whether the field goes on growing in its own direction, up to ten times the state away."""
+    here = field(t, x)
+    speed = float(np.abs(here).max())
+    direction = here / speed
+    ahead = [float(direction @ field(t, x + s * np.abs(x).max() * direction)) for s in _AHEAD]
+    return 0.0 < float(direction @ here) <= min(ahead)
 
 
 def ends_beyond(system: PiecewiseSystem, side: int, t: float, x: Floats, h: float) -> bool:
     """Whether the field of a side has a value at a state, and none within a step of length h from there."""
     here = system.field(side, t, x)
     ahead = x + h * np.linspace(0.125, 1.0, 8)[:, None] * here
-    return bool(np.isfinite(here).all() and not np.isfinite(system.field(side, t, ahead)).all())
+    return bool(np.isfinite(here).all() and np.isnan(system.field(side, t, ahead)).any())

@@ -302,4 +302,4 @@ def _message(runner: Runner) -> str:
     where = f"t = {runner.t:.12g}"
     if status is not Status.COMPLETED:
         where += ", x = (" + ", ".join(f"{v:.6g}" for v in runner.x) + ")"
-    return f"{where}: {status.reason}. {runner.reason() or status.advice}".strip()
+    return f"{where}: {status.reason}. {runner.advice}".strip()

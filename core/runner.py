@@ -230,19 +230,17 @@ class Runner:
         hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
         return _crossings(hits, places)
 
-    def reason(self) -> str:
-        """Why a step has failed, and what would do, where that is known better than `Status.advice` knows it."""
-        if self.status is not Status.NO_CONVERGENCE or self.side == 0:
-            return ""
-        word = "f_minus" if self.side < 0 else "f_plus"
-        if ends_beyond(self.system, self.side, self.t, self.x, self._a_step()):
+    @property
+    def advice(self) -> str:
+        """What to do about the status: that of the status, or where a field has no value, to write it otherwise."""
+        failed = self.status is Status.NO_CONVERGENCE and self.side != 0
+        if failed and ends_beyond(self.system, self.side, self.t, self.x, self._a_step()):
+            word = "f_minus" if self.side < 0 else "f_plus"
             return (
-                f"{word} has no real value a step ahead. If that is beyond the surface, write it so that it has one "
+                f"{word} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
                 "there too: (u**2)**0.75 for u**1.5."
             )
-        if self._run["adaptive"][0]:
-            return f"The Taylor series of {word} ends here, as that of a root at zero does: take another method (prk8)."
-        return ""
+        return self.status.advice_without_tau if self._run["adaptive"][0] else self.status.advice
 
     def _a_step(self) -> float:
         """Length of a step, signed."""

@@ -51,6 +51,11 @@ class Status(IntEnum):
         """What to do about it."""
         return _WORDS[self][1]
 
+    @property
+    def advice_without_tau(self) -> str:
+        """What to do about it where the method chooses its steps."""
+        return _WITHOUT_TAU.get(self, self.advice)
+
 
 _WORDS = {
     Status.RUNNING: ("still running", ""),
@@ -90,6 +95,14 @@ _WORDS = {
         "the step is too long for this field: the scheme leaves the solution, which does not move so",
         "Take a smaller step size tau, or a method that chooses its steps (taylor).",
     ),
+}
+
+_WITHOUT_TAU = {
+    Status.GRAZING: "Move the initial condition or a parameter a little.",
+    Status.NO_CONVERGENCE: "Its Taylor series is not defined here, as that of a root at zero: take prk8, say.",
+    Status.ESCAPED: "The solution may have a pole: end the run before it.",
+    Status.STEP_LIMIT: "Take a larger tolerance, a shorter time, or raise max_steps.",
+    Status.UNSTABLE: "Take a smaller tolerance.",
 }
 
 #: Names of the kinds of crossing, in the order of the compiled codes.

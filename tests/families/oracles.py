@@ -24,7 +24,7 @@ _FIRST = 2.0**-30  # the first sample after an event, as a part of the spacing
 _REFINED = 32  # parts of an interval that is looked into
 _ACCUMULATED = 1e-7  # gaps below this part of the spacing: the motion chatters
 _TOO_LARGE = 0.01  # relative to the state: with such an error, what comes next cannot be told
-_PERTURBED = 30.0  #: how much larger than its error a method's start is moved, so that its own errors on the way are less
+_PERTURBED = 30.0  # times its error is what a start is moved by, so that the errors on its way are less
 
 
 @dataclass(frozen=True)
