@@ -30,9 +30,9 @@ _HOME = {name: module.__name__ for module in JITTED for name in getattr(module, 
 
 
 def function_text(name: str, lines: Sequence[str]) -> str:
-    """Text of one compiled function, cached on disk by numba."""
+    """Text of one compiled function, which is kept on disk."""
     body = "\n".join(f"    {line}" for line in lines)
-    return f"@cfunc(CALL, cache=True, error_model='numpy')\ndef {name}(t, h, p, w, memo):\n{body}\n"
+    return f"@native\ndef {name}(t, h, p, w, memo):\n{body}\n"
 
 
 def module_text(functions: Iterable[str]) -> str:
@@ -40,7 +40,7 @@ def module_text(functions: Iterable[str]) -> str:
     body = "\n\n".join(functions)
     called = sorted(set(re.findall(r"\b[A-Za-z]\w*\b", body)) & set(_HOME))
     imports = [f"from {_HOME[name]} import {name}" for name in called]
-    return "\n".join(["import math", "", "from numba import carray, cfunc", "", *imports, "", "", body])
+    return "\n".join(["import math", "", "from numba import carray", "", "from core.native import native", *imports, "", "", body])
 
 
 class Names:

@@ -1,0 +1,162 @@
+"""Families of larger systems, drawn at random: what a system of many variables costs, and whether it is right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+
+import core
+
+__all__ = ["FAMILIES", "bodies", "dense", "lotka_volterra", "springs", "vortices"]
+
+Generator = np.random.Generator
+
+
+def bodies(rng: Generator, d: int) -> core.PiecewiseSystem:
+    """d/4 bodies in the plane that attract each other, less where the first is to the right: four ψ."""
+    n = d // 4
+    masses = [_number(m) for m in rng.uniform(0.5, 2.0, n)]
+    x, y, u, v = (_named(name, n) for name in "xyuv")
+    pairs = [(i, j) for i in range(n) for j in range(i)]
+    squares = {(i, j): f"(({x[i]} - {x[j]})**2 + ({y[i]} - {y[j]})**2)" for i, j in pairs}
+
+    def pull(q: Sequence[str], i: int) -> str:
+        parts = [
+            f"{masses[j]}*({q[j]} - {q[i]})/{squares[max(i, j), min(i, j)]}**(3/2)" for j in range(n) if j != i
+        ]
+        return f"k*({' + '.join(parts)})"
+
+    field = [*u, *v, *(pull(x, i) for i in range(n)), *(pull(y, i) for i in range(n))]
+    motion = " + ".join(f"{m}*({a}**2 + {b}**2)/2" for m, a, b in zip(masses, u, v, strict=True))
+    energy = f"{motion} - k*({' + '.join(f'{masses[i]}*{masses[j]}/sqrt({squares[i, j]})' for i, j in pairs)})"
+    momenta = [" + ".join(f"{m}*{q}" for m, q in zip(masses, w, strict=True)) for w in (u, v)]
+    spin = " + ".join(f"{m}*({a}*{f} - {b}*{e})" for m, a, b, e, f in zip(masses, x, y, u, v, strict=True))
+    # On a circle, that none comes close to another for a while.
+    angle = 2 * np.pi * (np.arange(n) + rng.uniform(-0.2, 0.2, n)) / n
+    speed = rng.uniform(0.5, 1.0)
+    start = [np.cos(angle), np.sin(angle), -speed * np.sin(angle), speed * np.cos(angle)]
+    return _system(
+        f"{n} bodies", (*x, *y, *u, *v), field, (energy, *momenta, spin), f"{x[0]} - {_number(rng.uniform(-0.5, 0.5))}",
+        np.concatenate(start) * _size(n),
+    )  # fmt: skip
+
+
+def springs(rng: Generator, d: int) -> core.PiecewiseSystem:
+    """A chain of d/2 masses between walls, on springs that are not linear; stiffer on one side of a stop: the energy."""
+    n = d // 2
+    q, p = _named("q", n), _named("p", n)
+    stretched = [q[0], *(f"({b} - {a})" for a, b in zip(q, q[1:], strict=False)), f"(-{q[-1]})"]
+    linear, cubic = ([_number(a) for a in rng.uniform(0.5, 1.5, n + 1)] for _ in range(2))
+    masses = [_number(m) for m in rng.uniform(0.5, 2.0, n)]
+    tension = [f"(k*{a}*{s} + {b}*{s}**3)" for a, b, s in zip(linear, cubic, stretched, strict=True)]
+    forces = [f"{b} - {a}" for a, b in zip(tension, tension[1:], strict=False)]
+    field = [*(f"{w}/{m}" for w, m in zip(p, masses, strict=True)), *forces]
+    stored = [f"k*{a}*{s}**2/2 + {b}*{s}**4/4" for a, b, s in zip(linear, cubic, stretched, strict=True)]
+    energy = " + ".join([*stored, *(f"{w}**2/(2*{m})" for w, m in zip(p, masses, strict=True))])
+    return _system(f"{n} springs", (*q, *p), field, (energy,), f"{q[0]} - 0.1", rng.uniform(-0.7, 0.7, d))
+
+
+def dense(rng: Generator, d: int) -> core.PiecewiseSystem:
+    """x' = A S x of a dense A = −Aᵀ and a positive S, other ones on each side: ψ = xᵀSx/2 is kept."""
+    x = _named("x", d)
+    sides = []
+    for _ in range(2):
+        skew = rng.normal(size=(d, d)) / np.sqrt(d)
+        square = rng.normal(size=(d, d)) / np.sqrt(2 * d)
+        # Of few binary digits, so that every product is exact and ψ kept to the last of them.
+        skew, square = (np.round(16 * a) / 16 for a in (skew - skew.T, square))
+        form = square @ square.T + np.eye(d)
+        psi = [f"{_number(form[i, j] * (0.5 if i == j else 1.0))}*{x[i]}*{x[j]}" for i in range(d) for j in range(i + 1)]
+        sides.append(([_linear(row, x) for row in skew @ form], (_sum(psi),)))
+    (below, kept_below), (above, kept_above) = sides
+    return core.PiecewiseSystem(
+        name=f"Dense quadratic form in {d}", variables=x, f_minus=below, f_plus=above, g=f"{x[0]} - 0.3",
+        psi_minus=kept_below, psi_plus=kept_above, x0=tuple(rng.uniform(-1.0, 1.0, d)),
+    )  # fmt: skip
+
+
+def vortices(rng: Generator, d: int) -> core.PiecewiseSystem:
+    """d/2 point vortices, stronger where the first is to the right: energy, both impulses, angular impulse."""
+    n = d // 2
+    x, y = _named("x", n), _named("y", n)
+    strength = [_number(s) for s in rng.uniform(0.5, 1.5, n)]
+
+    def square(i: int, j: int) -> str:
+        i, j = max(i, j), min(i, j)
+        return f"(({x[i]} - {x[j]})**2 + ({y[i]} - {y[j]})**2)"
+
+    def drift(q: Sequence[str], i: int) -> str:
+        return " + ".join(f"{strength[j]}*({q[i]} - {q[j]})/{square(i, j)}" for j in range(n) if j != i)
+
+    field = [*(f"-k*({drift(y, i)})" for i in range(n)), *(f"k*({drift(x, i)})" for i in range(n))]
+    energy = " + ".join(f"{strength[i]}*{strength[j]}*log({square(i, j)})/2" for i in range(n) for j in range(i))
+    impulses = [" + ".join(f"{s}*{q}" for s, q in zip(strength, w, strict=True)) for w in (x, y)]
+    spin = " + ".join(f"{s}*({a}**2 + {b}**2)" for s, a, b in zip(strength, x, y, strict=True))
+    angle = 2 * np.pi * (np.arange(n) + rng.uniform(-0.2, 0.2, n)) / n
+    start = np.concatenate([np.cos(angle), np.sin(angle)]) * _size(n)
+    kept = (energy, *impulses, spin)[: d - 1]
+    return _system(
+        f"{n} vortices", (*x, *y), field, kept, f"{x[0]} - {_number(rng.uniform(-0.5, 0.5))}", start
+    )
+
+
+def lotka_volterra(rng: Generator, d: int) -> core.PiecewiseSystem:
+    """A food chain of d species, each preying on the one before: ψ = Σ wᵢ (xᵢ − eᵢ log xᵢ) with an equilibrium e."""
+    x = _named("x", d)
+    rates = [round(a, 3) for a in rng.uniform(0.5, 1.5, d - 1)]
+    rest = [round(a, 3) for a in rng.uniform(0.5, 1.5, d)]
+    weights = [round(a, 1) for a in rng.uniform(0.5, 2.0, d)]
+    field = []
+    for i in range(d):
+        parts = []
+        if i > 0:
+            parts.append(f"{rates[i - 1]}*({x[i - 1]} - {rest[i - 1]})")
+        if i + 1 < d:
+            parts.append(f"-{rates[i]}*({x[i + 1]} - {rest[i + 1]})")
+        field.append(f"k*{x[i]}*({' '.join(f'+ {part}' for part in parts)})/{weights[i]}")
+    psi = " + ".join(f"{w}*({a} - {e}*log({a}))" for w, a, e in zip(weights, x, rest, strict=True))
+    return _system(f"Food chain of {d}", x, field, (psi,), f"{x[0]} - {rest[0]}", rng.uniform(0.3, 1.7, d))
+
+
+#: Families by name: (generator, dimension) -> system. The plane's need d = 4n (bodies) or 2n (springs, vortices).
+FAMILIES: Mapping[str, Callable[[Generator, int], core.PiecewiseSystem]] = MappingProxyType(
+    {"bodies": bodies, "springs": springs, "dense": dense, "vortices": vortices, "lotka_volterra": lotka_volterra}
+)
+
+
+def _system(
+    name: str, variables: Sequence[str], field: Sequence[str], psi: Sequence[str], g: str, start: np.ndarray
+) -> core.PiecewiseSystem:
+    """A system whose sides differ in the coefficient that is called k in its laws."""
+    texts = {
+        f"{what}_{side}": tuple(e.replace("k*", f"k_{side}*") for e in given)
+        for what, given in (("f", field), ("psi", psi))
+        for side in ("minus", "plus")
+    }
+    return core.PiecewiseSystem(
+        name=name, variables=tuple(variables), g=g, parameters={"k_minus": 1.0, "k_plus": 1.5},
+        x0=tuple(map(float, start)), **texts,
+    )  # fmt: skip
+
+
+def _named(stem: str, n: int) -> tuple[str, ...]:
+    return tuple(f"{stem}{i + 1}" for i in range(n))
+
+
+def _number(value: float) -> str:
+    return repr(round(float(value), 15))
+
+
+def _sum(terms: Sequence[str]) -> str:
+    return " + ".join(terms) or "0"
+
+
+def _linear(row: np.ndarray, x: Sequence[str]) -> str:
+    return _sum([f"{_number(a)}*{v}" for a, v in zip(row, x, strict=True) if a])
+
+
+def _size(n: int) -> float:
+    """Radius of a circle on which n neighbours are about a unit apart."""
+    return max(1.0, n / np.pi)
