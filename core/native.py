@@ -98,7 +98,7 @@ def _code(text: str) -> bytes:
     module.triple, module.data_layout = llvm.get_process_triple(), str(machine.target_data)
     module.verify()
     tuning = llvm.create_pipeline_tuning_options(speed_level=_SPEED)
-    tuning.loop_vectorization = tuning.slp_vectorization = True
+    tuning.loop_vectorization, tuning.slp_vectorization = True, False
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
     return bytes(machine.emit_object(module))
