@@ -9,7 +9,7 @@ from functools import cached_property
 import sympy
 from sympy import Expr, Symbol
 
-from core import arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures
+from core import arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, scratch, signatures, solving
 from core.elimination import least_change, row_lines
 from core.expressions import TIME
 from core.laws import Laws, Side
@@ -25,7 +25,7 @@ _EPS = 2.0**-52
 _POLISH = 1e-12
 
 #: Modules of jitted functions that generated text calls, and of the tables that these use.
-JITTED = (arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures)
+JITTED = (arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, scratch, signatures, solving)
 _HOME = {name: module.__name__ for module in JITTED for name in getattr(module, "__all__", ())}
 
 

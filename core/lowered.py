@@ -13,9 +13,9 @@ from typing import Any
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from core import doubled
+from core.scratch import scratch
 
 __all__ = [
     "DOUBLE",
@@ -29,7 +29,6 @@ __all__ = [
     "bits",
     "number_of",
     "returned",
-    "scratch",
 ]
 
 DOUBLE, WHOLE, TRUTH, ROWS = "double", "i64", "i1", "ptr"
@@ -52,11 +51,6 @@ _FOLDED: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
 #: Functions of `math` that LLVM has, and those of the C library.
 _INTRINSICS = frozenset(("sqrt", "exp", "log", "sin", "cos", "pow"))
 _LIBRARY = frozenset(("expm1", "log1p", "tan", "sinh", "cosh", "tanh"))
-
-
-def scratch(size: int) -> NDArray[np.float64]:
-    """Room for numbers on the stack of a generated function."""
-    return np.empty(size)
 
 
 class Unknown(Exception):  # noqa: N818 - no error: numba compiles what is unknown here

@@ -139,8 +139,8 @@ class _Function(Expressions):
             handler(statement)
 
     def do_Expr(self, node: ast.Expr) -> None:  # noqa: N802 - named after the node
-        if not isinstance(node.value, ast.Constant):
-            raise Unknown("an expression without effect")
+        if not isinstance(node.value, ast.Constant):  # a docstring
+            self.value(node.value)
 
     def do_Assign(self, node: ast.Assign) -> None:  # noqa: N802
         value = self.value(node.value)
