@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from sympy import Add, Expr, Integer, Symbol
+from sympy import Add, Expr, Integer, Mul, Symbol
 
 from core.printing import common, printed
 
@@ -48,11 +48,11 @@ def jacobian(
     shared, final = common(expressions, names, thorough=False)
     lines: list[str] = []
     for name, expression in shared:
-        lines.append(f"{name} = {printed(expression)}")
+        lines.append(f"{name} = {printed(expression, ordered=False)}")
         known[name] = _named(_gradient(expression, known, lines, names), lines, names)
     rows = [_gradient(expression, known, lines, names) for expression in final]
-    entries = {(i, k): printed(entry) for i, row in enumerate(rows) for k, entry in row.items()}
-    return lines, [printed(expression) for expression in final], entries
+    entries = {(i, k): printed(entry, ordered=False) for i, row in enumerate(rows) for k, entry in row.items()}
+    return lines, [printed(expression, ordered=False) for expression in final], entries
 
 
 def _gradient(
@@ -69,14 +69,33 @@ def _gradient(
     return {k: Add(*terms) for k, terms in parts.items()}
 
 
-def _slopes(expression: Expr, known: Mapping[Symbol, Gradient]) -> dict[Symbol, Expr]:
-    """Derivatives of an expression by its own symbols, term by term."""
-    slopes: dict[Symbol, list[Expr]] = {}
-    for term in Add.make_args(expression):
-        for symbol in sorted(term.free_symbols & known.keys(), key=str):
-            if known[symbol]:
-                slopes.setdefault(symbol, []).append(term.diff(symbol))
-    return {symbol: Add(*terms) for symbol, terms in slopes.items()}
+def _slopes(u: Expr, known: Mapping[Symbol, Gradient]) -> dict[Symbol, Expr]:
+    """Derivatives of an expression by its own symbols: of sums, products and powers from those of their parts.
+
+    As sympy derives them, once for every symbol, a sum of d terms takes d² steps.
+    """
+    if u.is_Atom:
+        return {u: Integer(1)} if known.get(u) else {}
+    parts = [_slopes(part, known) for part in u.args]
+    if not any(parts):
+        return {}
+    if u.is_Add:
+        return _sum(parts)
+    if u.is_Mul:
+        rest = [Mul(*u.args[:k], *u.args[k + 1 :]) if part else None for k, part in enumerate(parts)]
+        return _sum([{s: r * e for s, e in part.items()} for r, part in zip(rest, parts, strict=True)])
+    if u.is_Pow and not parts[1]:
+        outer = u.exp * u.base ** (u.exp - 1)
+        return {s: outer * e for s, e in parts[0].items()}
+    return {s: u.diff(s) for s in sorted({s for part in parts for s in part}, key=str)}
+
+
+def _sum(parts: Sequence[Mapping[Symbol, Expr]]) -> dict[Symbol, Expr]:
+    terms: dict[Symbol, list[Expr]] = {}
+    for part in parts:
+        for symbol, slope in part.items():
+            terms.setdefault(symbol, []).append(slope)
+    return {symbol: Add(*slopes) for symbol, slopes in terms.items()}
 
 
 def _named(gradient: Gradient, lines: list[str], names: Iterable[Symbol]) -> Gradient:
@@ -88,5 +107,5 @@ def _name(entry: Expr, lines: list[str], names: Iterable[Symbol]) -> Expr:
     if entry.is_Atom or (-entry).is_Atom:
         return entry
     name: Symbol = next(iter(names))
-    lines.append(f"{name} = {printed(entry)}")
+    lines.append(f"{name} = {printed(entry, ordered=False)}")
     return name

@@ -49,12 +49,17 @@ class _Module:
         return self.tables[key]
 
     def function(self, what: Any, arguments: Sequence[Value]) -> tuple[str, Any]:
-        """Name and result of a jitted function for arguments of these kinds."""
+        """Name and result of a function for arguments of these kinds.
+
+        One that is not jitted is compiled anew for every value of whole numbers known beforehand: sizes of arrays.
+        """
         python = getattr(what, "py_func", what)
-        key = (python, *((a.kind, a.stride) for a in arguments))
+        if python is not what:
+            arguments = [replace(a, known=None) for a in arguments]
+        key = (python, *((a.kind, a.stride, a.known) for a in arguments))
         if key not in self.functions:
             name = f"@{python.__name__}.{len(self.functions)}"
-            lines, result = _Function.read(self, python, name, [replace(a, known=None) for a in arguments])
+            lines, result = _Function.read(self, python, name, arguments)
             self.parts.append(lines)
             self.functions[key] = name, result
         return self.functions[key]
@@ -107,7 +112,10 @@ class _Function(Expressions):
             raise Unknown(f"{self.tree.name} takes {len(parameters)} arguments, here it has {len(arguments)}")
         self.parameters = [replace(a, text=f"%arg.{n}") for n, a in zip(parameters, arguments, strict=True)]
         for name, value in zip(parameters, self.parameters, strict=True):
-            self.assign_name(name, value)
+            if isinstance(value.known, int):
+                self.bound[name] = number_of(value.known)
+            else:
+                self.assign_name(name, value)
 
     @classmethod
     def read(
@@ -168,7 +176,7 @@ class _Function(Expressions):
             for k, part in enumerate(value):
                 self.assign_name(f"{name}.{k}", part)
             value = len(value)
-        if not isinstance(value, Value) or value.kind == ROWS:
+        if not isinstance(value, Value) or value.kind == ROWS or name in self.bound:
             if self.bound.setdefault(name, value) != value:
                 raise Unknown(f"{name}, which is given two meanings")
             return

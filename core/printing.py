@@ -58,9 +58,10 @@ class _Printer(PythonCodePrinter):
         return str(super()._print_Function(expr))
 
 
-def printed(expression: Expr) -> str:
-    """Text of an expression in floating point."""
-    return str(_Printer({"fully_qualified_modules": True}).doprint(expression))
+def printed(expression: Expr, ordered: bool = True) -> str:
+    """Text of an expression in floating point, its terms in sympy's order for readers or, sooner, as they come."""
+    settings = {"fully_qualified_modules": True} if ordered else {"fully_qualified_modules": True, "order": "none"}
+    return str(_Printer(settings).doprint(expression))
 
 
 def named(stem: str, count: int) -> tuple[Symbol, ...]:
@@ -78,7 +79,7 @@ def assignments(
     """
     shared, final = common(expressions, temporaries, thorough)
     pairs = [(str(name), value) for name, value in shared] + list(zip(targets, final, strict=True))
-    return [f"{name} = {printed(value)}" for name, value in pairs]
+    return [f"{name} = {printed(value, thorough)}" for name, value in pairs]
 
 
 def common(

@@ -15,30 +15,27 @@ Generator = np.random.Generator
 
 
 def bodies(rng: Generator, d: int) -> core.PiecewiseSystem:
-    """d/4 bodies in the plane that attract each other, less where the first is to the right: four ψ."""
+    """d/4 bodies in the plane that attract each other, more where the first is to the right: four ψ."""
     n = d // 4
-    masses = [_number(m) for m in rng.uniform(0.5, 2.0, n)]
+    masses = _eighths(rng.uniform(0.5, 2.0, n))
     x, y, u, v = (_named(name, n) for name in "xyuv")
-    pairs = [(i, j) for i in range(n) for j in range(i)]
-    squares = {(i, j): f"(({x[i]} - {x[j]})**2 + ({y[i]} - {y[j]})**2)" for i, j in pairs}
 
     def pull(q: Sequence[str], i: int) -> str:
-        parts = [
-            f"{masses[j]}*({q[j]} - {q[i]})/{squares[max(i, j), min(i, j)]}**(3/2)" for j in range(n) if j != i
-        ]
-        return f"k*({' + '.join(parts)})"
+        others = (j for j in range(n) if j != i)
+        return f"k*({'+'.join(f'{masses[j]}*({q[j]}-{q[i]})/({_square(x, y, i, j)})**(3/2)' for j in others)})"
 
     field = [*u, *v, *(pull(x, i) for i in range(n)), *(pull(y, i) for i in range(n))]
-    motion = " + ".join(f"{m}*({a}**2 + {b}**2)/2" for m, a, b in zip(masses, u, v, strict=True))
-    energy = f"{motion} - k*({' + '.join(f'{masses[i]}*{masses[j]}/sqrt({squares[i, j]})' for i, j in pairs)})"
-    momenta = [" + ".join(f"{m}*{q}" for m, q in zip(masses, w, strict=True)) for w in (u, v)]
-    spin = " + ".join(f"{m}*({a}*{f} - {b}*{e})" for m, a, b, e, f in zip(masses, x, y, u, v, strict=True))
+    motion = "+".join(f"{m / 2}*({a}**2+{b}**2)" for m, a, b in zip(masses, u, v, strict=True))
+    bound = "+".join(f"{masses[i] * masses[j]}/sqrt({_square(x, y, i, j)})" for i in range(n) for j in range(i))
+    momenta = ["+".join(f"{m}*{q}" for m, q in zip(masses, w, strict=True)) for w in (u, v)]
+    spin = "+".join(f"{m}*({a}*{f}-{b}*{e})" for m, a, b, e, f in zip(masses, x, y, u, v, strict=True))
+    kept = (f"{motion}-k*({bound})", *momenta, spin)
     # On a circle, that none comes close to another for a while.
     angle = 2 * np.pi * (np.arange(n) + rng.uniform(-0.2, 0.2, n)) / n
     speed = rng.uniform(0.5, 1.0)
     start = [np.cos(angle), np.sin(angle), -speed * np.sin(angle), speed * np.cos(angle)]
     return _system(
-        f"{n} bodies", (*x, *y, *u, *v), field, (energy, *momenta, spin), f"{x[0]} - {_number(rng.uniform(-0.5, 0.5))}",
+        f"{n} bodies", (*x, *y, *u, *v), field, kept, f"{x[0]} - {_number(rng.uniform(-0.5, 0.5))}",
         np.concatenate(start) * _size(n),
     )  # fmt: skip
 
@@ -59,17 +56,16 @@ def springs(rng: Generator, d: int) -> core.PiecewiseSystem:
 
 
 def dense(rng: Generator, d: int) -> core.PiecewiseSystem:
-    """x' = A S x of a dense A = −Aᵀ and a positive S, other ones on each side: ψ = xᵀSx/2 is kept."""
+    """x' = A S x of a dense A = −Aᵀ and S = D + u uᵀ, other ones on each side of x1 = 0.3: ψ = xᵀSx/2 is kept."""
     x = _named("x", d)
     sides = []
     for _ in range(2):
-        skew = rng.normal(size=(d, d)) / np.sqrt(d)
-        square = rng.normal(size=(d, d)) / np.sqrt(2 * d)
         # Of few binary digits, so that every product is exact and ψ kept to the last of them.
-        skew, square = (np.round(16 * a) / 16 for a in (skew - skew.T, square))
-        form = square @ square.T + np.eye(d)
-        psi = [f"{_number(form[i, j] * (0.5 if i == j else 1.0))}*{x[i]}*{x[j]}" for i in range(d) for j in range(i + 1)]
-        sides.append(([_linear(row, x) for row in skew @ form], (_sum(psi),)))
+        skew, u, diagonal = (np.round(16 * a) / 16 for a in (rng.normal(size=(d, d)), rng.normal(size=d), 1 + rng.random(d)))
+        skew, u = np.round(8 * (skew - skew.T) / np.sqrt(d)) / 8, np.round(8 * u / np.sqrt(d)) / 8
+        field = [_linear(row, x) for row in skew @ (np.diag(diagonal) + np.outer(u, u))]
+        squares = [f"{_number(a)}*{v}**2" for a, v in zip(diagonal, x, strict=True)]
+        sides.append((field, (f"(({_linear(u, x)})**2 + {_sum(squares)})/2",)))
     (below, kept_below), (above, kept_above) = sides
     return core.PiecewiseSystem(
         name=f"Dense quadratic form in {d}", variables=x, f_minus=below, f_plus=above, g=f"{x[0]} - 0.3",
@@ -81,19 +77,15 @@ def vortices(rng: Generator, d: int) -> core.PiecewiseSystem:
     """d/2 point vortices, stronger where the first is to the right: energy, both impulses, angular impulse."""
     n = d // 2
     x, y = _named("x", n), _named("y", n)
-    strength = [_number(s) for s in rng.uniform(0.5, 1.5, n)]
-
-    def square(i: int, j: int) -> str:
-        i, j = max(i, j), min(i, j)
-        return f"(({x[i]} - {x[j]})**2 + ({y[i]} - {y[j]})**2)"
+    strength = [int(s) for s in rng.integers(1, 3, n)]
 
     def drift(q: Sequence[str], i: int) -> str:
-        return " + ".join(f"{strength[j]}*({q[i]} - {q[j]})/{square(i, j)}" for j in range(n) if j != i)
+        return "+".join(f"{strength[j]}*({q[i]}-{q[j]})/({_square(x, y, i, j)})" for j in range(n) if j != i)
 
     field = [*(f"-k*({drift(y, i)})" for i in range(n)), *(f"k*({drift(x, i)})" for i in range(n))]
-    energy = " + ".join(f"{strength[i]}*{strength[j]}*log({square(i, j)})/2" for i in range(n) for j in range(i))
-    impulses = [" + ".join(f"{s}*{q}" for s, q in zip(strength, w, strict=True)) for w in (x, y)]
-    spin = " + ".join(f"{s}*({a}**2 + {b}**2)" for s, a, b in zip(strength, x, y, strict=True))
+    energy = "+".join(f"{strength[i] * strength[j]}*log({_square(x, y, i, j)})" for i in range(n) for j in range(i))
+    impulses = ["+".join(f"{s}*{q}" for s, q in zip(strength, w, strict=True)) for w in (x, y)]
+    spin = "+".join(f"{s}*({a}**2+{b}**2)" for s, a, b in zip(strength, x, y, strict=True))
     angle = 2 * np.pi * (np.arange(n) + rng.uniform(-0.2, 0.2, n)) / n
     start = np.concatenate([np.cos(angle), np.sin(angle)]) * _size(n)
     kept = (energy, *impulses, spin)[: d - 1]
@@ -147,6 +139,17 @@ def _named(stem: str, n: int) -> tuple[str, ...]:
 
 def _number(value: float) -> str:
     return repr(round(float(value), 15))
+
+
+def _eighths(values: np.ndarray) -> list[float]:
+    """Numbers whose products are short."""
+    return [float(v) for v in np.round(8 * values) / 8]
+
+
+def _square(x: Sequence[str], y: Sequence[str], i: int, j: int) -> str:
+    """The square of a distance, the same text for i, j and j, i."""
+    i, j = max(i, j), min(i, j)
+    return f"({x[i]}-{x[j]})**2+({y[i]}-{y[j]})**2"
 
 
 def _sum(terms: Sequence[str]) -> str:
