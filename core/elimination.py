@@ -9,10 +9,12 @@ from sympy import Expr, Symbol
 
 from core.printing import assignments
 
-__all__ = ["DEPENDENT", "FEW", "KEPT", "LEAST", "MOST", "by_cofactors", "least_change", "row_lines", "with_pivots"]
+__all__ = ["DEPENDENT", "FEW", "KEPT", "LEAST", "MOST", "WRITTEN_OUT", "by_cofactors", "least_change", "row_lines", "with_pivots"]
 
-#: Up to so many variables the lines of a solution are written out; for more, loops over arrays solve (`solving`).
+#: Up to so many variables every expression in common is looked for; and so many gradients are few.
 FEW = 4
+#: Up to so many unknowns a solution that is written out takes less time than one in loops over arrays (`solving`).
+WRITTEN_OUT = 10
 
 #: A pivot of so many parts of its column is round-off.
 DEPENDENT = 4 * 2.0**-52
@@ -91,15 +93,15 @@ def least_change(
     The entries of A are those of `row_lines`, and lost.
     """
     m, d = len(along), len(along[0])
-    if d > FEW:
+    if m > FEW:
         return _change_in_loops(along, changes, temporaries, slopes)
     against = along if slopes is None else [[Symbol(f"b{j}_{k}") for k in range(d)] for j in range(m)]
     lines = []
     if slopes is not None:
-        lines += assignments([str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries)
+        lines += assignments([str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries, d <= FEW)
     product = sympy.Matrix(against) * sympy.Matrix(along).T
     places = [(i, k) for i in range(m) for k in range(m)]
-    form = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries)
+    form = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries, d <= FEW)
     lines += form
     lines.append(f"if not ({' and '.join(f'{LEAST} < abs(j{k}_{k}) < {MOST}' for k in range(m))}):")
     lines += [f"    {line}" for line in (*_rescale(along, against, m), *form)]
@@ -113,7 +115,7 @@ def least_change(
             lines.append(f"r{i} -= q * r{k}")
     lines += _back_substitution(m)
     multipliers = sympy.Matrix(sympy.symbols(f"r:{m}"))
-    return lines + assignments([str(c) for c in changes], list(sympy.Matrix(along).T * multipliers), temporaries)
+    return lines + assignments([str(c) for c in changes], list(sympy.Matrix(along).T * multipliers), temporaries, d <= FEW)
 
 
 def _change_in_loops(

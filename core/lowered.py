@@ -24,6 +24,7 @@ __all__ = [
     "TRUTH",
     "WHOLE",
     "Expressions",
+    "Thing",
     "Unknown",
     "Value",
     "bits",
@@ -63,8 +64,8 @@ class Value:
 
     kind: str
     text: str
-    stride: int = 0
-    """Of the first index of a pointer that takes two."""
+    stride: str = ""
+    """Of the first index of a pointer that takes two: a number or a register."""
     known: Any = None
     """The number, where it is known beforehand."""
 
@@ -355,7 +356,7 @@ class Expressions:
             raise Unknown(f"{ast.unparse(node)}: an index that is none")
         place = parts[-1]
         if base.stride:
-            row = self.binary(ast.Mult(), parts[0], number_of(base.stride))
+            row = self.binary(ast.Mult(), parts[0], Value(WHOLE, base.stride))
             place = self.binary(ast.Add(), row, parts[1])
         return self.element(base.text, place.text)
 
@@ -398,11 +399,10 @@ class Expressions:
             return self.room(*arguments)
         if not (hasattr(what, "py_func") or inspect.isfunction(what)):
             raise Unknown(f"the function {name}")
-        flat = [a for a in arguments if isinstance(a, Value)]
-        if len(flat) != len(arguments):
-            raise Unknown(f"{name} of what are no numbers")
-        symbol, result = self.module.function(what, flat)
-        given = ", ".join(f"{a.kind} {a.text}" for a in flat)
+        if not all(isinstance(a, Thing) or (isinstance(a, Value) and not a.stride.startswith("%")) for a in arguments):
+            raise Unknown(f"{name} of tuples, or of rows whose length is not known beforehand")
+        symbol, result = self.module.function(what, arguments)
+        given = ", ".join(f"{a.kind} {a.text}" for a in arguments if isinstance(a, Value))
         if not result:
             self.emit(f"call void {symbol}({given})")
             return ()
@@ -439,9 +439,9 @@ class Expressions:
 
     def shaped(self, rows: Value, shape: Any) -> Value:
         """A pointer that takes two indices."""
-        if rows.kind != ROWS or not isinstance(shape, tuple) or len(shape) != 2 or shape[1].known is None:
-            raise Unknown("carray of a shape that is not known beforehand")
-        return replace(rows, stride=int(shape[1].known))
+        if rows.kind != ROWS or not isinstance(shape, tuple) or len(shape) != 2:
+            raise Unknown("carray of a shape that is no pair")
+        return replace(rows, stride=shape[1].text)
 
     def room(self, size: Value) -> Value:
         """Numbers on the stack, of no certain value."""

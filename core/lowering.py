@@ -16,9 +16,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from core.lowered import (
-    DOUBLE, RANK, ROWS, TRUTH, WHOLE, Expressions, Unknown, Value, bits, number_of, returned,
-)  # fmt: skip
+from core.lowered import DOUBLE, RANK, ROWS, TRUTH, WHOLE, Expressions, Thing, Unknown, Value, bits, number_of, returned
 
 __all__ = ["lowered"]
 
@@ -48,15 +46,15 @@ class _Module:
             self.parts.append(f"{name} = private unnamed_addr constant [{len(key)} x double] [{body}]")
         return self.tables[key]
 
-    def function(self, what: Any, arguments: Sequence[Value]) -> tuple[str, Any]:
+    def function(self, what: Any, arguments: Sequence[Value | Thing]) -> tuple[str, Any]:
         """Name and result of a function for arguments of these kinds.
 
         One that is not jitted is compiled anew for every value of whole numbers known beforehand: sizes of arrays.
         """
         python = getattr(what, "py_func", what)
         if python is not what:
-            arguments = [replace(a, known=None) for a in arguments]
-        key = (python, *((a.kind, a.stride, a.known) for a in arguments))
+            arguments = [replace(a, known=None) if isinstance(a, Value) else a for a in arguments]
+        key = (python, *((a.kind, a.stride, a.known) if isinstance(a, Value) else a for a in arguments))
         if key not in self.functions:
             name = f"@{python.__name__}.{len(self.functions)}"
             lines, result = _Function.read(self, python, name, arguments)
@@ -102,7 +100,7 @@ def _tree(function: Any) -> ast.FunctionDef:
 class _Function(Expressions):
     """One function, read line by line; a variable is a place on the stack, which LLVM turns into registers."""
 
-    def __init__(self, module: _Module, function: Any, arguments: Sequence[Value], kinds: dict[str, str]) -> None:
+    def __init__(self, module: _Module, function: Any, arguments: Sequence[Value | Thing], kinds: dict[str, str]) -> None:
         super().__init__(module, function.__globals__, kinds)
         self.tree = _tree(function)
         self.loops: list[tuple[str, str]] = []
@@ -110,16 +108,13 @@ class _Function(Expressions):
         parameters = [a.arg for a in self.tree.args.args]
         if len(parameters) != len(arguments):
             raise Unknown(f"{self.tree.name} takes {len(parameters)} arguments, here it has {len(arguments)}")
-        self.parameters = [replace(a, text=f"%arg.{n}") for n, a in zip(parameters, arguments, strict=True)]
-        for name, value in zip(parameters, self.parameters, strict=True):
-            if isinstance(value.known, int):
-                self.bound[name] = number_of(value.known)
-            else:
-                self.assign_name(name, value)
+        self.parameters: list[Value] = []
+        for name, value in zip(parameters, arguments, strict=True):
+            self.take(name, value)
 
     @classmethod
     def read(
-        cls, module: _Module, function: Any, name: str, arguments: Sequence[Value], entry: bool = False
+        cls, module: _Module, function: Any, name: str, arguments: Sequence[Value | Thing], entry: bool = False
     ) -> tuple[str, tuple[str, ...]]:
         """Text, and kinds of the results, of a function."""
         kinds: dict[str, str] = {}
@@ -136,6 +131,17 @@ class _Function(Expressions):
         end = "unreachable" if result else "ret void"
         body = [head, *reader.stack, *reader.lines, f"  {end}", "}"]
         return "\n".join(body), result
+
+    def take(self, name: str, value: Value | Thing) -> None:
+        """An argument: constants that the function is compiled for have a name only."""
+        if isinstance(value, Thing):
+            self.bound[name] = value
+            return
+        self.parameters.append(replace(value, text=f"%arg.{name}"))
+        if isinstance(value.known, int):
+            self.bound[name] = number_of(value.known)
+        else:
+            self.assign_name(name, self.parameters[-1])
 
     # Statements -------------------------------------------------------------------------------------------------------
 

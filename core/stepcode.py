@@ -10,7 +10,7 @@ from sympy import Expr, Symbol
 from core import signatures
 from core.codegen import Names, excess_lines, function_text
 from core.derivatives import jacobian
-from core.elimination import FEW, KEPT, by_cofactors, least_change, row_lines, with_pivots
+from core.elimination import FEW, KEPT, WRITTEN_OUT, by_cofactors, least_change, row_lines, with_pivots
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, named
@@ -111,15 +111,18 @@ class StepCode:
         start = [f"{u} = h*{f}" for u, f in zip(unknowns, self.field(self.t), strict=False)]
         start += [f"{u} = 0.0" for u in multipliers]
         self._lines += ["t1 = t + h", *start, "last = math.inf", "corrections = 0"]
-        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(len(unknowns), d, self._few)))]
+        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(len(unknowns), d)))]
         self._evaluations.append("corrections")
         return list(self.increment)
 
     def _newton_of_many(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
-        """The same, with the matrix in an array."""
+        """Lines that leave the next correction in r0, r1 and so on; where there are many unknowns, by way of arrays."""
         n, d = len(residuals), len(self.x)
         moves = dict(zip(self.end, unknowns, strict=False))
         lines, values, entries = jacobian(residuals, unknowns, moves, self._temporaries)
+        if n <= WRITTEN_OUT:
+            lines += [f"j{i}_{k} = {entries.get((i, k), '0.0')}" for i in range(n) for k in range(n)]
+            return [*lines, *(f"r{i} = {value}" for i, value in enumerate(values)), *with_pivots(n, d)]
         lines = [f"matrix, right, sizes = scratch({n * n}), scratch({n}), scratch({n})", *lines]
         lines += [f"right[{i}] = {value}" for i, value in enumerate(values)]
         lines += [f"for place in range({n * n}):", "    matrix[place] = 0.0"]
@@ -260,7 +263,7 @@ class StepCode:
         return function_text("step", lines)
 
 
-def _verdict(n: int, d: int, few: bool) -> list[str]:
+def _verdict(n: int, d: int) -> list[str]:
     """Lines that end Newton's loop: solved, or not to be solved.
 
     The correction to come is foretold from the last two, as K·size² with K = size/last²; and with K = last/whole², of
@@ -270,8 +273,8 @@ def _verdict(n: int, d: int, few: bool) -> list[str]:
     kept = ""
     check = []
     if n - d > 1:  # a ψ that has been left alone must be kept all the same
-        bound = " and ".join(f"j{k}_{k} != 0.0" for k in range(d, n)) if few else "bound"
-        largest = f"max({', '.join(f's{k}' for k in range(d, n))})" if few else "largest"
+        bound = " and ".join(f"j{k}_{k} != 0.0" for k in range(d, n)) if n <= WRITTEN_OUT else "bound"
+        largest = f"max({', '.join(f's{k}' for k in range(d, n))})" if n <= WRITTEN_OUT else "largest"
         check.append(f"kept = {bound} or excess <= {KEPT} * {largest} * max(whole, {state})")
         kept = "kept and "
     return [
