@@ -9,7 +9,18 @@ from sympy import Expr, Symbol
 
 from core.printing import assignments
 
-__all__ = ["DEPENDENT", "FEW", "KEPT", "LEAST", "MOST", "WRITTEN_OUT", "by_cofactors", "least_change", "row_lines", "with_pivots"]
+__all__ = [
+    "DEPENDENT",
+    "FEW",
+    "KEPT",
+    "LEAST",
+    "MOST",
+    "WRITTEN_OUT",
+    "by_cofactors",
+    "least_change",
+    "row_lines",
+    "with_pivots",
+]
 
 #: Up to so many variables every expression in common is looked for; and so many gradients are few.
 FEW = 4
@@ -98,7 +109,9 @@ def least_change(
     against = along if slopes is None else [[Symbol(f"b{j}_{k}") for k in range(d)] for j in range(m)]
     lines = []
     if slopes is not None:
-        lines += assignments([str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries, d <= FEW)
+        lines += assignments(
+            [str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries, d <= FEW
+        )
     product = sympy.Matrix(against) * sympy.Matrix(along).T
     places = [(i, k) for i in range(m) for k in range(m)]
     form = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries, d <= FEW)
@@ -115,7 +128,9 @@ def least_change(
             lines.append(f"r{i} -= q * r{k}")
     lines += _back_substitution(m)
     multipliers = sympy.Matrix(sympy.symbols(f"r:{m}"))
-    return lines + assignments([str(c) for c in changes], list(sympy.Matrix(along).T * multipliers), temporaries, d <= FEW)
+    return lines + assignments(
+        [str(c) for c in changes], list(sympy.Matrix(along).T * multipliers), temporaries, d <= FEW
+    )
 
 
 def _change_in_loops(
@@ -125,7 +140,9 @@ def _change_in_loops(
     slopes: Sequence[Sequence[Expr]] | None,
 ) -> list[str]:
     m, d = len(along), len(along[0])
-    lines = [f"rows, slopes, excesses, room, change = {', '.join(f'scratch({n})' for n in (m * d, m * d, m, m * m, d))}"]
+    lines = [
+        f"rows, slopes, excesses, room, change = {', '.join(f'scratch({n})' for n in (m * d, m * d, m, m * m, d))}"
+    ]
     entries = [g for row in along for g in row]
     lines += [f"rows[{k}] = {g}" for k, g in enumerate(entries)]
     against = entries if slopes is None else [e for row in slopes for e in row]

@@ -5,141 +5,38 @@ from __future__ import annotations
 import ast
 import inspect
 import math
-import struct
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from itertools import count
+from dataclasses import replace
 from typing import Any
 
-import numba
 import numpy as np
+from numba import carray  # type: ignore[attr-defined]
 
 from core import doubled
+from core.operations import (
+    DOUBLE,
+    ROWS,
+    TRUTH,
+    WHOLE,
+    Operations,
+    Thing,
+    Unknown,
+    Value,
+    number_of,
+    returned,
+    wider,
+)
 from core.scratch import scratch
 
-__all__ = [
-    "DOUBLE",
-    "RANK",
-    "ROWS",
-    "TRUTH",
-    "WHOLE",
-    "Expressions",
-    "Thing",
-    "Unknown",
-    "Value",
-    "bits",
-    "number_of",
-    "returned",
-]
+__all__ = ["Expressions"]
 
-DOUBLE, WHOLE, TRUTH, ROWS = "double", "i64", "i1", "ptr"
-RANK = {TRUTH: 0, WHOLE: 1, DOUBLE: 2}  #: a variable has the widest type of what it is given
-_LARGEST_POWER = 0x10000  #: a whole exponent up to which a power is multiplied out
-
-_FLOAT = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-_INT = {
-    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.BitAnd: "and", ast.BitOr: "or", ast.LShift: "shl",
-    ast.RShift: "ashr",
-}  # fmt: skip
 _ORDER = {
     ast.Lt: ("olt", "slt"), ast.LtE: ("ole", "sle"), ast.Gt: ("ogt", "sgt"), ast.GtE: ("oge", "sge"),
     ast.Eq: ("oeq", "eq"), ast.NotEq: ("une", "ne"),
 }  # fmt: skip
-_FOLDED: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b, ast.Pow: lambda a, b: a**b,
-}  # fmt: skip
-#: Functions of `math` that LLVM has, and those of the C library.
-_INTRINSICS = frozenset(("sqrt", "exp", "log", "sin", "cos", "pow"))
-_LIBRARY = frozenset(("expm1", "log1p", "tan", "sinh", "cosh", "tanh"))
 
 
-class Unknown(Exception):  # noqa: N818 - no error: numba compiles what is unknown here
-    """A construct that is not among those that generated text is written in."""
-
-
-@dataclass(frozen=True)
-class Value:
-    """A scalar or a pointer, in a register or a constant."""
-
-    kind: str
-    text: str
-    stride: str = ""
-    """Of the first index of a pointer that takes two: a number or a register."""
-    known: Any = None
-    """The number, where it is known beforehand."""
-
-
-@dataclass(frozen=True)
-class Thing:
-    """What has a name and is no number: a function, a module, a table."""
-
-    what: Any
-
-
-def number_of(value: float) -> Value:
-    """A constant."""
-    return Value(WHOLE, str(value), known=value) if isinstance(value, int) else Value(DOUBLE, bits(value), known=value)
-
-
-def bits(value: float) -> str:
-    """Text of a floating-point number, to the last bit."""
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
-
-
-def returned(kinds: Sequence[str]) -> str:
-    """Type of what a function returns."""
-    return "void" if not kinds else kinds[0] if len(kinds) == 1 else f"{{{', '.join(kinds)}}}"
-
-
-def wider(a: Value, b: Value) -> str:
-    """The kind that holds both."""
-    return max(a.kind, b.kind, key=RANK.__getitem__)
-
-
-class Expressions:
-    """The lines written so far, and how each kind of expression is added to them."""
-
-    def __init__(self, module: Any, names: dict[str, Any], kinds: dict[str, str]) -> None:
-        self.module, self.globals, self.kinds = module, names, kinds
-        self.numbers = count()
-        self.stack: list[str] = []
-        self.lines: list[str] = []
-        self.bound: dict[str, Any] = {}
-        self.places: set[str] = set()
-
-    # Lines ------------------------------------------------------------------------------------------------------------
-
-    def emit(self, line: str) -> None:
-        self.lines.append(f"  {line}")
-
-    def let(self, kind: str, operation: str) -> Value:
-        name = f"%r{next(self.numbers)}"
-        self.lines.append(f"  {name} = {operation}")
-        return Value(kind, name)
-
-    def label(self) -> str:
-        return f"b{next(self.numbers)}"
-
-    def begin(self, label: str) -> None:
-        """Go on in the block of this label, from wherever one is."""
-        self.emit(f"br label %{label}")
-        self.lines.append(f"{label}:")
-
-    def leave(self, line: str) -> None:
-        """End the block; what follows in it is never reached."""
-        self.emit(line)
-        self.lines.append(f"{self.label()}:")
-
-    def branch(self, condition: Value, yes: str, no: str) -> None:
-        self.emit(f"br i1 {condition.text}, label %{yes}, label %{no}")
-
-    def slot(self, kind: str) -> str:
-        name = f"%s{next(self.numbers)}"
-        self.stack.append(f"  {name} = alloca {kind}")
-        return name
-
-    # Expressions ------------------------------------------------------------------------------------------------------
+class Expressions(Operations):
+    """How each kind of expression is turned into operations; what a name stands for is known as lines are read."""
 
     def value(self, node: ast.expr) -> Any:
         """A scalar, a pointer, or a tuple of them."""
@@ -173,6 +70,7 @@ class Expressions:
         raise Unknown(f"{ast.unparse(node)}: an expression of the kind {type(node).__name__}")
 
     def named(self, name: str) -> Any:
+        """What a name stands for here."""
         if name in self.bound:
             bound = self.bound[name]
             return tuple(self.named(f"{name}.{k}") for k in range(bound)) if isinstance(bound, int) else bound
@@ -184,6 +82,7 @@ class Expressions:
         return self.known(self.thing(name), name)
 
     def thing(self, name: str) -> Any:
+        """What a name stands for in the function's module."""
         if name not in self.globals:
             raise Unknown(f"the name {name}")
         return self.globals[name]
@@ -198,84 +97,8 @@ class Expressions:
             return Thing(what)
         raise Unknown(f"{name}, which is of the type {type(what).__name__}")
 
-    def cast(self, value: Value, kind: str) -> str:
-        """Text of a value as one of a wider kind."""
-        if not isinstance(value, Value):
-            raise Unknown(f"a {type(value).__name__} in place of a number")
-        if value.kind == kind:
-            return value.text
-        if kind == DOUBLE and value.known is not None:
-            return bits(float(value.known))
-        if value.kind == ROWS or RANK[kind] < RANK[value.kind]:
-            raise Unknown(f"{value.kind} in place of {kind}")
-        how = "sitofp" if value.kind == WHOLE else "uitofp" if kind == DOUBLE else "zext"
-        return self.let(kind, f"{how} {value.kind} {value.text} to {kind}").text
-
-    def double(self, value: Any) -> str:
-        return self.cast(value, DOUBLE)
-
-    def binary(self, op: ast.operator, a: Any, b: Any) -> Value:
-        if not (isinstance(a, Value) and isinstance(b, Value)):
-            raise Unknown(f"{type(op).__name__} of what are no numbers")
-        if a.known is not None and b.known is not None and type(op) in _FOLDED:
-            return number_of(_FOLDED[type(op)](a.known, b.known))
-        if isinstance(op, ast.Pow):
-            return self.power(a, b)
-        if a.kind == b.kind == WHOLE and not isinstance(op, ast.Div):
-            if isinstance(op, ast.Mod):
-                return self.whole_remainder(a, b)
-            if isinstance(op, ast.FloorDiv):
-                even = self.let(WHOLE, f"sub i64 {a.text}, {self.whole_remainder(a, b).text}").text
-                return self.let(WHOLE, f"sdiv i64 {even}, {b.text}")
-            if type(op) in _INT:
-                return self.let(WHOLE, f"{_INT[type(op)]} i64 {a.text}, {b.text}")
-        if isinstance(op, ast.Mod):
-            return self.remainder(self.double(a), self.double(b))
-        if type(op) in _FLOAT:
-            return self.let(DOUBLE, f"{_FLOAT[type(op)]} double {self.double(a)}, {self.double(b)}")
-        raise Unknown(f"{type(op).__name__} of {a.kind} and {b.kind}")
-
-    def power(self, a: Value, b: Value) -> Value:
-        base = self.double(a)
-        if not isinstance(b.known, int) or abs(b.known) > _LARGEST_POWER:
-            return self.intrinsic("pow", base, self.double(b))
-        n, product, square = abs(b.known), bits(1.0), base
-        while n:
-            if n & 1:
-                product = self.let(DOUBLE, f"fmul double {product}, {square}").text
-            n >>= 1
-            if n:
-                square = self.let(DOUBLE, f"fmul double {square}, {square}").text
-        if b.known < 0:
-            return self.let(DOUBLE, f"fdiv double {bits(1.0)}, {product}")
-        return Value(DOUBLE, product)
-
-    def remainder(self, a: str, b: str) -> Value:
-        """Python's, which has the sign of b."""
-        rest = self.let(DOUBLE, f"frem double {a}, {b}").text
-        other, rounded = (self.let(TRUTH, f"fcmp olt double {u}, {bits(0.0)}").text for u in (b, rest))
-        differs = self.let(TRUTH, f"xor i1 {other}, {rounded}").text
-        left = self.let(TRUTH, f"fcmp une double {rest}, {bits(0.0)}").text
-        both = self.let(TRUTH, f"and i1 {differs}, {left}").text
-        moved = self.let(DOUBLE, f"fadd double {rest}, {b}").text
-        return self.let(DOUBLE, f"select i1 {both}, double {moved}, double {rest}")
-
-    def whole_remainder(self, a: Value, b: Value) -> Value:
-        if not (isinstance(b.known, int) and b.known > 0):
-            raise Unknown("a remainder of a division by what is no positive number")
-        rest = self.let(WHOLE, f"srem i64 {a.text}, {b.text}").text
-        below = self.let(TRUTH, f"icmp slt i64 {rest}, 0").text
-        moved = self.let(WHOLE, f"add i64 {rest}, {b.text}").text
-        return self.let(WHOLE, f"select i1 {below}, i64 {moved}, i64 {rest}")
-
-    def negative(self, u: Value) -> Value:
-        if u.known is not None:
-            return number_of(-u.known)
-        if u.kind == WHOLE:
-            return self.let(WHOLE, f"sub i64 0, {u.text}")
-        return self.let(DOUBLE, f"fneg double {self.double(u)}")
-
     def truth(self, node: ast.expr) -> Value:
+        """A condition."""
         value = self.value(node)
         if not (isinstance(value, Value) and value.kind == TRUTH):
             raise Unknown(f"{ast.unparse(node)} as a condition")
@@ -295,6 +118,7 @@ class Expressions:
         return self.let(TRUTH, f"load i1, ptr {place}")
 
     def comparison(self, node: ast.Compare) -> Value:
+        """Comparisons in a chain: all are worked out."""
         values = [self.value(e) for e in (node.left, *node.comparators)]
         found: Value | None = None
         for op, a, b in zip(node.ops, values, values[1:], strict=False):
@@ -310,6 +134,7 @@ class Expressions:
         return found
 
     def choice(self, node: ast.IfExp) -> Any:
+        """One of two values, or tuples: only that one is worked out."""
         yes, no, after = self.label(), self.label(), self.label()
         self.branch(self.truth(node.test), yes, no)
         before, parts = self.lines, []
@@ -329,9 +154,8 @@ class Expressions:
         loaded = tuple(self.let(kind, f"load {kind}, ptr {place}") for kind, place in zip(kinds, places, strict=True))
         return loaded if len(loaded) > 1 else loaded[0]
 
-    # Rows of numbers --------------------------------------------------------------------------------------------------
-
     def subscript(self, node: ast.Subscript) -> Any:
+        """A number of a row, or an element of a tuple."""
         if isinstance(node.value, ast.Name | ast.Subscript):
             base = self.value(node.value)
             if isinstance(base, Thing | tuple):
@@ -341,13 +165,8 @@ class Expressions:
                 return base[index] if isinstance(base, tuple) else self.known(base.what[index], ast.unparse(node))
         return self.load(self.address(node))
 
-    def load(self, address: str) -> Value:
-        return self.let(DOUBLE, f"load double, ptr {address}")
-
-    def element(self, base: str, index: str) -> str:
-        return self.let(ROWS, f"getelementptr inbounds double, ptr {base}, i64 {index}").text
-
     def address(self, node: ast.Subscript) -> str:
+        """Where a number of a row is."""
         base, index = self.value(node.value), self.value(node.slice)
         if not (isinstance(base, Value) and base.kind == ROWS):
             raise Unknown(f"{ast.unparse(node)}: no row of numbers")
@@ -360,9 +179,8 @@ class Expressions:
             place = self.binary(ast.Add(), row, parts[1])
         return self.element(base.text, place.text)
 
-    # Calls ------------------------------------------------------------------------------------------------------------
-
     def call(self, node: ast.Call) -> Any:
+        """A call of any kind."""
         if node.keywords:
             raise Unknown(f"{ast.unparse(node)}: arguments by name")
         match node.func:
@@ -390,7 +208,7 @@ class Expressions:
         """A jitted function, or one of numba's own."""
         if what is np.uint64:
             return self.call_int(*arguments)
-        if what is numba.carray:
+        if what is carray:
             return self.shaped(*arguments)
         if what is doubled.fma:
             a, b, c = map(self.double, arguments)
@@ -414,6 +232,7 @@ class Expressions:
         )
 
     def call_abs(self, u: Value) -> Value:
+        """Size of a number."""
         return self.intrinsic("fabs", self.double(u))
 
     def call_max(self, *given: Value) -> Value:
@@ -421,20 +240,15 @@ class Expressions:
         return self.extreme("ogt", given)
 
     def call_min(self, *given: Value) -> Value:
+        """As Python works it out, like `call_max`."""
         return self.extreme("olt", given)
 
-    def extreme(self, order: str, given: Sequence[Value]) -> Value:
-        best = self.double(given[0])
-        for u in given[1:]:
-            other = self.double(u)
-            better = self.let(TRUTH, f"fcmp {order} double {other}, {best}").text
-            best = self.let(DOUBLE, f"select i1 {better}, double {other}, double {best}").text
-        return Value(DOUBLE, best)
-
     def call_int(self, u: Value) -> Value:
-        return u if u.kind == WHOLE else self.let(WHOLE, f"fptosi double {self.double(u)} to i64")
+        """A number without its fraction."""
+        return self.truncated(u)
 
     def call_float(self, u: Value) -> Value:
+        """A whole number as one with a fraction."""
         return Value(DOUBLE, self.double(u))
 
     def shaped(self, rows: Value, shape: Any) -> Value:
@@ -448,38 +262,3 @@ class Expressions:
         if not isinstance(size.known, int):
             raise Unknown("scratch of a size that is not known beforehand")
         return Value(ROWS, self.slot(f"[{size.known} x double]"))
-
-    def intrinsic(self, name: str, *given: str) -> Value:
-        symbol = f"@llvm.{name}.f64"
-        self.module.declare(symbol, f"declare double {symbol}({', '.join(['double'] * len(given))})")
-        return self.let(DOUBLE, f"call double {symbol}({', '.join(f'double {u}' for u in given)})")
-
-    def mathematical(self, name: str, given: Sequence[Value]) -> Any:
-        if name == "ldexp":
-            return self.scaled(*given)
-        texts = [self.double(u) for u in given]
-        if name == "isfinite":
-            size = self.intrinsic("fabs", *texts).text
-            return self.let(TRUTH, f"fcmp one double {size}, {bits(math.inf)}")
-        if name == "floor":
-            return self.call_int(self.intrinsic("floor", *texts))
-        if name == "frexp":
-            return self.taken_apart(*texts)
-        if name in _INTRINSICS:
-            return self.intrinsic(name, *texts)
-        if name in _LIBRARY:
-            self.module.declare(f"@{name}", f"declare double @{name}(double)")
-            return self.let(DOUBLE, f"call double @{name}(double {texts[0]})")
-        raise Unknown(f"math.{name}")
-
-    def scaled(self, u: Value, power: Value) -> Value:
-        self.module.declare("@ldexp", "declare double @ldexp(double, i32)")
-        exponent = self.let("", f"trunc i64 {power.text} to i32").text
-        return self.let(DOUBLE, f"call double @ldexp(double {self.double(u)}, i32 {exponent})")
-
-    def taken_apart(self, u: str) -> tuple[Value, Value]:
-        self.module.declare("@frexp", "declare double @frexp(double, ptr)")
-        place = self.slot("i32")
-        fraction = self.let(DOUBLE, f"call double @frexp(double {u}, ptr {place})")
-        exponent = self.let("", f"load i32, ptr {place}").text
-        return fraction, self.let(WHOLE, f"sext i32 {exponent} to i64")

@@ -16,7 +16,8 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from core.lowered import DOUBLE, RANK, ROWS, TRUTH, WHOLE, Expressions, Thing, Unknown, Value, bits, number_of, returned
+from core.lowered import Expressions
+from core.operations import DOUBLE, RANK, ROWS, TRUTH, WHOLE, Thing, Unknown, Value, bits, number_of, returned
 
 __all__ = ["lowered"]
 
@@ -100,7 +101,9 @@ def _tree(function: Any) -> ast.FunctionDef:
 class _Function(Expressions):
     """One function, read line by line; a variable is a place on the stack, which LLVM turns into registers."""
 
-    def __init__(self, module: _Module, function: Any, arguments: Sequence[Value | Thing], kinds: dict[str, str]) -> None:
+    def __init__(
+        self, module: _Module, function: Any, arguments: Sequence[Value | Thing], kinds: dict[str, str]
+    ) -> None:
         super().__init__(module, function.__globals__, kinds)
         self.tree = _tree(function)
         self.loops: list[tuple[str, str]] = []
@@ -152,16 +155,16 @@ class _Function(Expressions):
                 raise Unknown(f"a statement of the kind {type(statement).__name__}")
             handler(statement)
 
-    def do_Expr(self, node: ast.Expr) -> None:  # noqa: N802 - named after the node
+    def do_Expr(self, node: ast.Expr) -> None:
         if not isinstance(node.value, ast.Constant):  # a docstring
             self.value(node.value)
 
-    def do_Assign(self, node: ast.Assign) -> None:  # noqa: N802
+    def do_Assign(self, node: ast.Assign) -> None:
         value = self.value(node.value)
         for target in node.targets:
             self.assign(target, value)
 
-    def do_AugAssign(self, node: ast.AugAssign) -> None:  # noqa: N802
+    def do_AugAssign(self, node: ast.AugAssign) -> None:
         read = ast.parse(ast.unparse(node.target), mode="eval").body
         self.assign(node.target, self.binary(node.op, self.value(read), self.value(node.value)))
 
@@ -195,7 +198,7 @@ class _Function(Expressions):
             self.stack.append(f"  %v.{name} = alloca {kind}")
         self.emit(f"store {kind} {self.cast(value, kind)}, ptr %v.{name}")
 
-    def do_If(self, node: ast.If) -> None:  # noqa: N802
+    def do_If(self, node: ast.If) -> None:
         yes, no, after = self.label(), self.label(), self.label()
         self.branch(self.truth(node.test), yes, no)
         for label, body in ((yes, node.body), (no, node.orelse)):
@@ -204,7 +207,7 @@ class _Function(Expressions):
             self.emit(f"br label %{after}")
         self.lines.append(f"{after}:")
 
-    def do_While(self, node: ast.While) -> None:  # noqa: N802
+    def do_While(self, node: ast.While) -> None:
         head, inner, other, after = (self.label() for _ in range(4))
         self.begin(head)
         self.branch(self.truth(node.test), inner, other)
@@ -221,7 +224,7 @@ class _Function(Expressions):
         self.block(node.orelse)
         self.begin(after)
 
-    def do_For(self, node: ast.For) -> None:  # noqa: N802
+    def do_For(self, node: ast.For) -> None:
         counter, (first, last, step), value_at = self.slot(WHOLE), *self.iterated(node.iter)
         head, inner, other, after = (self.label() for _ in range(4))
         self.emit(f"store i64 {first}, ptr {counter}")
@@ -253,16 +256,16 @@ class _Function(Expressions):
                 return ("0", str(len(numbers)), 1), lambda k: self.load(self.element(table, k.text))
         raise Unknown(f"a loop over {ast.unparse(node)}")
 
-    def do_Break(self, _: ast.Break) -> None:  # noqa: N802
+    def do_Break(self, _: ast.Break) -> None:
         self.leave(f"br label %{self.loops[-1][1]}")
 
-    def do_Continue(self, _: ast.Continue) -> None:  # noqa: N802
+    def do_Continue(self, _: ast.Continue) -> None:
         self.leave(f"br label %{self.loops[-1][0]}")
 
-    def do_Pass(self, _: ast.Pass) -> None:  # noqa: N802
+    def do_Pass(self, _: ast.Pass) -> None:
         pass
 
-    def do_Return(self, node: ast.Return) -> None:  # noqa: N802
+    def do_Return(self, node: ast.Return) -> None:
         values = () if node.value is None else self.value(node.value)
         values = values if isinstance(values, tuple) else (values,)
         kinds = tuple(v.kind for v in values)

@@ -17,15 +17,13 @@ import llvmlite
 from llvmlite import binding as llvm
 from numba import cfunc
 
-from core.lowered import Unknown
 from core.lowering import lowered
+from core.operations import Unknown
 from core.signatures import CALL
 
 __all__ = ["Native", "native"]
 
-_PROTOTYPE = ctypes.CFUNCTYPE(
-    ctypes.c_int64, ctypes.c_double, ctypes.c_double, *(ctypes.POINTER(ctypes.c_double),) * 3
-)
+_PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_double, *(ctypes.POINTER(ctypes.c_double),) * 3)
 _SPEED = 3  #: of LLVM's levels of optimisation the one that numba takes too
 _lock = threading.Lock()
 

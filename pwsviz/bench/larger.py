@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
@@ -41,14 +42,14 @@ def bodies(rng: Generator, d: int) -> core.PiecewiseSystem:
 
 
 def springs(rng: Generator, d: int) -> core.PiecewiseSystem:
-    """A chain of d/2 masses between walls, on springs that are not linear; stiffer on one side of a stop: the energy."""
+    """A chain of d/2 masses between walls, on springs that are not linear; stiffer beyond a stop: the energy."""
     n = d // 2
     q, p = _named("q", n), _named("p", n)
-    stretched = [q[0], *(f"({b} - {a})" for a, b in zip(q, q[1:], strict=False)), f"(-{q[-1]})"]
+    stretched = [q[0], *(f"({b} - {a})" for a, b in pairwise(q)), f"(-{q[-1]})"]
     linear, cubic = ([_number(a) for a in rng.uniform(0.5, 1.5, n + 1)] for _ in range(2))
     masses = [_number(m) for m in rng.uniform(0.5, 2.0, n)]
     tension = [f"(k*{a}*{s} + {b}*{s}**3)" for a, b, s in zip(linear, cubic, stretched, strict=True)]
-    forces = [f"{b} - {a}" for a, b in zip(tension, tension[1:], strict=False)]
+    forces = [f"{b} - {a}" for a, b in pairwise(tension)]
     field = [*(f"{w}/{m}" for w, m in zip(p, masses, strict=True)), *forces]
     stored = [f"k*{a}*{s}**2/2 + {b}*{s}**4/4" for a, b, s in zip(linear, cubic, stretched, strict=True)]
     energy = " + ".join([*stored, *(f"{w}**2/(2*{m})" for w, m in zip(p, masses, strict=True))])
@@ -61,14 +62,16 @@ def dense(rng: Generator, d: int) -> core.PiecewiseSystem:
     sides = []
     for _ in range(2):
         # Of few binary digits, so that every product is exact and ψ kept to the last of them.
-        skew, u, diagonal = (np.round(16 * a) / 16 for a in (rng.normal(size=(d, d)), rng.normal(size=d), 1 + rng.random(d)))
+        skew, u, diagonal = (
+            np.round(16 * a) / 16 for a in (rng.normal(size=(d, d)), rng.normal(size=d), 1 + rng.random(d))
+        )
         skew, u = np.round(8 * (skew - skew.T) / np.sqrt(d)) / 8, np.round(8 * u / np.sqrt(d)) / 8
         field = [_linear(row, x) for row in skew @ (np.diag(diagonal) + np.outer(u, u))]
         squares = [f"{_number(a)}*{v}**2" for a, v in zip(diagonal, x, strict=True)]
         sides.append((field, (f"(({_linear(u, x)})**2 + {_sum(squares)})/2",)))
     (below, kept_below), (above, kept_above) = sides
     return core.PiecewiseSystem(
-        name=f"Dense quadratic form in {d}", variables=x, f_minus=below, f_plus=above, g=f"{x[0]} - 0.3",
+        name=f"Dense quadratic form in {d}", variables=x, f_minus=tuple(below), f_plus=tuple(above), g=f"{x[0]} - 0.3",
         psi_minus=kept_below, psi_plus=kept_above, x0=tuple(rng.uniform(-1.0, 1.0, d)),
     )  # fmt: skip
 
@@ -89,9 +92,7 @@ def vortices(rng: Generator, d: int) -> core.PiecewiseSystem:
     angle = 2 * np.pi * (np.arange(n) + rng.uniform(-0.2, 0.2, n)) / n
     start = np.concatenate([np.cos(angle), np.sin(angle)]) * _size(n)
     kept = (energy, *impulses, spin)[: d - 1]
-    return _system(
-        f"{n} vortices", (*x, *y), field, kept, f"{x[0]} - {_number(rng.uniform(-0.5, 0.5))}", start
-    )
+    return _system(f"{n} vortices", (*x, *y), field, kept, f"{x[0]} - {_number(rng.uniform(-0.5, 0.5))}", start)
 
 
 def lotka_volterra(rng: Generator, d: int) -> core.PiecewiseSystem:
@@ -122,14 +123,13 @@ def _system(
     name: str, variables: Sequence[str], field: Sequence[str], psi: Sequence[str], g: str, start: np.ndarray
 ) -> core.PiecewiseSystem:
     """A system whose sides differ in the coefficient that is called k in its laws."""
-    texts = {
-        f"{what}_{side}": tuple(e.replace("k*", f"k_{side}*") for e in given)
-        for what, given in (("f", field), ("psi", psi))
-        for side in ("minus", "plus")
-    }
+    field_minus, field_plus, psi_minus, psi_plus = (
+        tuple(e.replace("k*", f"k_{side}*") for e in given) for given in (field, psi) for side in ("minus", "plus")
+    )
+    parameters = (core.Parameter("k_minus", 1.0), core.Parameter("k_plus", 1.5))
     return core.PiecewiseSystem(
-        name=name, variables=tuple(variables), g=g, parameters={"k_minus": 1.0, "k_plus": 1.5},
-        x0=tuple(map(float, start)), **texts,
+        name=name, variables=tuple(variables), f_minus=field_minus, f_plus=field_plus, g=g, psi_minus=psi_minus,
+        psi_plus=psi_plus, parameters=parameters, x0=tuple(map(float, start)),
     )  # fmt: skip
 
 

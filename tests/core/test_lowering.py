@@ -12,8 +12,8 @@ import core
 from core import doubled, doubled_functions, lowering
 from core.codegen import module_text
 from core.compiled import _load, _texts
-from core.lowered import Unknown
 from core.methods import METHODS
+from core.operations import Unknown
 from core.recurrences import STRIDE
 from core.scratch import scratch
 from core.signatures import ORDER, PER_UNIT, TOLERANCE, Frame
@@ -47,18 +47,19 @@ TEXTS = {
     "w[2] = 1.0 if 0.0 < p[0] < p[1] else 2.0\nreturn 1",
     "short circuits": "n = 0\nif p[0] > 0.0 and p[1] > 0.0 or not p[2] > 0.0:\n    n = 5\nreturn n",
     "loops": "total = 0.0\nfor k in range(2, 9):\n    if k == 4:\n        continue\n    if p[k] > 1.5:\n        break\n"
-    "    total += p[k]*k\nelse:\n    total = -1.0\nw[0] = total\nfor weight in (0.5, 0.25, -3.0):\n    w[1] += weight*t\n"
-    "for k in range(8, 2, -2):\n    w[2] = w[2]*t + p[k]\nreturn k",
+    "    total += p[k]*k\nelse:\n    total = -1.0\nw[0] = total\nfor weight in (0.5, 0.25, -3.0):\n"
+    "    w[1] += weight*t\nfor k in range(8, 2, -2):\n    w[2] = w[2]*t + p[k]\nreturn k",
     "while": "k, q = 0, 1.0\nwhile q < 100.0 and k < 30:\n    q *= 1.0 + abs(p[k])\n    k += 1\nw[0] = q\nreturn k",
     "a variable that turns into a float": "u = 0\nfor k in range(3):\n    u = u + p[k]\nw[0] = u\nreturn 0",
     "whole numbers": "m = int(p[0]*100.0)\nw[0] = m % 7\nw[1] = (m // 4)*1.0\nw[2] = (m & 5) + (m >> 2)\nreturn m % 5",
     "remainders": "w[0], w[1] = (p[0]*10.0) % 1.0, (p[1]*10.0) % -3.0\nreturn 0",
     "rows": "c = carray(memo, (3, 5))\nfor i in range(3):\n    for k in range(5):\n        c[i, k] = c[i, k]*p[i] + k\n"
     "w[0] = c[2, 4]\nreturn 0",
-    "scratch": "a = scratch(6)\nfor k in range(6):\n    a[k] = p[k]*t\nq = 1.0\nfor k in range(5, -1, -1):\n    q = q*a[k] + 1.0\n"
-    "w[0] = q\nreturn 0",
+    "scratch": "a = scratch(6)\nfor k in range(6):\n    a[k] = p[k]*t\nq = 1.0\n"
+    "for k in range(5, -1, -1):\n    q = q*a[k] + 1.0\nw[0] = q\nreturn 0",
     "exchange": "a, b = p[0], p[1]\na, b = b, a\nw[0], w[1] = w[1], w[0]\nw[2] = a - 2.0*b\nreturn 0",
-    "functions": "w[0] = math.sqrt(abs(p[0])) + math.exp(p[1]) - math.log(abs(p[2]) + 1.0)\nw[1] = math.floor(p[3]*7.0)\n"
+    "functions": "w[0] = math.sqrt(abs(p[0])) + math.exp(p[1]) - math.log(abs(p[2]) + 1.0)\n"
+    "w[1] = math.floor(p[3]*7.0)\n"
     "w[2], k = math.frexp(p[4])\nw[3] = math.ldexp(p[5], k)\nw[4] = math.sinh(p[6]) + math.tan(p[7])\n"
     "w[5] = 1.0 if math.isfinite(p[0]) else 0.0\nreturn k",
     "early return": "if p[0] < 0.0:\n    return -1\nw[0] = -p[0]\nreturn 2",
@@ -120,7 +121,9 @@ def test_steps_come_out_to_the_same_bits_as_by_numba(name, method, draws):
         w[frame.carry : frame.increment] *= 1e-17
         w[ORDER], w[TOLERANCE], w[PER_UNIT] = 16, 1e-12, 1.0
         ends = [w.copy(), w.copy()]
-        verdicts = [f(0.2, 0.05, pointer(p), pointer(e), pointer(memo)) for f, e in zip((ours, theirs), ends, strict=True)]
+        verdicts = [
+            f(0.2, 0.05, pointer(p), pointer(e), pointer(memo)) for f, e in zip((ours, theirs), ends, strict=True)
+        ]
         assert verdicts[0] == verdicts[1]
         np.testing.assert_array_equal(*ends)
 

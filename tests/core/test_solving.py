@@ -42,7 +42,9 @@ def test_badly_scaled_rows_leave_a_small_residual(n, draws):
         found, _ = solved(matrix, right)
         residual = np.abs(matrix @ found - right)
         # Backward stable, by the norm of the matrix: with partial pivoting rows of little weight may have lost more.
-        assert (residual <= 8 * n * EPS * np.abs(matrix).max() * np.abs(found).max() + n * EPS * np.abs(right)).all(), matrix
+        assert (residual <= 8 * n * EPS * np.abs(matrix).max() * np.abs(found).max() + n * EPS * np.abs(right)).all(), (
+            matrix
+        )
 
 
 @pytest.mark.parametrize(("d", "m"), [(3, 1), (6, 2), (8, 4)])
@@ -62,7 +64,10 @@ def test_saddle_points_are_those_that_are_written_out(d, m, draws):
         assert bound == all(wanted[f"j{k}_{k}"] != 0.0 for k in range(d, n))
         if m > 1:
             assert (excess, largest) == (wanted["excess"], max(wanted[f"s{k}"] for k in range(d, n)))
-        assert np.abs(rows @ found[:d] - right[d:]).max() <= max(KEPT, 64 * n * EPS) * np.abs(rows).max() * np.abs(found).max()
+        assert (
+            np.abs(rows @ found[:d] - right[d:]).max()
+            <= max(KEPT, 64 * n * EPS) * np.abs(rows).max() * np.abs(found).max()
+        )
 
 
 def test_a_gradient_that_vanishes_binds_nothing():

@@ -9,7 +9,13 @@ from pwsviz.bench.larger import FAMILIES
 
 EPS = np.finfo(float).eps
 #: Dimensions that a family has, up to 8.
-DIMENSIONS = {"bodies": (8,), "springs": (2, 6, 8), "dense": (2, 3, 5, 8), "vortices": (4, 6, 8), "lotka_volterra": (2, 5, 7)}
+DIMENSIONS = {
+    "bodies": (8,),
+    "springs": (2, 6, 8),
+    "dense": (2, 3, 5, 8),
+    "vortices": (4, 6, 8),
+    "lotka_volterra": (2, 5, 7),
+}
 END = 1.0
 METHODS = {"prk8": {"tau": 0.01}, "taylor": {"tolerance": 1e-14}}
 
@@ -38,13 +44,18 @@ def kept(run, system):
     return bool(np.nanmax(np.abs(run.conserved_error())) <= 4 * EPS * terms)
 
 
+def followed(system):
+    """SciPy's solution."""
+    return solve_ivp(
+        lambda t, x: system.field(-1, t, x), (0.0, END), system.x0, method="DOP853", rtol=1e-13, atol=1e-13
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize("family", FAMILIES)
 def test_runs_agree_with_scipy_and_keep_every_psi(family, draws):
     for rng in draws(1):
         system = drawn(rng, family)
-        peer = solve_ivp(
-            lambda t, x: system.field(-1, t, x), (0.0, END), system.x0, method="DOP853", rtol=1e-13, atol=1e-13
-        )  # fmt: skip
+        peer = followed(system)
         exact, size = peer.y[:, -1], np.abs(peer.y).max()
         for method, settings in METHODS.items():
             run = core.integrate(system, (0.0, END), method=method, record="steps", **settings)
