@@ -9,7 +9,18 @@ from functools import cached_property
 import sympy
 from sympy import Expr, Symbol
 
-from core import arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures
+from core import (
+    arithmetic,
+    divided,
+    doubled,
+    doubled_functions,
+    doubled_tables,
+    pairs,
+    recurrences,
+    scratch,
+    signatures,
+    solving,
+)
 from core.elimination import least_change, row_lines
 from core.expressions import TIME
 from core.laws import Laws, Side
@@ -26,14 +37,25 @@ _EPS = 2.0**-52
 _POLISH = 1e-12
 
 #: Modules of jitted functions that generated text calls, and of the tables that these use.
-JITTED = (arithmetic, divided, doubled, doubled_functions, doubled_tables, pairs, recurrences, signatures)
+JITTED = (
+    arithmetic,
+    divided,
+    doubled,
+    doubled_functions,
+    doubled_tables,
+    pairs,
+    recurrences,
+    scratch,
+    signatures,
+    solving,
+)
 _HOME = {name: module.__name__ for module in JITTED for name in getattr(module, "__all__", ())}
 
 
 def function_text(name: str, lines: Sequence[str]) -> str:
-    """Text of one compiled function, cached on disk by numba."""
+    """Text of one compiled function, which is kept on disk."""
     body = "\n".join(f"    {line}" for line in lines)
-    return f"@cfunc(CALL, cache=True, error_model='numpy')\ndef {name}(t, h, p, w, memo):\n{body}\n"
+    return f"@native\ndef {name}(t, h, p, w, memo):\n{body}\n"
 
 
 def module_text(functions: Iterable[str]) -> str:
@@ -41,7 +63,9 @@ def module_text(functions: Iterable[str]) -> str:
     body = "\n\n".join(functions)
     called = sorted(set(re.findall(r"\b[A-Za-z]\w*\b", body)) & set(_HOME))
     imports = [f"from {_HOME[name]} import {name}" for name in called]
-    return "\n".join(["import math", "", "from numba import carray, cfunc", "", *imports, "", "", body])
+    return "\n".join(
+        ["import math", "", "from numba import carray", "", "from core.native import native", *imports, "", "", body]
+    )
 
 
 class Names:

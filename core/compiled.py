@@ -24,6 +24,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from core import lowered, lowering, native, operations
 from core.arguments import count, number
 from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text, polish_text
 from core.laws import Laws
@@ -161,7 +162,7 @@ def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int, str]
 def _is_compiled(text: str) -> bool:
     """Whether machine code of all functions of a text is kept on disk."""
     path = _path(text)
-    return len(list(path.parent.glob(f"__pycache__/{path.stem}.*.nbi"))) >= text.count("@cfunc(")
+    return len(list(path.parent.glob(f"__pycache__/{path.stem}.*.o"))) >= text.count("@native")
 
 
 @lru_cache(maxsize=MAX_MODULES)
@@ -215,8 +216,9 @@ def _stands(path: Path, text: str) -> bool:
 
 @lru_cache(maxsize=1)
 def _inlined() -> str:
-    """Source of the jitted functions that generated text calls."""
-    return "".join(Path(str(module.__file__)).read_text(encoding="utf-8") for module in JITTED)
+    """Source of the jitted functions that generated text calls, and of what makes machine code of it."""
+    modules = (*JITTED, lowered, lowering, native, operations)
+    return "".join(Path(str(module.__file__)).read_text(encoding="utf-8") for module in modules)
 
 
 @lru_cache(maxsize=1)

@@ -1,4 +1,4 @@
-"""Linear systems solved in generated lines: unrolled, without a loop or an allocation."""
+"""Linear systems solved in generated lines: for a few unknowns written out, without a loop or an allocation."""
 
 from __future__ import annotations
 
@@ -9,12 +9,28 @@ from sympy import Expr, Symbol
 
 from core.printing import assignments
 
-__all__ = ["KEPT", "by_cofactors", "least_change", "row_lines", "with_pivots"]
+__all__ = [
+    "DEPENDENT",
+    "FEW",
+    "KEPT",
+    "LEAST",
+    "MOST",
+    "WRITTEN_OUT",
+    "by_cofactors",
+    "least_change",
+    "row_lines",
+    "with_pivots",
+]
+
+#: Up to so many variables every expression in common is looked for; and so many gradients are few.
+FEW = 4
+#: Up to so many unknowns a solution that is written out takes less time than one in loops over arrays (`solving`).
+WRITTEN_OUT = 10
 
 #: A pivot of so many parts of its column is round-off.
-_DEPENDENT = 4 * 2.0**-52
+DEPENDENT = 4 * 2.0**-52
 #: Outside these bounds products of gradients are scaled first.
-_LEAST, _MOST = 1e-250, 1e250
+LEAST, MOST = 1e-250, 1e250
 #: And so many parts of gradient times state are what ψ may change by when its multiplier has none.
 KEPT = 16 * 2.0**-52
 
@@ -44,7 +60,7 @@ def with_pivots(n: int, d: int) -> list[str]:
     lines = []
     if several:
         lines += [f"s{k} = max({', '.join(f'abs(j{i}_{k})' for i in range(d))})" for k in range(d, n)]
-        lines.append(f"unit = {_DEPENDENT} * min(1.0, {', '.join(f's{k}' for k in range(d, n))})")
+        lines.append(f"unit = {DEPENDENT} * min(1.0, {', '.join(f's{k}' for k in range(d, n))})")
         lines.append(f"excess = max({', '.join(f'abs(r{k})' for k in range(d, n))})")
     for k in range(n):
         for i in range(k + 1, n):
@@ -71,7 +87,9 @@ def _back_substitution(n: int) -> list[str]:
 def row_lines(rows: Sequence[Sequence[Expr]], temporaries: Iterable[Symbol]) -> tuple[list[list[Symbol]], list[str]]:
     """Names for the entries of `least_change`'s rows, and lines that work them out."""
     names = [[Symbol(f"g{j}_{k}") for k in range(len(row))] for j, row in enumerate(rows)]
-    return names, assignments([str(g) for row in names for g in row], [e for row in rows for e in row], temporaries)
+    thorough = len(rows[0]) <= FEW
+    targets, entries = [str(g) for row in names for g in row], [e for row in rows for e in row]
+    return names, assignments(targets, entries, temporaries, thorough)
 
 
 def least_change(
@@ -86,19 +104,23 @@ def least_change(
     The entries of A are those of `row_lines`, and lost.
     """
     m, d = len(along), len(along[0])
+    if m > FEW:
+        return _change_in_loops(along, changes, temporaries, slopes)
     against = along if slopes is None else [[Symbol(f"b{j}_{k}") for k in range(d)] for j in range(m)]
     lines = []
     if slopes is not None:
-        lines += assignments([str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries)
+        lines += assignments(
+            [str(b) for row in against for b in row], [e for row in slopes for e in row], temporaries, d <= FEW
+        )
     product = sympy.Matrix(against) * sympy.Matrix(along).T
     places = [(i, k) for i in range(m) for k in range(m)]
-    form = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries)
+    form = assignments([f"j{i}_{k}" for i, k in places], [product[i, k] for i, k in places], temporaries, d <= FEW)
     lines += form
-    lines.append(f"if not ({' and '.join(f'{_LEAST} < abs(j{k}_{k}) < {_MOST}' for k in range(m))}):")
+    lines.append(f"if not ({' and '.join(f'{LEAST} < abs(j{k}_{k}) < {MOST}' for k in range(m))}):")
     lines += [f"    {line}" for line in (*_rescale(along, against, m), *form)]
     lines += [f"s{i} = abs(j{i}_{i})" for i in range(1, m)]
     for k in range(m):
-        least = f"{_DEPENDENT**0.5!r} * s{k}" if k else "0.0"
+        least = f"{DEPENDENT**0.5!r} * s{k}" if k else "0.0"
         lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if abs(j{k}_{k}) > {least} else 0.0")
         for i in range(k + 1, m):
             lines.append(f"q = j{i}_{k} * j{k}_{k}")
@@ -106,7 +128,28 @@ def least_change(
             lines.append(f"r{i} -= q * r{k}")
     lines += _back_substitution(m)
     multipliers = sympy.Matrix(sympy.symbols(f"r:{m}"))
-    return lines + assignments([str(c) for c in changes], list(sympy.Matrix(along).T * multipliers), temporaries)
+    return lines + assignments(
+        [str(c) for c in changes], list(sympy.Matrix(along).T * multipliers), temporaries, d <= FEW
+    )
+
+
+def _change_in_loops(
+    along: Sequence[Sequence[Symbol]],
+    changes: Sequence[Symbol],
+    temporaries: Iterable[Symbol],
+    slopes: Sequence[Sequence[Expr]] | None,
+) -> list[str]:
+    m, d = len(along), len(along[0])
+    lines = [
+        f"rows, slopes, excesses, room, change = {', '.join(f'scratch({n})' for n in (m * d, m * d, m, m * m, d))}"
+    ]
+    entries = [g for row in along for g in row]
+    lines += [f"rows[{k}] = {g}" for k, g in enumerate(entries)]
+    against = entries if slopes is None else [e for row in slopes for e in row]
+    lines += assignments([f"slopes[{k}]" for k in range(m * d)], against, temporaries, thorough=False)
+    lines += [f"excesses[{k}] = r{k}" for k in range(m)]
+    lines.append(f"change_along(rows, slopes, excesses, room, change, {m}, {d})")
+    return lines + [f"{e} = change[{k}]" for k, e in enumerate(changes)]
 
 
 def _rescale(along: Sequence[Sequence[Symbol]], against: Sequence[Sequence[Symbol]], m: int) -> list[str]:

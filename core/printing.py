@@ -12,11 +12,12 @@ import sympy
 from sympy import Expr, Integer, Symbol
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.pycode import PythonCodePrinter
+from sympy.simplify.cse_main import tree_cse
 
 from core.doubled import split
 from core.multiplier import DividedDifference, SecondDifference
 
-__all__ = ["assignments", "doubled_assignments", "fma", "magnitude", "named", "printed"]
+__all__ = ["assignments", "common", "doubled_assignments", "fma", "magnitude", "named", "printed"]
 
 
 class fma(sympy.Function):  # noqa: N801 - the name it is printed by
@@ -65,9 +66,10 @@ class _Printer(PythonCodePrinter):
         return str(super()._print_Function(expr))
 
 
-def printed(expression: Expr) -> str:
-    """Text of an expression in floating point."""
-    return str(_Printer({"fully_qualified_modules": True}).doprint(expression))
+def printed(expression: Expr, ordered: bool = True) -> str:
+    """Text of an expression in floating point, its terms in sympy's order for readers or, sooner, as they come."""
+    settings = {"fully_qualified_modules": True} if ordered else {"fully_qualified_modules": True, "order": "none"}
+    return str(_Printer(settings).doprint(expression))
 
 
 def named(stem: str, count: int) -> tuple[Symbol, ...]:
@@ -75,11 +77,26 @@ def named(stem: str, count: int) -> tuple[Symbol, ...]:
     return tuple(Symbol(f"{stem}{k}") for k in range(count))
 
 
-def assignments(targets: Sequence[str], expressions: Sequence[Expr], temporaries: Iterable[Symbol]) -> list[str]:
-    """Lines that give `targets` the values of `expressions`, common subexpressions worked out once."""
-    shared, final = sympy.cse(list(expressions), symbols=iter(temporaries), order="none")
+def assignments(
+    targets: Sequence[str], expressions: Sequence[Expr], temporaries: Iterable[Symbol], thorough: bool = True
+) -> list[str]:
+    """Lines that give `targets` the values of `expressions`, common subexpressions worked out once.
+
+    Where `thorough`, sums and products with some terms in common share these, too: to look for them takes a time that
+    grows with the square of the text.
+    """
+    shared, final = common(expressions, temporaries, thorough)
     pairs = [(str(name), value) for name, value in shared] + list(zip(targets, final, strict=True))
-    return [f"{name} = {printed(value)}" for name, value in pairs]
+    return [f"{name} = {printed(value, thorough)}" for name, value in pairs]
+
+
+def common(
+    expressions: Sequence[Expr], temporaries: Iterable[Symbol], thorough: bool = True
+) -> tuple[list[tuple[Symbol, Expr]], list[Expr]]:
+    """Common subexpressions, named in the order in which they are to be worked out, and what is left of the whole."""
+    if thorough:
+        return sympy.cse(list(expressions), symbols=iter(temporaries), order="none")  # type: ignore[no-any-return]
+    return tree_cse(list(expressions), iter(temporaries), order="none")  # type: ignore[no-any-return]
 
 
 #: A number in double-double: the names (or literals) of its two parts; the lower one is None where it is zero.

@@ -9,7 +9,8 @@ from sympy import Expr, Symbol
 
 from core import signatures
 from core.codegen import Names, excess_lines, function_text
-from core.elimination import KEPT, by_cofactors, least_change, row_lines, with_pivots
+from core.derivatives import jacobian
+from core.elimination import FEW, KEPT, WRITTEN_OUT, by_cofactors, least_change, row_lines, with_pivots
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, named
@@ -48,6 +49,7 @@ class StepCode:
         self._names = Names(laws)
         self._laws, self._side = laws, side
         self._temporaries = self._names.temporaries
+        self._few = len(self._names.x) <= FEW
         self._lines = list(self._names.unpack)
         self._evaluations: list[str] = []
         self.t, self.h = Symbol("t"), Symbol("h")
@@ -56,15 +58,18 @@ class StepCode:
     def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
         """Work expressions out here; returns the names of their values."""
         names = [next(self._temporaries) for _ in expressions]
-        self._lines += assignments([str(n) for n in names], expressions, self._temporaries)
+        self._lines += self._assign([str(n) for n in names], expressions)
         return names
+
+    def _assign(self, targets: Sequence[str], expressions: Sequence[Expr]) -> list[str]:
+        return assignments(targets, expressions, self._temporaries, thorough=self._few)
 
     def field(self, t: Expr, increment: Sequence[Expr] | None = None) -> list[Symbol]:
         """Work out f here, at time t and the start of the step moved by an increment; returns its d values."""
         x = self.x
         if increment is not None:
             x = tuple(next(self._temporaries) for _ in x)
-            moved = assignments([f"{y}_moved" for y in x], increment, self._temporaries)
+            moved = self._assign([f"{y}_moved" for y in x], increment)
             ends = zip(x, self.x, self._names.carry, strict=True)
             self._lines += moved + [f"{y} = {a} + ({c} + {y}_moved)" for y, a, c in ends]
         at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
@@ -101,11 +106,7 @@ class StepCode:
         """
         d = len(self.x)
         unknowns = [*self.increment, *multipliers]
-        # The end of the step moves with the increment: y = x + d.
-        moving = [
-            [r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals
-        ]
-        inner = self._arrive + self._newton(residuals, moving, d)
+        inner = self._arrive + (self._newton if self._few else self._newton_of_many)(residuals, unknowns)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
         start = [f"{u} = h*{f}" for u, f in zip(unknowns, self.field(self.t), strict=False)]
         start += [f"{u} = 0.0" for u in multipliers]
@@ -114,8 +115,28 @@ class StepCode:
         self._evaluations.append("corrections")
         return list(self.increment)
 
-    def _newton(self, residuals: Sequence[Expr], jacobian: Sequence[Sequence[Expr]], d: int) -> list[str]:
+    def _newton_of_many(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
+        """Lines that leave the next correction in r0, r1 and so on; where there are many unknowns, by way of arrays."""
+        n, d = len(residuals), len(self.x)
+        moves = dict(zip(self.end, unknowns, strict=False))
+        lines, values, entries = jacobian(residuals, unknowns, moves, self._temporaries)
+        if n <= WRITTEN_OUT:
+            lines += [f"j{i}_{k} = {entries.get((i, k), '0.0')}" for i in range(n) for k in range(n)]
+            return [*lines, *(f"r{i} = {value}" for i, value in enumerate(values)), *with_pivots(n, d)]
+        lines = [f"matrix, right, sizes = scratch({n * n}), scratch({n}), scratch({n})", *lines]
+        lines += [f"right[{i}] = {value}" for i, value in enumerate(values)]
+        lines += [f"for place in range({n * n}):", "    matrix[place] = 0.0"]
+        lines += [f"matrix[{i * n + k}] = {entry}" for (i, k), entry in entries.items()]
+        lines.append(f"bound, excess, largest = solve_with_pivots(matrix, right, sizes, {n}, {d})")
+        return lines + [f"r{k} = right[{k}]" for k in range(n)]
+
+    def _newton(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
         """Lines that leave the next correction in r0, r1 and so on."""
+        d = len(self.x)
+        # The end of the step moves with the increment: y = x + d.
+        jacobian = [
+            [r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals
+        ]
         n = len(residuals)
         targets = [f"r{i}" for i in range(n)]
         if n == d <= _SMALL:
@@ -138,7 +159,7 @@ class StepCode:
         part = build()
         inner = ["h = whole_h * weight", "t = whole_t + whole_h * passed", "passed += weight"]
         inner += [f"x{k}, c{k} = two_sum(w[{frame.x + k}], w[{frame.carry + k}] + (w{k} + z{k}))" for k in d]
-        inner += self._lines + assignments([f"a{k}" for k in d], part, self._temporaries)
+        inner += self._lines + self._assign([f"a{k}" for k in d], part)
         for k in d:
             inner += [f"w{k}, q = two_sum(w{k}, a{k})", f"z{k} += q"]
         inner.append(f"count += {' + '.join(self._evaluations)}")
@@ -201,7 +222,7 @@ class StepCode:
         m = len(side.conserved)
         if m == 0:
             return list(increments)
-        lines = [*assignments([f"d{k}" for k in range(d)], increments, self._temporaries), "t1 = t + h"]
+        lines = [*self._assign([f"d{k}" for k in range(d)], increments), "t1 = t + h"]
         if prepared:
             lines += [f"o{j} = w[{self._names.frame.excess + j}]" for j in range(m)]
         else:
@@ -212,7 +233,7 @@ class StepCode:
         left = sympy.Matrix(rows) * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
         changes = named("e", d)
         slopes = self._gradients_at_end()
-        inner = [*self._arrive, *inner, *assignments([f"r{j}" for j in range(m)], list(left), self._temporaries)]
+        inner = [*self._arrive, *inner, *self._assign([f"r{j}" for j in range(m)], list(left))]
         inner += least_change(rows, changes, self._temporaries, slopes)
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
@@ -231,13 +252,13 @@ class StepCode:
     def text(self, increments: Sequence[Expr]) -> str:
         """The whole function, its increments being as given: it looks at the end of the step, too."""
         names, d = self._names, len(self.x)
-        lines = self._lines + assignments([f"i{k}" for k in range(d)], increments, self._temporaries)
+        lines = self._lines + self._assign([f"i{k}" for k in range(d)], increments)
         lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
         lines += [f"y{k} = x{k} + (c{k} + i{k})" for k in range(d)]
         at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
         values = [e.xreplace(at_end) for e in (self._laws.g, self._side.g_dot)]
         targets = [f"w[{k}]" for k in (signatures.G_END, signatures.RATE_END)]
-        lines += ["t1 = t + h", *assignments(targets, values, self._temporaries)]
+        lines += ["t1 = t + h", *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")
         return function_text("step", lines)
 
@@ -252,10 +273,9 @@ def _verdict(n: int, d: int) -> list[str]:
     kept = ""
     check = []
     if n - d > 1:  # a ψ that has been left alone must be kept all the same
-        check.append(
-            f"kept = {' and '.join(f'j{k}_{k} != 0.0' for k in range(d, n))} or excess <= "
-            f"{KEPT} * max({', '.join(f's{k}' for k in range(d, n))}) * max(whole, {state})"
-        )
+        bound = " and ".join(f"j{k}_{k} != 0.0" for k in range(d, n)) if n <= WRITTEN_OUT else "bound"
+        largest = f"max({', '.join(f's{k}' for k in range(d, n))})" if n <= WRITTEN_OUT else "largest"
+        check.append(f"kept = {bound} or excess <= {KEPT} * {largest} * max(whole, {state})")
         kept = "kept and "
     return [
         f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",

@@ -10,6 +10,7 @@ from pwsviz.bench.machine import machine_lines
 from pwsviz.bench.plan import LONG, QUICK, STANDARD, Plan
 from pwsviz.bench.quality import conservation, orders
 from pwsviz.bench.rivals import comparison
+from pwsviz.bench.sizes import larger_systems
 from pwsviz.bench.slider import moved_slider
 from pwsviz.bench.start import first_calls
 from pwsviz.bench.steps import linearity, step_costs
@@ -19,8 +20,8 @@ __all__ = ["LONG", "QUICK", "STANDARD", "Plan", "report"]
 
 # Memory first: the greatest that was ever held is no measure once the others have held more.
 _SECTIONS = (
-    linearity, comparison, step_costs, first_calls, moved_slider, conservation, drift, orders, catalogue_orders,
-    orders_in_digits,
+    linearity, comparison, step_costs, first_calls, larger_systems, moved_slider, conservation, drift, orders,
+    catalogue_orders, orders_in_digits,
 )  # fmt: skip
 
 

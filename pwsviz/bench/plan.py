@@ -43,6 +43,8 @@ class Plan:
     """Numbers of steps after which the drift of ψ is looked at."""
     steps_back: int
     """Steps forward, and as many back."""
+    larger: tuple[tuple[str, int], ...]
+    """Families of larger systems, and dimensions, whose first call is timed in fresh processes."""
 
 
 STANDARD = Plan(
@@ -62,6 +64,7 @@ STANDARD = Plan(
     in_digits=(),
     drift_steps=(10**5, 10**6),
     steps_back=10**5,
+    larger=(("springs", 4), ("springs", 16)),
 )
 LONG = replace(
     STANDARD,
@@ -70,6 +73,13 @@ LONG = replace(
     in_digits=("elliptic_curve", "kepler", "diode_circuit"),
     drift_steps=(10**6, 10**7, 10**8),
     steps_back=10**6,
+    larger=(
+        *(("springs", d) for d in (2, 4, 8, 12, 16, 24)),
+        *(("bodies", d) for d in (8, 12, 16, 24)),
+        *(("dense", d) for d in (2, 4, 8, 12, 16, 24)),
+        *(("vortices", d) for d in (4, 8, 12, 16)),
+        *(("lotka_volterra", d) for d in (2, 4, 8, 12, 16, 24)),
+    ),
 )
 QUICK = Plan(
     systems=("elliptic_curve",),
@@ -88,4 +98,5 @@ QUICK = Plan(
     in_digits=(),
     drift_steps=(10**3,),
     steps_back=10**3,
+    larger=(("springs", 6),),
 )

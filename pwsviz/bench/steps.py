@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 
 import core
 from pwsviz.bench.clock import timed
+from pwsviz.bench.memory import peak_memory
 from pwsviz.bench.plan import Plan
 from pwsviz.bench.tables import aligned
 
@@ -50,24 +50,14 @@ def linearity(plan: Plan) -> Iterable[str]:
     for name in plan.seeds:
         system = core.CATALOGUE[name]
         for steps in plan.step_counts:
-            before = _peak_memory()
+            before = peak_memory()
             runs = timed(
                 lambda: core.integrate(system, (0.0, steps * _TAU), tau=_TAU, record="end"),  # noqa: B023 - called here
                 plan.repeats, plan.repeat_seconds, warm=steps > _MANY,
             )  # fmt: skip
             wall, run = min(runs, key=lambda timing: timing[0])
             loop = min(r.seconds for _, r in runs)
-            grown = (_peak_memory() - before) / 2**20
+            grown = (peak_memory() - before) / 2**20
             rows.append([name, f"{run.steps:,}", f"{loop / run.steps * 1e9:.1f}", f"{wall:.4f}", f"{grown:.1f}",
                          f"{run.crossing_count:,}"])  # fmt: skip
     yield from aligned(("system", "steps", "ns a step", "wall (s)", "memory (MiB)", "crossings"), rows)
-
-
-def _peak_memory() -> float:
-    """Greatest resident memory of this process so far, in bytes; nan where the system does not tell."""
-    try:
-        import resource
-    except ImportError:  # Windows has no such module
-        return float("nan")
-    unit = 1 if sys.platform == "darwin" else 1024
-    return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit)

@@ -1,0 +1,13 @@
+"""Room for the arrays of generated functions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["scratch"]
+
+
+def scratch(size: int) -> NDArray[np.float64]:
+    """Room for numbers of no certain value; in machine code (`native`) it is on the stack of the function."""
+    return np.empty(size)

@@ -1,0 +1,119 @@
+"""Linear systems in loops over arrays, against numpy, and against the lines that are written out for a few unknowns."""
+
+import numpy as np
+import pytest
+import sympy
+
+from core.elimination import KEPT, least_change, with_pivots
+from core.solving import change_along, solve_with_pivots
+
+EPS = np.finfo(float).eps
+
+
+def solved(matrix, right, d=None):
+    """Solution, and what else `solve_with_pivots` tells."""
+    n = len(right)
+    a, r = matrix.ravel().copy(), np.array(right, dtype=float)
+    told = solve_with_pivots(a, r, np.empty(n), n, n if d is None else d)
+    return r, told
+
+
+def written_out(lines, values):
+    space = dict(values)
+    exec("\n".join(lines), space)  # noqa: S102 - text of our own
+    return space
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 13, 28])
+def test_solutions_are_as_good_as_those_of_numpy(n, draws):
+    for rng in draws(20):
+        matrix, right = rng.normal(size=(n, n)), rng.normal(size=n)
+        found, _ = solved(matrix, right)
+        wanted = np.linalg.solve(matrix, right)
+        # Wilkinson: n ulp of growth a row, times the condition; both make such an error.
+        assert np.abs(found - wanted).max() <= 8 * n * EPS * np.linalg.cond(matrix) * np.abs(wanted).max(), matrix
+
+
+@pytest.mark.parametrize("n", [2, 5, 13, 28])
+def test_badly_scaled_rows_leave_a_small_residual(n, draws):
+    for rng in draws(20):
+        scale = 10.0 ** rng.uniform(-8, 8, (n, 1))
+        matrix, right = rng.normal(size=(n, n)) * scale, rng.normal(size=n) * scale[:, 0]
+        found, _ = solved(matrix, right)
+        residual = np.abs(matrix @ found - right)
+        # Backward stable, by the norm of the matrix: with partial pivoting rows of little weight may have lost more.
+        assert (residual <= 8 * n * EPS * np.abs(matrix).max() * np.abs(found).max() + n * EPS * np.abs(right)).all(), (
+            matrix
+        )
+
+
+@pytest.mark.parametrize(("d", "m"), [(3, 1), (6, 2), (8, 4)])
+def test_saddle_points_are_those_that_are_written_out(d, m, draws):
+    for rng in draws(20):
+        n, rows = d + m, rng.normal(size=(m, d))
+        if m > 1 and rng.random() < 0.5:
+            rows[-1] = 2 * rows[0]  # a gradient that depends on another one
+        matrix = np.block([[np.eye(d) + 0.1 * rng.normal(size=(d, d)), rows.T], [rows, np.zeros((m, m))]])
+        right = np.concatenate([rng.normal(size=d), rows @ rng.normal(size=d)])
+        found, (bound, excess, largest) = solved(matrix, right, d)
+        values = {f"j{i}_{k}": matrix[i, k] for i in range(n) for k in range(n)} | {f"r{i}": right[i] for i in range(n)}
+        wanted = written_out(with_pivots(n, d), values)
+        error = np.abs(found - [wanted[f"r{k}"] for k in range(n)]).max()
+        # The same operations but for the order of rows that are never pivots; the condition of Λ Λᵗ is some hundreds.
+        assert error <= 2.0**14 * n * EPS * np.abs(found).max(), (matrix, right)
+        assert bound == all(wanted[f"j{k}_{k}"] != 0.0 for k in range(d, n))
+        if m > 1:
+            assert (excess, largest) == (wanted["excess"], max(wanted[f"s{k}"] for k in range(d, n)))
+        assert (
+            np.abs(rows @ found[:d] - right[d:]).max()
+            <= max(KEPT, 64 * n * EPS) * np.abs(rows).max() * np.abs(found).max()
+        )
+
+
+def test_a_gradient_that_vanishes_binds_nothing():
+    matrix = np.block([[np.eye(3), np.zeros((3, 1))], [np.zeros((1, 3)), np.zeros((1, 1))]])
+    found, (bound, *_) = solved(matrix, [1.0, 2.0, 3.0, 0.0], 3)
+    assert found.tolist() == [1.0, 2.0, 3.0, 0.0]
+    assert not bound
+
+
+def changed(rows, slopes, right):
+    m, d = rows.shape
+    e = np.empty(d)
+    change_along(rows.ravel().copy(), slopes.ravel().copy(), right.copy(), np.empty(m * m), e, m, d)
+    return e
+
+
+@pytest.mark.parametrize(("m", "d"), [(1, 5), (2, 6), (5, 12), (5, 24)])
+@pytest.mark.parametrize("scale", [1.0, 1e-160, 1e160])
+@pytest.mark.filterwarnings("ignore:overflow", "ignore:invalid value")  # of the first try, before it is scaled
+def test_changes_along_rows_are_those_of_the_pseudoinverse(m, d, scale, draws):
+    for rng in draws(10):
+        rows, right = rng.normal(size=(m, d)), rng.normal(size=m)
+        wanted = np.linalg.pinv(rows) @ right
+        error = np.abs(changed(rows * scale, rows * scale, right * scale) - wanted).max()
+        assert error <= 16 * EPS * np.linalg.cond(rows) ** 2 * np.abs(wanted).max(), rows  # the normal equations
+
+
+def test_rows_that_depend_on_others_bind_nothing(draws):
+    for rng in draws(20):
+        rows = rng.normal(size=(4, 9))
+        both = np.vstack([rows, 2 * rows[:1]])
+        right = rng.normal(size=4)
+        wanted = changed(rows, rows, right)
+        found = changed(both, both, np.append(right, 2 * right[0]))
+        assert np.abs(found - wanted).max() <= 64 * EPS * np.linalg.cond(rows) ** 2 * np.abs(wanted).max(), rows
+
+
+def test_changes_in_loops_are_those_that_are_written_out(draws):
+    m, d = 3, 5
+    names = [[sympy.Symbol(f"a{j}_{k}") for k in range(d)] for j in range(m)]
+    others = [[sympy.Symbol(f"h{j}_{k}") for k in range(d)] for j in range(m)]
+    lines = least_change(names, sympy.symbols(f"e:{d}"), sympy.numbered_symbols("v"), others)
+    for rng in draws(20):
+        rows, right = rng.normal(size=(m, d)), rng.normal(size=m)
+        slopes = rows + 0.01 * rng.normal(size=(m, d))
+        values = {f"{s}{j}_{k}": a[j, k] for s, a in (("a", rows), ("h", slopes)) for j in range(m) for k in range(d)}
+        wanted = written_out(lines, values | {f"r{j}": right[j] for j in range(m)})
+        error = np.abs(changed(rows, slopes, right) - [wanted[f"e{k}"] for k in range(d)]).max()
+        assert error <= 16 * EPS * np.linalg.cond(rows) ** 2 * np.abs(right).max(), (rows, slopes)
