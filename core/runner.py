@@ -33,7 +33,7 @@ __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 #: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
 _CHUNK = 131072
 _HITS, _FEW = 4096, 1024  #: crossings to a call of the loop; where they are not kept, few enough to stay in the cache
-_SAMPLES = 256  #: steps that are looked into once a run is over (`diagnostics.resolution`), out of all its steps
+_SAMPLES = 128  #: steps that are looked into once a run is over (`diagnostics.resolution`), out of all its steps
 _KINDS = np.array(CROSSING_KINDS)
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)  #: to first order, of a start on the surface
 _MARGIN = 0.1  #: of the time that a solution is followed, by which its pole may be misplaced

@@ -23,6 +23,17 @@ _MAX_CORRECTIONS = 30
 _STAGNATION = 16 * 2.0**-52
 #: Corrections converge quadratically where one is that small (relative to the increment) and the next (relative to it).
 _CLOSE, _CLOSING = 0.1, 1e-2
+#: The second correction is below this part of the first where the solution is the one near by: Kantorovich's theorem
+#: asks for a quarter.
+_CONTRACTION = 0.1
+#: Nor need it be asked where the first is that small (relative to the increment).
+_NEARBY = 1e-3
+#: Equations are linear whose second correction is this part of the first.
+_LINEAR = 1e-6
+#: The determinant of the equations, 1 at h = 0, may change by this factor in a part of a step.
+_NEAR = 0.5
+#: Parts at most in which a solution is followed from h = 0.
+_MOST_PARTS = 64
 #: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
 _SETTLED = 1e-8
 _MAX_MOVES = 8
@@ -108,10 +119,14 @@ class StepCode:
         unknowns = [*self.increment, *multipliers]
         inner = self._arrive + (self._newton if self._few else self._newton_of_many)(residuals, unknowns)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
-        start = [f"{u} = h*{f}" for u, f in zip(unknowns, self.field(self.t), strict=False)]
+        slopes = self.field(self.t)
+        start = [f"{u} = h*{f}" for u, f in zip(unknowns, slopes, strict=False)]
         start += [f"{u} = 0.0" for u in multipliers]
-        self._lines += ["t1 = t + h", *start, "last = math.inf", "corrections = 0"]
-        self._lines += ["while True:", *(f"    {line}" for line in (*inner, *_verdict(len(unknowns), d)))]
+        inner += _verdict(len(unknowns), d, "scale > 0.0" if self._few and len(unknowns) == d <= _SMALL else "True")
+        self._lines += ["full, parts, part, scale, before = h, 1, 1, 1.0, 1.0", "t1 = t + h", *start]
+        self._lines += ["while True:", "    last, corrections, solved = math.inf, 0, False"]
+        self._lines += ["    while True:", *(f"        {line}" for line in inner)]
+        self._lines += [f"    {line}" for line in _continuation(unknowns, start)]
         self._evaluations.append("corrections")
         return list(self.increment)
 
@@ -263,13 +278,16 @@ class StepCode:
         return function_text("step", lines)
 
 
-def _verdict(n: int, d: int) -> list[str]:
-    """Lines that end Newton's loop: solved, or not to be solved.
+def _verdict(n: int, d: int, on_branch: str) -> list[str]:
+    """Lines that end Newton's loop: solved, on the branch that is looked for, or not.
 
     The correction to come is foretold from the last two, as K·size² with K = size/last²; and with K = last/whole², of
     the two before, for one of them may be small by chance.
     """
     state = ", ".join(f"abs(x{k})" for k in range(d))
+    # Where the first correction is large, or the determinant changes much, the part is too far a way, unless linear.
+    changed = f" or not {_NEAR} * before < scale < before / {_NEAR}" if on_branch != "True" else ""
+    far = [f"if corrections == 2 and size > {_LINEAR} * last and (last > {_CLOSE} * whole{changed}):", "    break"]
     kept = ""
     check = []
     if n - d > 1:  # a ψ that has been left alone must be kept all the same
@@ -281,17 +299,47 @@ def _verdict(n: int, d: int) -> list[str]:
         f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
         f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
         "corrections += 1",
-        "if not size < math.inf:",
-        f"    return {signatures.NO_SOLUTION}",
+        f"if not size < math.inf or corrections > {_MAX_CORRECTIONS}:",
+        "    break",
+        f"if corrections == 2 and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
+        "    break",
+        *far,
         *check,
         f"fast = last <= {_CLOSE} * whole and size <= {_CLOSING} * last",
         "fast = fast and size * size * size < 1e-17 * whole * last * last",
         "fast = fast and size * size * last < 1e-16 * whole * whole * whole",
         f"if {kept}(size == 0.0 or fast):",
+        f"    solved = {on_branch}",
         "    break",
-        f"if {kept}size >= last and size <= {_STAGNATION} * max(whole, {state}):",
+        f"if {kept}2.0 * size >= last and size <= {_STAGNATION} * max(whole, {state}):",
+        f"    solved = {on_branch}",
         "    break",
-        f"if corrections >= {_MAX_CORRECTIONS}:",
-        f"    return {signatures.NO_SOLUTION}",
         "last = size",
+    ]
+
+
+def _continuation(unknowns: Sequence[Symbol], start: Sequence[str]) -> list[str]:
+    """Lines that go to the next part of the step, or begin anew in more parts; they end the loop over parts.
+
+    Which of several solutions is that of the method is told by continuity from h = 0. Newton's method has found it
+    where Euler's step is near, where it converges from there at once (Kantorovich: the second correction well below the
+    first), and where the determinant of the equations is near 1, as at h = 0. Elsewhere the solution is followed: from
+    a part of the step to a larger one, in proportion, by as much as keeps this so.
+    """
+    further = [f"{u} *= part / (part - 1.0)" for u in unknowns]
+    return [
+        "if solved:",
+        "    if part == parts:",
+        "        break",
+        "    part, before = part + 1, scale",
+        "    h = full * (part / parts)",
+        "    t1 = t + h",
+        *(f"    {line}" for line in further),
+        "else:",
+        f"    if parts == {_MOST_PARTS}:",
+        f"        return {signatures.NO_SOLUTION}",
+        "    part, parts, before = 1, 4 * parts, 1.0",
+        "    h = full / parts",
+        "    t1 = t + h",
+        *(f"    {line}" for line in start),
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.dense import Stepper, Track
 from core.laws import Floats
@@ -12,7 +13,8 @@ from core.trajectory import Trajectory
 __all__ = ["unresolved"]
 
 #: Where in a step g is looked at, in parts of it: at no equal distances, which a regular surface could hide behind.
-_PLACES = np.array([0.07, 0.17, 0.29, 0.38, 0.53, 0.62, 0.74, 0.86, 0.95, 1.0])
+#: What is narrower than a twentieth of a step may be hidden all the same.
+_PLACES = np.append(np.sort((np.arange(1, 32) * 0.6180339887498949) % 1.0), 1.0)
 #: What g may be off the cubic between the places that are looked at, in parts of what it is off there.
 _MARGIN = 3.0
 
@@ -22,7 +24,8 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
 
     The time loop takes g within a step for the cubic that has its values and rates at both ends, and so finds no
     crossing where that is positive. Here g is compared with this cubic, on the scheme itself: it is unresolved where it
-    is negative, or where the cubic is no larger than three times what they differ by.
+    is negative, where the cubic is no larger than three times what they differ by, and where g may dip below zero
+    between two places that are looked at.
 
     Returns
     -------
@@ -35,11 +38,15 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     t, side, x = samples[:, 0], samples[:, 1].astype(np.int64), np.ascontiguousarray(samples[:, 2:])
     h = run.tau if run.t[-1] >= run.t[0] else -run.tau
     times = t[:, None] + h * _PLACES
-    found = _states(run, t, x, side, times)
+    states = np.concatenate([x[:, None], _states(run, t, x, side, times)], axis=1)
+    places, times = np.append(0.0, _PLACES), np.concatenate([t[:, None], times], axis=1)
     with np.errstate(all="ignore"):
-        g = side[:, None] * run.system.switching(times, found)
-        cubic = _cubic(run, t, x, side, h, g[:, -1], found[:, -1])
-        hidden = (g[:, -1] > 0.0) & ((g <= 0.0) | (cubic <= _MARGIN * np.abs(g - cubic))).any(axis=1)
+        g = side[:, None] * run.system.switching(times, states)
+        rates = (run.system.switching_rate(s, times, states) for s in (1, -1))
+        rate = h * side[:, None] * np.where(side[:, None] > 0, *rates)
+        cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
+        hidden = (g[:, -1] > 0.0) & ((g <= 0.0) | (cubic <= _MARGIN * np.abs(g - cubic)))[:, 1:].any(axis=1)
+        hidden |= (g[:, -1] > 0.0) & _may_dip(np.diff(places), g, rate).any(axis=1)
     if not hidden.any():
         return ()
     return (
@@ -48,7 +55,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     )
 
 
-def _states(run: Trajectory, t: Floats, x: Floats, side: np.ndarray, times: Floats) -> Floats:
+def _states(run: Trajectory, t: Floats, x: Floats, side: NDArray[np.int64], times: Floats) -> Floats:
     """States on the scheme, (k, places, d), at times after each of the k states; nan where a step has no solution."""
     number = np.arange(len(t))
     track = Track(t, x, side, number, t, x, side)
@@ -57,15 +64,15 @@ def _states(run: Trajectory, t: Floats, x: Floats, side: np.ndarray, times: Floa
     return found.x.reshape(*times.shape, x.shape[1])
 
 
-def _cubic(run: Trajectory, t: Floats, x: Floats, side: np.ndarray, h: float, g_end: Floats, end: Floats) -> Floats:
-    """Hermite's cubic of the height, (k, places), by its values and rates at both ends of each step."""
-    system, s = run.system, _PLACES
-    rates = np.empty((2, len(t)))
-    for sign in (-1, 1):
-        rows = side == sign
-        rates[0, rows] = system.switching_rate(sign, t[rows], x[rows])
-        rates[1, rows] = system.switching_rate(sign, t[rows] + h, end[rows])
-    start, slope, slope_end = side * system.switching(t, x), h * side * rates[0], h * side * rates[1]
-    values = np.stack([start, slope, g_end, slope_end], axis=1)
-    basis = np.stack([(1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2, s * s * (3 - 2 * s), s * s * (s - 1)])
-    return values @ basis
+def _hermite(s: Floats, start: Floats, end: Floats, rate: Floats, rate_end: Floats) -> Floats:
+    """Hermite's cubic at places s in [0, 1], by its values and slopes at 0 and 1."""
+    by_values = (1 + 2 * s) * (1 - s) ** 2 * start + s * s * (3 - 2 * s) * end
+    by_rates: Floats = s * (1 - s) ** 2 * rate + s * s * (s - 1) * rate_end
+    return by_values + by_rates
+
+
+def _may_dip(width: Floats, g: Floats, rate: Floats) -> NDArray[np.bool_]:
+    """Whether the tangents at two places next to each other, between which g falls and rises, meet below zero."""
+    low, high, g_low, g_high = rate[:, :-1], rate[:, 1:], g[:, :-1], g[:, 1:]
+    meet = (g_high - g_low - high * width) / (low - high)
+    return np.asarray((low < 0.0) & (high > 0.0) & (g_low + low * meet <= 0.0))
