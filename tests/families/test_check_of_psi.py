@@ -165,7 +165,7 @@ def has_value(rng, psi, field, variables, g, side):
 
 
 def test_what_is_conserved_is_accepted(draws):
-    for rng in draws(40):
+    for rng in draws(24):
         variables, field, g, psi = case = drawn_case(rng)
         given = {
             name: (psi,)
@@ -182,7 +182,7 @@ def test_what_is_conserved_is_accepted(draws):
 
 def test_what_changes_in_a_part_of_its_side_is_refused_with_a_place_where_it_does(draws):
     refused = 0
-    for rng in draws(40):
+    for rng in draws(24):
         variables, field, g, psi = drawn_case(rng)
         u, v = rng.choice(variables, size=2, replace=False)
         w = str(rng.choice(PLACES)).format(u=u, v=v)
@@ -198,7 +198,7 @@ def test_what_changes_in_a_part_of_its_side_is_refused_with_a_place_where_it_doe
 
 @pytest.mark.parametrize("side", [-1, 1])
 def test_what_changes_only_beyond_the_surface_is_accepted(draws, side):
-    for rng in draws(12):
+    for rng in draws(8):
         variables, field, _, psi = drawn_case(rng)
         u, v = rng.choice(variables, size=2, replace=False)
         w = str(rng.choice([p for p in PLACES if "{u}" in p])).format(u=u, v=v)
