@@ -47,6 +47,14 @@ def write_sample(run, x, samples):
 
 
 @internal
+def forget_sample(run):
+    """Drop the sample of this step, if there is one: a crossing has been found in it."""
+    if run.samples > 0 and run.next_sample == run.steps + run.stride:
+        run.samples -= 1
+        run.next_sample = run.steps + 1
+
+
+@internal
 def write_row(run, x, rows, rows_x):
     """Record a step."""
     row = rows[run.rows]
@@ -111,6 +119,8 @@ def compiled_march() -> Callable[..., int]:
                     run.final = 1
                 else:
                     h = run.tau
+                    if run.steps >= run.next_sample:
+                        write_sample(run, x, samples)
             # Nearly every step is plain, and taken right here: passing so many arrays costs more than the step.
             t, plain = run.t + run.t_carry, False
             if run.adaptive == 0:
@@ -120,15 +130,16 @@ def compiled_march() -> Callable[..., int]:
                     plain = plain and abs(x[i] + increment[i]) < BOUND
                 plain = plain and is_plain(run, h, run.side * w[G_END], run.side * w[RATE_END])
             if plain:
-                if run.steps >= run.next_sample:
-                    write_sample(run, x, samples)
                 run.evaluations += count
                 for i in range(d):
                     x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
                 run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
                 run.rest = 0.0
             else:
+                hits_before = run.hits
                 status = move(motion, log, h)
+                if run.hits != hits_before:
+                    forget_sample(run)
                 if status != RUNNING:
                     return status
             if run.rest != 0.0:

@@ -30,8 +30,10 @@ _CONTRACTION = 0.1
 _NEARBY = 1e-3
 #: Equations are linear whose second correction is this part of the first.
 _LINEAR = 1e-6
+#: A part of a step is too far a way where the first correction is more than this part of the increment.
+_FAR = 0.05
 #: The determinant of the equations, 1 at h = 0, may change by this factor in a part of a step.
-_NEAR = 0.5
+_NEAR = 0.6
 #: Parts at most in which a solution is followed from h = 0.
 _MOST_PARTS = 64
 #: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
@@ -287,7 +289,7 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
     state = ", ".join(f"abs(x{k})" for k in range(d))
     # Where the first correction is large, or the determinant changes much, the part is too far a way, unless linear.
     changed = f" or not {_NEAR} * before < scale < before / {_NEAR}" if on_branch != "True" else ""
-    far = [f"if corrections == 2 and size > {_LINEAR} * last and (last > {_CLOSE} * whole{changed}):", "    break"]
+    far = [f"if corrections == 2 and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
     kept = ""
     check = []
     if n - d > 1:  # a ψ that has been left alone must be kept all the same
