@@ -152,7 +152,7 @@ class StepCode:
             return [*lines, *(f"r{i} = {value}" for i, value in enumerate(values)), *with_pivots(n, d)]
         lines = [f"matrix, right, sizes = scratch({n * n}), scratch({n}), scratch({n})", *lines]
         lines += [f"right[{i}] = {value}" for i, value in enumerate(values)]
-        lines += [f"for place in range({n * n}):", "    matrix[place] = 0.0"]
+        lines += [f"for entry in range({n * n}):", "    matrix[entry] = 0.0"]
         lines += [f"matrix[{i * n + k}] = {entry}" for (i, k), entry in entries.items()]
         lines.append(f"bound, excess, largest = solve_with_pivots(matrix, right, sizes, {n}, {d})")
         return lines + [f"r{k} = right[{k}]" for k in range(n)]
