@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 
 import sympy
 from sympy import Expr, Symbol
@@ -13,7 +14,7 @@ from core.derivatives import jacobian
 from core.elimination import FEW, KEPT, WRITTEN_OUT, by_cofactors, least_change, row_lines, with_pivots
 from core.expressions import TIME
 from core.laws import Laws, Side
-from core.printing import assignments, named
+from core.printing import assignments, named, printed
 from core.recurrences import STRIDE
 
 __all__ = ["StepCode"]
@@ -45,6 +46,8 @@ _NOTHING = 4 * 2.0**-52
 _ROUNDING = 1e-6
 #: Up to so many unknowns a system is solved by cofactors.
 _SMALL = 3
+#: From so many characters on, f is a function that is called: beside its own time that of a call is nothing.
+_LONG = 2500
 
 
 class StepCode:
@@ -63,6 +66,7 @@ class StepCode:
         self._laws, self._side = laws, side
         self._temporaries = self._names.temporaries
         self._few = len(self._names.x) <= FEW
+        self._called = ""
         self._lines = list(self._names.unpack)
         self._evaluations: list[str] = []
         self.t, self.h = Symbol("t"), Symbol("h")
@@ -85,9 +89,32 @@ class StepCode:
             moved = self._assign([f"{y}_moved" for y in x], increment)
             ends = zip(x, self.x, self._names.carry, strict=True)
             self._lines += moved + [f"{y} = {a} + ({c} + {y}_moved)" for y, a, c in ends]
-        at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
         self._evaluations.append("1")
+        if self._apart:
+            return self._field_apart(t, x)
+        at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
         return self.let([f.xreplace(at) for f in self._side.field])
+
+    @cached_property
+    def _apart(self) -> str:
+        """Text of f as a function of its own, for a step that needs it at several stages; empty where f is short."""
+        d, names = len(self.x), self._names
+        if self._few:
+            return ""
+        lines = [f"{x} = place[{k}]" for k, x in enumerate(self.x)] + names.unpack_parameters
+        lines += self._assign([f"f[{k}]" for k in range(d)], names.own(self._side.field))
+        body = "\n".join(f"    {line}" for line in lines)
+        return f"def field(t, place, p, f):\n{body}\n\n\n" if len(body) > _LONG else ""
+
+    def _field_apart(self, t: Expr, x: Sequence[Symbol]) -> list[Symbol]:
+        values = [next(self._temporaries) for _ in x]
+        if not self._called:
+            self._called = self._apart
+            self._lines.append(f"place, rates = scratch({len(x)}), scratch({len(x)})")
+        self._lines += [f"place[{k}] = {y}" for k, y in enumerate(x)]
+        self._lines.append(f"field({printed(t)}, place, p, rates)")
+        self._lines += [f"{value} = rates[{k}]" for k, value in enumerate(values)]
+        return values
 
     def at_ends(self, expressions: Iterable[Expr]) -> list[Expr]:
         """Discrete expressions in this step's symbols: x at its start, ``y`` = x + increment at its end."""
@@ -142,7 +169,7 @@ class StepCode:
             return [*lines, *(f"r{i} = {value}" for i, value in enumerate(values)), *with_pivots(n, d)]
         lines = [f"matrix, right, sizes = scratch({n * n}), scratch({n}), scratch({n})", *lines]
         lines += [f"right[{i}] = {value}" for i, value in enumerate(values)]
-        lines += [f"for place in range({n * n}):", "    matrix[place] = 0.0"]
+        lines += [f"for entry in range({n * n}):", "    matrix[entry] = 0.0"]
         lines += [f"matrix[{i * n + k}] = {entry}" for (i, k), entry in entries.items()]
         lines.append(f"bound, excess, largest = solve_with_pivots(matrix, right, sizes, {n}, {d})")
         return lines + [f"r{k} = right[{k}]" for k in range(n)]
@@ -277,7 +304,7 @@ class StepCode:
         targets = [f"w[{k}]" for k in (signatures.G_END, signatures.RATE_END)]
         lines += ["t1 = t + h", *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")
-        return function_text("step", lines)
+        return self._called + function_text("step", lines)
 
 
 def _verdict(n: int, d: int, on_branch: str) -> list[str]:

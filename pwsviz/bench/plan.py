@@ -77,7 +77,7 @@ LONG = replace(
         *(("springs", d) for d in (2, 4, 8, 12, 16, 24)),
         *(("bodies", d) for d in (8, 12, 16, 24)),
         *(("dense", d) for d in (2, 4, 8, 12, 16, 24)),
-        *(("vortices", d) for d in (4, 8, 12, 16)),
+        *(("vortices", d) for d in (4, 8, 12)),
         *(("lotka_volterra", d) for d in (2, 4, 8, 12, 16, 24)),
     ),
 )

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 import core
 from pwsviz.bench.larger import FAMILIES
@@ -67,6 +68,19 @@ def test_runs_agree_with_scipy_and_keep_every_psi(family, draws):
         coarse, fine = (np.abs(run.x[-1] - exact).max() for run in runs)
         assert 3.0 <= coarse / fine <= 5.0, described(system, "dmm2")  # order 2
         assert kept(runs[1], system), described(system, "dmm2")
+
+
+@pytest.mark.parametrize("method", ["dmm8", "prk8"])
+def test_a_long_linear_field_has_the_flow_of_its_matrix_exponential(method, draws):
+    """Of fourteen variables: Newton's matrix is in an array, and the field a function of its own."""
+    for rng in draws(1):
+        system = smooth(FAMILIES["dense"](rng, 14))
+        matrix = np.transpose([system.field(-1, 0.0, e) for e in np.eye(14)])
+        run = core.integrate(system, (0.0, END), method=method, tau=0.02)
+        assert run.status is core.Status.COMPLETED, described(system, method)
+        exact = expm(END * matrix) @ np.array(system.x0)
+        assert np.abs(run.x[-1] - exact).max() <= 1e-10 * np.abs(run.x).max(), described(system, method)
+        assert kept(run, system), described(system, method)
 
 
 @pytest.mark.parametrize("method", ["dmm2", "taylor"])
