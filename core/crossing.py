@@ -167,12 +167,18 @@ def contradicts(motion, h):
     A step of length h rounds its increment, and a time is rounded too: both move g by so much of its rate. Where a
     perturbation, or a step over the surface, has left the state on purpose there is nothing to compare.
     """
-    run, x, w = motion.run, motion.x, motion.w
+    for i in range(motion.x.size):
+        motion.place[i] = motion.x[i]
+    look_at(motion, motion.run.t)
+    return is_contradicted(motion, h)
+
+
+@inlined
+def is_contradicted(motion, h):
+    """The same, where the state has been looked at already."""
+    run, w = motion.run, motion.w
     if run.leaving == 1 and (run.shift != 0.0 or run.follow == 0):
         return False
-    for i in range(x.size):
-        motion.place[i] = x[i]
-    call(motion.functions[LOOK], run.t, 0.0, motion.p, w, motion.memo)
     moved = _EPS * (abs(run.t) + abs(h)) * max(abs(w[RATES]), abs(w[RATES + 1]))
     return -run.side * w[G] > _MARGIN * (w[DOUBT] + moved)
 
@@ -344,7 +350,7 @@ def switch_side(motion, log, found):
     take_side(motion, entered, rate)
     if leaving == 0:  # it has jumped off the surface
         run.height, run.leaving = entered * motion.w[G], 0
-    elif contradicts(motion, run.hit):  # a step so stiff that its own rounding hides the surface
+    elif is_contradicted(motion, run.hit):  # a step so stiff that its own rounding hides the surface
         return _UNSTABLE
     if accumulates(run):
         return _ZENO
@@ -377,7 +383,7 @@ def land(motion, log, t):
         for i in range(x.size):
             place[i] = x[i]
         look(motion, run.t)
-        if run.jump == NO_JUMP and run.side * motion.w[G] > 0.0:
+        if run.edged == 1 and run.jump == NO_JUMP and run.side * motion.w[G] > 0.0:
             move_across(motion, run.t)
         note(motion, log, 0)
     return True

@@ -73,6 +73,12 @@ class Laws:
         self._functions: dict[object, Callable[..., Floats]] = {}
 
     @cached_property
+    def edged(self) -> bool:
+        """Whether a field or a ψ has a function that is not defined everywhere: a root, a real power, a logarithm."""
+        parts = [e for side in self.sides.values() for e in (*side.field, *side.conserved)]
+        return any(e.atoms(sympy.log) or any(not p.exp.is_Integer for p in e.atoms(sympy.Pow)) for e in parts)
+
+    @cached_property
     def jump_stays(self) -> bool:
         """Whether the jump leads from the surface to the surface."""
         return self.jump is not None and stays_on_surface(self.g, self.x, self.jump)

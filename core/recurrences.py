@@ -26,6 +26,9 @@ LEAST_ORDER, MAX_ORDER = 8, 24
 #: Length of a row, whatever the order: a constant, so that one register points into all rows.
 STRIDE = MAX_ORDER + 1
 
+#: What the height may be off by: in powers of two of the tolerance, and of the height at most.
+_FREEDOM, _FREEST = 10.0, -20.0
+
 _LOG2_E = math.log2(math.e)
 _THIRD = 1.0 / 3.0  #: a product is there sooner than a quotient
 #: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
@@ -161,9 +164,10 @@ def reach(c, d, order, tolerance):
 def reach_of_height(c, d, order, tolerance):
     """Length of the step that the last two coefficients of row d allow, the height over the surface.
 
-    A surface may vary faster than the state: a crossing is seen on this polynomial, so that it has to be as good as
-    those of the state. The scale is the largest of the height, and of its change to first and to second order, in the
-    step: one of them at least is no accident of where the step begins. The rest is as in `reach`.
+    A surface may vary faster than the state: a crossing is seen on this polynomial, but located on the scheme itself.
+    So it may be off by 2¹⁰ times the tolerance, up to 2⁻²⁰, or by the tolerance if that is more. The scale is the
+    largest of the height, and of its change to first and to second order, in the step: one of them at least is no
+    accident of where the step begins. The rest is as in `reach`.
     """
     row = c[d]
     before, last = abs(row[order - 1]), abs(row[order])
@@ -174,7 +178,7 @@ def reach_of_height(c, d, order, tolerance):
         before, last = abs(row[order - 1]), abs(row[order])
     if not abs(row[0]) + before + last < math.inf:
         return math.nan
-    shrink = min(-1.0, _log2(tolerance) / order)
+    shrink = min(-1.0, max(_log2(tolerance), min(_log2(tolerance) + _FREEDOM, _FREEST)) / order)
     before, last = _log2(before), _log2(last)
     h = -math.inf
     for q in range(3):

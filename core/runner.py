@@ -104,6 +104,7 @@ class Runner:
         self._run["t"] = self._run["met"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._run["follow"] = settings.transition
+        self._run["edged"] = system.laws.edged
         if system.jump is not None:
             self._run["jump"] = JUMP_TO_SURFACE if system.laws.jump_stays else JUMP_ANYWHERE
         self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0

@@ -37,6 +37,7 @@ RUN = np.dtype(
         ("adaptive", np.int64),  # 1: the method chooses the length of its steps
         ("conservative", np.int64),  # 1: the method holds ψ at its level
         ("watched", np.int64),  # how many ψ have their excess recorded in the envelope
+        ("edged", np.int64),  # 1: a field has roots, logarithms or the like, and may have no value beyond the surface
         ("jump", np.int64),  # one of the codes below
         ("record", np.int64),  # 1: write a row each step
         ("steps", np.int64),
