@@ -42,8 +42,8 @@ class Native:
     """
 
     def __init__(self, code: bytes, symbol: str, cache_hits: int) -> None:
-        machine = _machine()
-        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+        # An engine frees its machine when it is freed: each has one of its own.
+        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _new_machine())
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
         self.address, self.cache_hits = int(self._engine.get_function_address(symbol)), cache_hits
@@ -88,6 +88,11 @@ def _target_name() -> str:
 
 @lru_cache(maxsize=1)
 def _machine() -> Any:
+    """The processor at hand, to compile for."""
+    return _new_machine()
+
+
+def _new_machine() -> Any:
     """The processor at hand, told as numba tells LLVM of it."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()

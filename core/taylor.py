@@ -72,7 +72,7 @@ def _degree_in_time(laws: Laws, side: Side) -> float:
     """Bound the degree of the solution, and of g along it, as polynomials in time; inf where they are none."""
     degrees: dict[Symbol, float] = {TIME: 1, **dict.fromkeys(laws.x, 0)}
     for _ in range(len(laws.x) + 1):
-        found = {v: _degree(f, degrees) + (f != 0) for v, f in zip(laws.x, side.field, strict=True)}
+        found = {v: _degree(f, degrees) + float(f != 0) for v, f in zip(laws.x, side.field, strict=True)}
         if all(degrees[v] == n for v, n in found.items()):
             return max(*found.values(), _degree(laws.g, degrees))
         degrees |= found
@@ -90,7 +90,7 @@ def _degree(u: Expr, degrees: Mapping[Symbol, float]) -> float:
         return max(parts)
     if u.is_Mul:
         return sum(parts)
-    return parts[0] * int(u.exp) if u.is_Pow and u.exp.is_Integer and u.exp > 0 else math.inf
+    return parts[0] * float(u.exp) if u.is_Pow and u.exp.is_Integer and u.exp > 0 else math.inf
 
 
 def _excess_lines(laws: Laws, side: Side) -> list[str]:

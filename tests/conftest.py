@@ -1,7 +1,7 @@
 """What all tests share: how random cases are drawn, and a headless Chromium.
 
 A plain run draws the same cases every time. ``--draws N`` draws N times as many, from the seed that ``--seed`` names
-or, without one, from a fresh seed; the header prints it, and with it the same cases come again.
+or, without one, from a fresh seed; the summary prints it, and with it the same cases come again.
 """
 
 import os
@@ -36,8 +36,8 @@ def pytest_configure(config):
         config.option.seed = secrets.token_hex(4) if config.option.draws > 1 else "0"
 
 
-def pytest_report_header(config):
-    return f"random cases: --draws {config.option.draws} --seed {config.option.seed}"
+def pytest_terminal_summary(terminalreporter, config):
+    terminalreporter.write_line(f"random cases: --draws {config.option.draws} --seed {config.option.seed}")
 
 
 @pytest.fixture

@@ -43,7 +43,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     with np.errstate(all="ignore"):
         g = side[:, None] * run.system.switching(times, states)
         rates = (run.system.switching_rate(s, times, states) for s in (1, -1))
-        rate = h * side[:, None] * np.where(side[:, None] > 0, *rates)
+        rate: Floats = np.where(side[:, None] > 0, *rates) * (h * side[:, None])
         cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
         hidden = (g[:, -1] > 0.0) & ((g <= 0.0) | (cubic <= _MARGIN * np.abs(g - cubic)))[:, 1:].any(axis=1)
         hidden |= (g[:, -1] > 0.0) & _may_dip(np.diff(places), g, rate).any(axis=1)

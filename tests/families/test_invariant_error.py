@@ -91,10 +91,8 @@ def exit_errors(run: core.Trajectory, name: str) -> tuple[np.ndarray, np.ndarray
 
 def reported(run: core.Trajectory) -> float:
     """The largest error of ψ that a run tells of, along the way and at its crossings."""
-    parts = [run.conserved_error()]
-    if hasattr(run, "exit_error"):
-        parts.append(run.exit_error())
-    return float(max((np.nanmax(np.abs(p)) for p in parts if p.size), default=0.0))
+    error = run.conserved_error()
+    return float(np.nanmax(np.abs(error))) if error.size else 0.0
 
 
 def hidden(run: core.Trajectory, name: str, told: float) -> str:
