@@ -50,7 +50,7 @@ SEVERAL_LEVELS = 6
 """At most so many level sets through an orbit on each side."""
 
 
-_RUNS_OFF = (core.Status.ESCAPED, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
+_RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
 """How a run may end that has gone very far; others end where the action is."""
 
 COMPARABLE = 2.0

@@ -46,6 +46,8 @@ COLOURS: Mapping[int, str] = {
     WRONG_CROSSINGS: ORANGE,
     WENT_ON: OCHRE,
     core.Status.ESCAPED: VERMILION,
+    core.Status.UNSTABLE: "#7f1d1d",
+    core.Status.CONTRADICTION: "#000000",
     core.Status.NO_CONVERGENCE: PURPLE,
     core.Status.SLIDING: GREEN,
     core.Status.GRAZING: BROWN,

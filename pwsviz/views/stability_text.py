@@ -29,6 +29,8 @@ _SHORT: Mapping[int, str] = {
     WRONG_CROSSINGS: "wrong number of crossings",
     WENT_ON: "goes on where the solution stops",
     core.Status.ESCAPED: "runs away",
+    core.Status.UNSTABLE: "the scheme leaves the solution",
+    core.Status.CONTRADICTION: "an error of the program",
     core.Status.NO_CONVERGENCE: "a step has no solution",
     core.Status.SLIDING: "stops: slides",
     core.Status.GRAZING: "stops: touches the surface",

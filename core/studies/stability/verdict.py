@@ -38,7 +38,7 @@ _REFERENCE_STEPS = 20_000
 _BEYOND, _CLEAR = 0.25, 0.25  #: of the time, how far the reference looks on; of the gap between two crossings
 
 #: Outcomes are the values of `Status`, and these.
-NOT_YET, WRONG_CROSSINGS, WENT_ON, NO_START = 0, 11, 12, 13
+NOT_YET, WRONG_CROSSINGS, WENT_ON, NO_START = 0, 101, 102, 103
 _OTHER_WORDS = {
     NOT_YET: "not computed yet",
     WRONG_CROSSINGS: "wrong number of crossings",
@@ -151,7 +151,7 @@ def worst_error(run: Trajectory) -> float:
     nan where no ψ is known, where it has no value, and of a run that has run away: its ψ would be a difference of huge
     numbers.
     """
-    if run.envelope is None or not run.envelope.size or run.status is Status.ESCAPED:
+    if run.envelope is None or not run.envelope.size or run.status in (Status.ESCAPED, Status.UNSTABLE):
         return np.nan
     within = np.fmax.reduce(np.abs(run.envelope), axis=None, initial=0.0)
     carried = np.abs(run.carried_error()).max(initial=0.0)

@@ -323,3 +323,9 @@ def test_a_coordinate_may_be_named_and_ranges_cover_the_orbit():
     assert (study.coordinate, study.coordinate_name) == (1, "y")
     orbit = core.integrate(HARMONIC, (0, 20)).x[:, 1]
     assert study.map.values[0] < orbit.min() < orbit.max() < study.map.values[-1]
+
+
+def test_outcomes_that_are_no_status_have_codes_of_their_own():
+    own = {NOT_YET, WRONG_CROSSINGS, WENT_ON, NO_START}
+    assert len(own) == 4
+    assert own & {int(status) for status in core.Status} == {int(core.Status.RUNNING)}  # a run not yet made is one that runs
