@@ -13,7 +13,7 @@ References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,12 +105,16 @@ class _Writer:
         self.setup: list[tuple[int, str]] = []  # (before which node, line): what is worked out once
         self.known: dict[Any, int] = {}
         self.series = {v: _Sum({i: Integer(1)}) for i, v in enumerate(names.x)}  # symbol -> its series
+        self.inverted: dict[Symbol, _Sum] = {}  # symbols that stand for 1 over a series
         self.fixed: dict[Symbol, Expr] = {}  # symbols that stand for constants
 
     # Expressions → sums of nodes -------------------------------------------------------------------------------------
 
     def share(self, symbol: Symbol, value: Expr) -> None:
         """Let `symbol` stand for an expression that is used more than once."""
+        if _is_inverse(value) and not self.is_constant(value):  # to divide takes no longer than to multiply
+            self.inverted[symbol] = self.power_of(value.base, -value.exp)
+            return
         series = self.of(value)
         if not series.terms:
             self.fixed[symbol] = series.constant
@@ -125,6 +129,8 @@ class _Writer:
             return _Sum({}, u.xreplace(self.fixed))
         if u == TIME:
             return _Sum({self.time(): Integer(1)})
+        if u in self.inverted:
+            return self.over(_Sum({}, Integer(1)), self.inverted[u])
         if u.is_Symbol:
             return self.series[u]
         if u.is_Add:
@@ -140,14 +146,16 @@ class _Writer:
 
     def is_constant(self, u: Expr) -> bool:
         """Whether u holds numbers and parameters only."""
-        return not any(s in self.series or s == TIME for s in u.free_symbols)
+        return not any(s in self.series or s in self.inverted or s == TIME for s in u.free_symbols)
 
     def product_of(self, factors: Iterable[Expr]) -> _Sum:
-        """Products: factors that are constant go in front, those to negative whole powers into one denominator."""
+        """Products: factors that are constant go in front, those to negative powers of ½, 1, … into one denominator."""
         above, below = _Sum({}, Integer(1)), _Sum({}, Integer(1))
         for factor in factors:
-            if factor.is_Pow and factor.exp.is_Integer and factor.exp < 0 and not self.is_constant(factor):
+            if _is_inverse(factor) and not self.is_constant(factor):
                 below = self.times(below, self.power_of(factor.base, -factor.exp))
+            elif factor in self.inverted:
+                below = self.times(below, self.inverted[factor])
             else:
                 above = self.times(above, self.of(factor))
         return self.over(above, below)
@@ -160,9 +168,16 @@ class _Writer:
             return self.over(_Sum({}, Integer(1)), self.whole_power(self.of(base), -int(n)))
         if n.is_Integer:
             return self.whole_power(self.of(base), int(n))
-        if n == sympy.Rational(1, 2):
-            return _one(self.root(self.of(base)))
+        if n.is_Rational and n.q == 2:
+            return self.half_power(self.of(base), n)
         return _one(self.real_power(self.node(self.of(base)), n))
+
+    def half_power(self, u: _Sum, n: sympy.Rational) -> _Sum:
+        """Powers of 1/2, 3/2 … and their inverses: by a root, whose sum is a square, sooner than by a real power."""
+        if n < 0:
+            return self.over(_Sum({}, Integer(1)), self.half_power(u, -n))
+        root = _one(self.root(u))
+        return root if n.p == 1 else self.times(root, self.whole_power(u, n.p // 2))
 
     def function_of(self, u: Expr) -> _Sum:
         name = type(u).__name__
@@ -237,49 +252,57 @@ class _Writer:
         inverse = self.once("q", below, f"1.0/{b.start}")
 
         def recurrence(w: _Node) -> str:
-            known = f"{w.start}*{b.newest} + {self.sums.product(self.row(b), self.row(w), awaited=True)}"
-            return f"({self.newest(u)} - ({known}))*{inverse}"
+            known = f"-{inverse}*{self.sums.product(self.row(b), self.row(w), awaited=True)}"
+            return self.newest(u, scale=inverse, more={below: f"-({w.start}*{inverse})"}, known=known)
 
         return self.add(("/", *_key(u), below), f"({self.start(u)})/{b.start}", recurrence)
 
     def root(self, u: _Sum) -> int:
         def recurrence(w: _Node) -> str:
-            return f"({self.newest(u)} - {self.sums.product(self.row(w), self.row(w), awaited=True)})*(0.5/{w.start})"
+            half = f"(0.5/{w.start})"
+            known = f"-{half}*{self.sums.product(self.row(w), self.row(w), awaited=True)}"
+            return self.newest(u, scale=half, known=known)
 
         return self.add(("sqrt", *_key(u)), f"math.sqrt({self.start(u)})", recurrence)
 
     def real_power(self, base: int, exponent: Expr) -> int:
+        """The power w = uᵃ with u w' = a u' w: k u₀ wₖ = Σ (a j uⱼ wₖ₋ⱼ − (k − j) uⱼ wₖ₋ⱼ), k u₀ uₖ aside."""
         u, a = self.nodes[base], self.constant(exponent)
-        inverse = self.once("q", base, f"1.0/{u.start}")
+        inverse, slope = self.once("q", base, f"1.0/{u.start}"), self.slope(base)
 
         def recurrence(w: _Node) -> str:
-            known = f"inverse*{self.sums.power(self.row(u), self.row(w), a)}"
-            return f"({a}*{w.start}*{u.newest} + {known})*{inverse}"
+            moved, still = (self.sums.product(self.row(n), self.row(w), awaited=True) for n in (slope, u))
+            known = f"{inverse}*fma(inverse*({a} + 1.0), {moved}, -{still})"
+            return f"fma({a}*{w.start}*{inverse}, {u.newest}, {known})"
 
         return self.add(("**", base, exponent), f"{u.start}**{a}", recurrence)
 
     def logarithm(self, u: _Sum) -> int:
         """Log u = w with u w' = u', the coefficients of s w'(s) being a node of their own."""
         n = self.node(u)
-        a = self.nodes[n]
-        inverse = self.once("q", n, f"1.0/{a.start}")
+        if ("log", n) not in self.known:
+            a = self.nodes[n]
+            inverse = self.once("q", n, f"1.0/{a.start}")
+            w = self.nodes[self.add(("log", n), f"math.log({a.start})", lambda _: "")]
+            slope = self.nodes[self.add(("rate of log", n), "0.0", lambda _: f"k*{w.newest}")]
+            known = f"(-inverse*{inverse})*{self.sums.product(self.row(a), self.row(slope), awaited=True)}"
+            w.recurrence = f"fma({inverse}, {a.newest}, {known})"
+        return self.known["log", n]
 
-        def rate(w: _Node) -> str:
-            return f"(k*{a.newest} - {self.sums.product(self.row(a), self.row(w), awaited=True)})*{inverse}"
+    def slope(self, n: int) -> _Node:
+        """The node whose coefficients are those of s u'(s), j uⱼ."""
+        return self.nodes[self.add(("slope", n), "0.0", lambda _: f"k*{self.nodes[n].newest}")]
 
-        slope = self.nodes[self.add(("rate of log", n), "0.0", rate)]
-        return self.add(("log", n), f"math.log({a.start})", lambda _: f"inverse*{slope.newest}")
-
-    def rate(self, u: _Sum) -> Callable[[_Node], str]:
-        """How coefficient k of ∫ u' w ds is written, given w: inverse · Σ j uⱼ wₖ₋ⱼ."""
-        if list(u.terms) == [self.known.get("t")]:
-            (slope,) = u.terms.values()
-            return lambda w: f"inverse*(unit*{self.constant(slope)}*c[{self.row(w)}, k - 1])"
-        slope = self.nodes[self.add(("rate", *_key(u)), "0.0", lambda _: f"k*({self.newest(u)})")]
-        row = self.row(slope)
+    def rate(self, u: _Sum, sign: str = "") -> Callable[[_Node], str]:
+        """How coefficient k of ±∫ u' w ds is written, given w: ±inverse · Σ j uⱼ wₖ₋ⱼ."""
+        factor, n = self.factored(_Sum(u.terms))
+        text = sign + (f"{self.constant(factor)}*" if factor != 1 else "")
+        if n == self.known.get("t"):
+            return lambda w: f"{text}inverse*(unit*c[{self.row(w)}, k - 1])"
+        newest, row = self.nodes[n].newest, self.row(self.slope(n))
         # The term j = k, whose slope is k uₖ, needs no division by k: it may be the last to come.
         return lambda w: (
-            f"fma({self.newest(u)}, {w.start}, inverse*{self.sums.product(row, self.row(w), awaited=True)})"
+            f"fma({text}{w.start}, {newest}, ({text}inverse)*{self.sums.product(row, self.row(w), awaited=True)})"
         )
 
     def exponential(self, u: _Sum) -> int:
@@ -287,11 +310,12 @@ class _Writer:
 
     def pair(self, u: _Sum, which: int, names: tuple[str, str], sign: str) -> int:
         """Functions with φ' = u' χ, χ' = ±u' φ: sine and cosine, of the circle or the hyperbola."""
-        rate, key = self.rate(u), _key(u)
+        key = _key(u)
         if (names[0], *key) not in self.known:
+            rates = self.rate(u), self.rate(u, sign)
             pair = [self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "") for name in names]
             first, second = (self.nodes[n] for n in pair)
-            first.recurrence, second.recurrence = rate(second), sign + rate(first)
+            first.recurrence, second.recurrence = rates[0](second), rates[1](first)
         return self.known[names[which], *key]
 
     def tangent(self, u: _Sum, name: str, first: str, sign: str) -> int:
@@ -335,9 +359,26 @@ class _Writer:
         terms = [self.term(a, self.nodes[n].start) for n, a in u.terms.items()]
         return " + ".join([*terms, self.constant(u.constant)] if u.constant != 0 or not terms else terms)
 
-    def newest(self, u: _Sum) -> str:
-        """Text of coefficient k ≥ 1 of a sum."""
-        return " + ".join(self.term(a, self.nodes[n].newest) for n, a in u.terms.items()) or "0.0"
+    def newest(self, u: _Sum, scale: str = "", more: Mapping[int, str] = {}, known: str = "") -> str:
+        """Text of coefficient k ≥ 1 of scale·u, plus `more` (node: factor), plus what is known before.
+
+        The node that is written last comes last: it adds the time of one operation to what has to be waited for.
+        """
+        terms = [(n, self.factor(a, scale)) for n, a in u.terms.items()] + list(more.items())
+        text = known
+        for n, factor in sorted(terms):
+            y = self.nodes[n].newest
+            if factor in ("", "-"):
+                text = f"({text} {factor or '+'} {y})" if text else f"{factor}{y}"
+            else:
+                text = f"fma({factor}, {y}, {text})" if text else f"{factor}*{y}"
+        return text or "0.0"
+
+    def factor(self, a: Expr, scale: str) -> str:
+        """Text of the factor a·scale: nothing for 1, a sign for −1."""
+        if a in (1, -1):
+            return ("-" if a == -1 else "") + scale
+        return f"({self.constant(a)}*{scale})" if scale else self.constant(a)
 
     def term(self, a: Expr, name: str) -> str:
         return name if a == 1 else f"-{name}" if a == -1 else f"{self.constant(a)}*{name}"
@@ -370,6 +411,11 @@ class _Writer:
         before += self.sums.before()
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)
+
+
+def _is_inverse(u: Expr) -> bool:
+    """Whether u is 1 over a power that takes products and a root at most."""
+    return bool(u.is_Pow and u.exp.is_Rational and u.exp.q <= 2 and u.exp < 0)
 
 
 def _one(node: int) -> _Sum:

@@ -49,21 +49,6 @@ class Sums:
             ))  # fmt: skip
         return name
 
-    def power(self, a: int, b: int, exponent: str) -> str:
-        """Name of Σ (j (exponent + 1) − k) aⱼ bₖ₋ⱼ: the recurrence of b = a**exponent."""
-        name, new = self._named("power", a, b, exponent, awaited=True)
-        if new:
-            weight = f"({{}}*({exponent} + 1.0) - k)".format
-            rest = f"{name} + {name}_back"
-            ends = f"{weight('1.0')}*(one{a}*last{b}) + {weight('(k - 1)')}*(last{a}*again{b})"
-            self._add({a, b}, _Text(
-                f"{name}, {name}_back = {weight('m')}*(c[{a}, m]*c[{b}, m]) if even else 0.0, 0.0",
-                (f"{name} += {weight('i')}*(c[{a}, i]*c[{b}, j])",
-                 f"{name}_back += {weight('j')}*(c[{a}, j]*c[{b}, i])"),
-                f"{name} = {rest}", f"{name} = {ends} + ({rest})",
-            ))  # fmt: skip
-        return name
-
     def _square(self, a: int, awaited: bool) -> str:
         """Each pair once, and the term in the middle."""
         name, new = self._named("square", a, awaited=awaited)
