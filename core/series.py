@@ -13,6 +13,9 @@ References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. 
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -66,6 +69,10 @@ def series_code(laws: Laws, side: Side) -> SeriesCode:
     return writer.code(field, g)
 
 
+#: Nodes and their exponents in a product.
+Bag = Counter[int]
+
+
 @dataclass
 class _Node:
     """One function of time that is worked out: the names of its coefficients 0 and k, and how to get them."""
@@ -105,15 +112,16 @@ class _Writer:
         self.setup: list[tuple[int, str]] = []  # (before which node, line): what is worked out once
         self.known: dict[Any, int] = {}
         self.series = {v: _Sum({i: Integer(1)}) for i, v in enumerate(names.x)}  # symbol -> its series
-        self.inverted: dict[Symbol, _Sum] = {}  # symbols that stand for 1 over a series
+        self.inverted: dict[Expr, Expr] = {}  # symbols that stand for 1 over a power
+        self.bags: dict[int, Bag] = {}  # the factors of products and quotients
         self.fixed: dict[Symbol, Expr] = {}  # symbols that stand for constants
 
     # Expressions → sums of nodes -------------------------------------------------------------------------------------
 
     def share(self, symbol: Symbol, value: Expr) -> None:
         """Let `symbol` stand for an expression that is used more than once."""
-        if _is_inverse(value) and not self.is_constant(value):  # to divide takes no longer than to multiply
-            self.inverted[symbol] = self.power_of(value.base, -value.exp)
+        if _taken_apart(value)[1] < 0 and not self.is_constant(value):  # to divide takes no longer than to multiply
+            self.inverted[symbol] = value
             return
         series = self.of(value)
         if not series.terms:
@@ -130,7 +138,7 @@ class _Writer:
         if u == TIME:
             return _Sum({self.time(): Integer(1)})
         if u in self.inverted:
-            return self.over(_Sum({}, Integer(1)), self.inverted[u])
+            return self.product_of([u])
         if u.is_Symbol:
             return self.series[u]
         if u.is_Add:
@@ -149,35 +157,31 @@ class _Writer:
         return not any(s in self.series or s in self.inverted or s == TIME for s in u.free_symbols)
 
     def product_of(self, factors: Iterable[Expr]) -> _Sum:
-        """Products: factors that are constant go in front, those to negative powers of ½, 1, … into one denominator."""
-        above, below = _Sum({}, Integer(1)), _Sum({}, Integer(1))
+        """Products of powers, taken apart into factors and put together from products and quotients that are there."""
+        scale: Expr = Integer(1)
+        bag: Bag = Counter()
         for factor in factors:
-            if _is_inverse(factor) and not self.is_constant(factor):
-                below = self.times(below, self.power_of(factor.base, -factor.exp))
-            elif factor in self.inverted:
-                below = self.times(below, self.inverted[factor])
-            else:
-                above = self.times(above, self.of(factor))
-        return self.over(above, below)
+            base, n = _taken_apart(self.inverted.get(factor, factor))
+            series = self.of(base)
+            if not series.terms:
+                scale *= series.constant**n
+                continue
+            a, node = self.factored(series)
+            whole = Integer(int(n))  # towards zero; what is left is a root
+            scale *= a**whole
+            for part, times in self.bag_of(node).items():
+                bag[part] += times * int(whole)
+            if n != whole:
+                bag[self.root(series)] += 1 if n > 0 else -1
+        return self.put_together(bag).scaled(scale)
 
     def power_of(self, base: Expr, exponent: Expr) -> _Sum:
         if self.is_constant(base) or not self.is_constant(exponent):
             return self.of(sympy.exp(exponent * sympy.log(base)))
         n = exponent.xreplace(self.fixed)
-        if n.is_Integer and n < 0:
-            return self.over(_Sum({}, Integer(1)), self.whole_power(self.of(base), -int(n)))
-        if n.is_Integer:
-            return self.whole_power(self.of(base), int(n))
-        if n.is_Rational and n.q == 2:
-            return self.half_power(self.of(base), n)
+        if n.is_Rational and n.q <= 2:
+            return self.product_of([sympy.Pow(base, n, evaluate=False)])
         return _one(self.real_power(self.node(self.of(base)), n))
-
-    def half_power(self, u: _Sum, n: sympy.Rational) -> _Sum:
-        """Powers of 1/2, 3/2 … and their inverses: by a root, whose sum is a square, sooner than by a real power."""
-        if n < 0:
-            return self.over(_Sum({}, Integer(1)), self.half_power(u, -n))
-        root = _one(self.root(u))
-        return root if n.p == 1 else self.times(root, self.whole_power(u, n.p // 2))
 
     def function_of(self, u: Expr) -> _Sum:
         name = type(u).__name__
@@ -194,24 +198,60 @@ class _Writer:
             return factor, node
         return Integer(1), self.node(u)
 
+    def bag_of(self, node: int) -> Bag:
+        """The factors of a node that is a product or a quotient, with their exponents; else itself."""
+        return self.bags.get(node, Counter({node: 1}))
+
+    def put_together(self, bag: Bag) -> _Sum:
+        """The product of nodes to powers: of what is there, the largest parts first, then of as little as can be."""
+        found: Bag = Counter()
+        for node, part in sorted(self.bags.items(), key=lambda known: -sum(map(abs, known[1].values()))):
+            for sign in (1, -1):
+                while all(bag[n] * e * sign >= e * e for n, e in part.items()):
+                    bag.subtract({n: e * sign for n, e in part.items()})
+                    found[node] += sign
+        for m, n in itertools.combinations(sorted(bag), 2):  # squares of a product, or of a quotient
+            several = min(abs(bag[m]), abs(bag[n]))
+            if several < 2:
+                continue
+            signs = [1 if bag[node] > 0 else -1 for node in (m, n)]
+            above, below = (m, n) if signs[0] > 0 else (n, m)
+            both = self.product(m, n) if signs[0] == signs[1] else self.quotient(_one(above), below)
+            found[both] += several * (signs[0] if signs[0] == signs[1] else 1)
+            bag.subtract({m: several * signs[0], n: several * signs[1]})
+        found.update(bag)
+        above, below = (self.powers((node, e * sign) for node, e in sorted(found.items())) for sign in (1, -1))
+        return self.over(above, below)
+
+    def powers(self, factors: Iterable[tuple[int, int]]) -> _Sum:
+        """The product of the powers that are positive."""
+        total = _Sum({}, Integer(1))
+        for node, n in factors:
+            if n > 0:
+                total = self.times(total, self.whole_power(node, n))
+        return total
+
     def times(self, u: _Sum, v: _Sum) -> _Sum:
         if not u.terms or not v.terms:
             return v.scaled(u.constant) if not u.terms else u.scaled(v.constant)
         (a, m), (b, n) = self.factored(u), self.factored(v)
         return _Sum({self.product(m, n): a * b})
 
-    def whole_power(self, u: _Sum, n: int) -> _Sum:
+    def whole_power(self, node: int, n: int) -> _Sum:
         if n == 1:
-            return u
-        half = self.whole_power(u, n // 2)
+            return _one(node)
+        half = self.whole_power(node, n // 2)
         square = self.times(half, half)
-        return self.times(square, u) if n % 2 else square
+        return self.times(square, _one(node)) if n % 2 else square
 
     def over(self, u: _Sum, v: _Sum) -> _Sum:
         if not v.terms:
             return u.scaled(1 / v.constant)
-        factor, below = self.factored(v)
-        return _Sum({self.quotient(u, below): 1 / factor})
+        (below,) = v.terms
+        if len(u.terms) == 1 and u.constant == 0:
+            factor, above = self.factored(u)
+            return _Sum({self.quotient(_one(above), below): factor})
+        return _Sum({self.quotient(u, below): Integer(1)})
 
     # Nodes: the recurrences ------------------------------------------------------------------------------------------
 
@@ -228,8 +268,7 @@ class _Writer:
         if len(u.terms) == 1 and u.constant == 0 and 1 in u.terms.values():
             (only,) = u.terms
             return only
-        key = ("sum", tuple(sorted(u.terms.items(), key=lambda term: term[0])), u.constant)
-        return self.add(key, self.start(u), lambda _: self.newest(u))
+        return self.add(("sum", *_key(u)), self.start(u), lambda _: self.newest(u))
 
     def time(self) -> int:
         return self.add("t", "t", lambda _: "unit if k == 1 else 0.0")
@@ -242,10 +281,20 @@ class _Writer:
             return self.add(("*", *sorted((m, n))), first, lambda _: f"t*{other.newest} + unit*c[{row}, k - 1]")
         if m == n:
             inner = self.sums.product(self.row(a), self.row(a))
-            return self.add(("*", n, n), first, lambda _: f"fma(2.0*{a.start}, {a.newest}, {inner})")
+            n = self.add(("*", n, n), first, lambda _: f"fma(2.0*{a.start}, {a.newest}, {inner})")
+            return self.made_of(n, self.bag_of(m), self.bag_of(m), 1)
         inner = self.sums.product(self.row(a), self.row(b))
         ends = f"fma({a.start}, {b.newest}, fma({b.start}, {a.newest}, {inner}))"
-        return self.add(("*", *sorted((m, n))), first, lambda _: ends)
+        both = self.add(("*", *sorted((m, n))), first, lambda _: ends)
+        return self.made_of(both, self.bag_of(m), self.bag_of(n), 1)
+
+    def made_of(self, node: int, first: Bag, second: Bag, sign: int) -> int:
+        """Keep that a node is first·second^sign."""
+        bag = Counter(first)
+        for n, e in second.items():
+            bag[n] += sign * e
+        self.bags.setdefault(node, Counter({n: e for n, e in bag.items() if e}))
+        return node
 
     def quotient(self, u: _Sum, below: int) -> int:
         b = self.nodes[below]
@@ -255,7 +304,9 @@ class _Writer:
             known = f"-{inverse}*{self.sums.product(self.row(b), self.row(w), awaited=True)}"
             return self.newest(u, scale=inverse, more={below: f"-({w.start}*{inverse})"}, known=known)
 
-        return self.add(("/", *_key(u), below), f"({self.start(u)})/{b.start}", recurrence)
+        n = self.add(("/", *_key(u), below), f"({self.start(u)})/{b.start}", recurrence)
+        above = self.bag_of(next(iter(u.terms))) if u.terms else Counter()
+        return n if len(u.terms) > 1 else self.made_of(n, above, self.bag_of(below), -1)
 
     def root(self, u: _Sum) -> int:
         def recurrence(w: _Node) -> str:
@@ -318,16 +369,15 @@ class _Writer:
             first.recurrence, second.recurrence = rates[0](second), rates[1](first)
         return self.known[names[which], *key]
 
-    def tangent(self, u: _Sum, name: str, first: str, sign: str) -> int:
+    def tangent(self, u: _Sum, name: str, first: str, sign: int) -> int:
         """Functions with φ' = u' (1 ± φ²): the tangents; 1 ± φ² is a node, `first` its value."""
         rate, key = self.rate(u), _key(u)
         if (name, *key) not in self.known:
             n = self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "")
             w = self.nodes[n]
-            inner = self.sums.product(self.row(w), self.row(w), awaited=True)
-            square = f"{sign}(2.0*({w.start}*{w.newest}) + {inner})"
+            slope = _Sum({self.product(n, n): Integer(sign)}, Integer(1))
             value = first.format(u=self.start(u), w=w.start)
-            w.recurrence = rate(self.nodes[self.add((f"slope of {name}", *key), value, lambda _: square)])
+            w.recurrence = rate(self.nodes[self.add(("sum", *_key(slope)), value, lambda _: self.newest(slope))])
         return self.known[name, *key]
 
     # Text ------------------------------------------------------------------------------------------------------------
@@ -388,34 +438,47 @@ class _Writer:
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
         return [f"size, speed = {size}, {speed}", "unit = shrink*power_near(size, speed)"]
 
-    def _newest_of_row(self, row: int) -> str:
-        return next(node.newest for node in self.nodes if node.row == row)
+    def needed(self, texts: Iterable[str]) -> tuple[set[int], set[str]]:
+        """Nodes, and sums, whose coefficients these texts need: what is put together otherwise leaves some unused."""
+        nodes, sums, pending = set[int](), set[str](), list(texts)
+        owner = {node.row: n for n, node in enumerate(self.nodes) if node.row is not None}
+        while pending:
+            for kind, number in re.findall(r"\b(y|sum)(\d+)\b", pending.pop()):
+                new = [owner[row] for row in self.sums.rows_of(f"sum{number}")] if kind == "sum" else [int(number)]
+                sums |= {f"sum{number}"} if kind == "sum" else set()
+                pending += [self.nodes[n].recurrence for n in new if n not in nodes]
+                nodes |= set(new)
+        return nodes, sums
 
     def code(self, field: list[_Sum], g: _Sum) -> SeriesCode:
         """The whole body."""
         rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
         heights = f"c[{self.d}, 0] = {self.start(g)}", f"c[{self.d}, k] = {self.newest(g)}"
+        needed, sums = self.needed([heights[1], *(rate for _, rate in rates)])
+        needed |= set(range(self.d))
         before = [f"{name} = {printed(a)}" for a, name in self.constants.items()]
-        loop = [*self.sums.lines(), "inverse = 1.0 / k", "pace = unit*inverse"]
+        loop = [*self.sums.lines(sums), "inverse = 1.0 / k", "pace = unit*inverse"]
         loop += [f"y{i} = pace*f{i}" for i in range(self.d)]
         for n, node in enumerate(self.nodes):
-            if n >= self.d:
-                before.append(f"{node.start} = {node.first}")
-                loop.append(f"{node.newest} = {node.recurrence}")
+            before += [f"{node.start} = {node.first}"] if n >= self.d else []
+            before += [line for m, line in self.setup if m == n]
+            if n not in needed:
+                continue
+            loop += [f"{node.newest} = {node.recurrence}"] if n >= self.d else []
             if node.row is not None:
                 before.append(f"c[{node.row}, 0] = {node.start}")
                 loop.append(f"c[{node.row}, k] = {node.newest}")
-            before += [line for m, line in self.setup if m == n]
         before += [*(first for first, _ in rates), heights[0], *self.unit()]
-        loop += [*(rate for _, rate in rates), heights[1], *self.sums.after(self._newest_of_row)]
-        before += self.sums.before()
+        newest = {node.row: node.newest for node in self.nodes if node.row is not None}
+        loop += [*(rate for _, rate in rates), heights[1], *self.sums.after(newest, sums)]
+        before += self.sums.before(sums)
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)
 
 
-def _is_inverse(u: Expr) -> bool:
-    """Whether u is 1 over a power that takes products and a root at most."""
-    return bool(u.is_Pow and u.exp.is_Rational and u.exp.q <= 2 and u.exp < 0)
+def _taken_apart(u: Expr) -> tuple[Expr, sympy.Rational]:
+    """Base and exponent of a power that takes products and a root at most; else u itself, and 1."""
+    return (u.base, u.exp) if u.is_Pow and u.exp.is_Rational and u.exp.q <= 2 else (u, Integer(1))
 
 
 def _one(node: int) -> _Sum:
@@ -433,6 +496,6 @@ _FUNCTIONS: dict[str, Callable[[_Writer, _Sum], int]] = {
     "cos": lambda writer, u: writer.pair(u, 1, ("sin", "cos"), "-"),
     "sinh": lambda writer, u: writer.pair(u, 0, ("sinh", "cosh"), ""),
     "cosh": lambda writer, u: writer.pair(u, 1, ("sinh", "cosh"), ""),
-    "tan": lambda writer, u: writer.tangent(u, "tan", "1.0 + {w}*{w}", ""),
-    "tanh": lambda writer, u: writer.tangent(u, "tanh", "1.0/math.cosh({u})**2", "-"),
+    "tan": lambda writer, u: writer.tangent(u, "tan", "1.0 + {w}*{w}", 1),
+    "tanh": lambda writer, u: writer.tangent(u, "tanh", "1.0/math.cosh({u})**2", -1),
 }
