@@ -86,13 +86,12 @@ def _drawn_system(rng: np.random.Generator) -> core.PiecewiseSystem:
     potential, kinetic, surface = (str(rng.choice(texts)) for texts in (_POTENTIALS, _KINETIC, _SURFACES))
     energy, g = (sympy.sympify(text).xreplace(at) for text in (f"{kinetic} + {potential}", surface))
     x, y = sympy.symbols("x y")
-    sides = {}
-    for side in ("minus", "plus"):
-        psi = energy.xreplace({sympy.Symbol("a"): sympy.Symbol(f"a_{side}")})
-        sides |= {f"f_{side}": (str(psi.diff(y)), str(-psi.diff(x))), f"psi_{side}": (str(psi),)}
+    psi_minus, psi_plus = (energy.xreplace({sympy.Symbol("a"): sympy.Symbol(f"a_{s}")}) for s in ("minus", "plus"))
     return core.PiecewiseSystem(
         name=f"{energy}; {g}", variables=("x", "y"), g=str(g), x0=start,
-        parameters={"a_minus": _drawn(rng, *_LEVEL), "a_plus": _drawn(rng, *_LEVEL)}, **sides,
+        f_minus=(str(psi_minus.diff(y)), str(-psi_minus.diff(x))), psi_minus=(str(psi_minus),),
+        f_plus=(str(psi_plus.diff(y)), str(-psi_plus.diff(x))), psi_plus=(str(psi_plus),),
+        parameters=tuple(core.Parameter(f"a_{side}", _drawn(rng, *_LEVEL)) for side in ("minus", "plus")),
     )  # fmt: skip
 
 
