@@ -35,12 +35,13 @@ _KINETIC = (
     "y**2/2*exp(-b*x)",
     "y**2/(2*cosh(b*x))",
 )
-_SURFACES = ("x - s", "x + k*y - s", "x - k*y**2 - s")
+#: The same for y and −y: orbits close, where others would gain energy or lose it with every turn.
+_SURFACES = ("x - s", "x - k*y**2 - s", "x + k*x**2 - s")
 #: Where the numbers and the start are drawn from.
 _RANGES = {"b": (0.3, 0.8), "c": (0.6, 1.6), "s": (-0.3, 0.3), "k": (-0.2, 0.2), "x": (0.8, 1.6), "y": (-0.3, 0.3)}
 _LEVEL = (0.6, 1.6)
 _DIGITS = 3  #: of what is drawn
-_CROSSINGS = 200  #: to the end, where the state is far from the surface
+_CROSSINGS = 500  #: to the end, as in `problems.ENDS`
 _LATEST = 1e5  #: by when these must have been made
 _FINE = 1e-12  #: tolerance by which they are looked for
 
