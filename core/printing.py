@@ -87,7 +87,7 @@ def doubled_assignments(
 ) -> list[str]:
     """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double.
 
-    Where `quick`, elementary functions are good to some 2⁻⁷⁸ only (`doubled_quick`).
+    Where `quick`, elementary functions are good to some 2⁻⁷⁷ only (`doubled_quick`).
     """
     writer = _Doubled(known, temporaries, quick)
     for target, expression in zip(targets, expressions, strict=True):
