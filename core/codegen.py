@@ -14,6 +14,7 @@ from core import (
     divided,
     doubled,
     doubled_functions,
+    doubled_quick,
     doubled_tables,
     pairs,
     recurrences,
@@ -38,17 +39,9 @@ _POLISH = 1e-12
 
 #: Modules of jitted functions that generated text calls, and of the tables that these use.
 JITTED = (
-    arithmetic,
-    divided,
-    doubled,
-    doubled_functions,
-    doubled_tables,
-    pairs,
-    recurrences,
-    scratch,
-    signatures,
-    solving,
-)
+    arithmetic, divided, doubled, doubled_functions, doubled_quick, doubled_tables, pairs, recurrences, scratch,
+    signatures, solving,
+)  # fmt: skip
 _HOME = {name: module.__name__ for module in JITTED for name in getattr(module, "__all__", ())}
 
 
@@ -121,7 +114,7 @@ def jump_text(laws: Laws) -> str:
 def excess_lines(names: Names, side: Side, quick: bool = False) -> list[str]:
     """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double.
 
-    In a step it may be `quick`: what is wrong with one excess is not added to the next.
+    In a step, or on the surface, it may be `quick`: what is wrong with one excess is not added to the next.
     """
     m, level = len(side.conserved), names.frame.level
     lines = names.doubled([f"u{j}" for j in range(m)], side.conserved, quick)
@@ -153,8 +146,8 @@ def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
     conserved = side.conserved if conservative else ()
     m, d = len(conserved), len(laws.x)
     moves = named("a", d)
-    lines = [*names.unpack, *(excess_lines(names, side) if conservative else [])]
-    lines += [*names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
+    lines = [*names.unpack, *(excess_lines(names, side, quick=True) if conservative else [])]
+    lines += [*names.doubled([f"r{m}"], [laws.g], quick=True), f"r{m} += r{m}_low"]
     gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
     rows, worked_out = row_lines(gradients, names.temporaries)
     lines += [*worked_out, *least_change(rows, moves, names.temporaries)]

@@ -24,7 +24,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from core import lowered, lowering, native, operations
+from core import lowered, lowering, machine_operations, native
 from core.arguments import count, number
 from core.codegen import JITTED, jump_text, levels_texts, look_text, module_text, polish_text
 from core.laws import Laws
@@ -217,7 +217,7 @@ def _stands(path: Path, text: str) -> bool:
 @lru_cache(maxsize=1)
 def _inlined() -> str:
     """Source of the jitted functions that generated text calls, and of what makes machine code of it."""
-    modules = (*JITTED, lowered, lowering, native, operations)
+    modules = (*JITTED, lowered, lowering, machine_operations, native)
     return "".join(Path(str(module.__file__)).read_text(encoding="utf-8") for module in modules)
 
 

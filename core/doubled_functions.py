@@ -59,13 +59,15 @@ def _horner(rh, rl, ph, pl, ch, cl):
 
 
 @_inline
-def _reduce(ah, al, n, step):
-    """a − n step, where the step has three parts and n is a whole number below 2⁵²."""
+def _reduced(ah, al, n, step):
+    """a − n step of a whole number n beside a/step; the step has three parts."""
     h, low = two_product(-n, step[0])
-    h, low = dd_add(ah, al, h, low)
+    h, lost = fast_two_sum(h, ah)  # exact where |ah| is the larger: then they are within a factor of two (Sterbenz)
+    low, low_lost = two_sum(low, al)
     mh, ml = two_product(-n, step[1])
-    h, low = dd_add(h, low, mh, fma(-n, step[2], ml))
-    return h, low
+    low, rest = two_sum(low, mh)
+    h, low = two_sum(h, low)
+    return h, low + (lost + low_lost + rest + fma(-n, step[2], ml))
 
 
 # Exponential and hyperbolic functions -------------------------------------------------------------------------------
@@ -91,7 +93,7 @@ def _exp_reduced(rh, rl):
 def _exp_parts(ah, al):
     """k and m (high, low) of eᵃ = 2ᵏ (1 + m), |m| < 1/2, with small relative error of m; |a| ≤ 746."""
     n = math.floor(ah * EXP_STEPS_PER_UNIT + 0.5)
-    rh, rl = _reduce(ah, al, float(n), EXP_STEP)
+    rh, rl = _reduced(ah, al, float(n), EXP_STEP)
     k = (n + 64) >> 7
     j = n + 64 - (k << 7)
     qh, ql = _exp_reduced(rh, rl)
@@ -240,18 +242,6 @@ _CERTAIN_ANGLE = 2.0**35
 
 
 @_inline
-def _angle_reduced(ah, al, n):
-    """a − n π/512 of a whole number n beside 512 a/π."""
-    h, low = two_product(-n, SIN_STEP[0])
-    h, lost = fast_two_sum(h, ah)  # exact where |ah| is the larger: then they are within a factor of two (Sterbenz)
-    low, low_lost = two_sum(low, al)
-    mh, ml = two_product(-n, SIN_STEP[1])
-    low, rest = two_sum(low, mh)
-    h, low = two_sum(h, low)
-    return h, low + (lost + low_lost + rest + fma(-n, SIN_STEP[2], ml))
-
-
-@_inline
 def _sin_reduced(rh, rl, zh, zl):
     """Sine of |r| ≤ π/1024, z = r²."""
     tail = -1 / 5040 + zh * (1 / 362880 - zh * (1 / 39916800))
@@ -278,10 +268,10 @@ def _cos_reduced(zh, zl):
 def _sin_parts(ah, al):
     """n, sin r and cos r − 1."""
     n = math.floor(ah * SIN_STEPS_PER_UNIT + 0.5)
-    rh, rl = _angle_reduced(ah, al, float(n))
+    rh, rl = _reduced(ah, al, float(n), SIN_STEP)
     if abs(ah) > _CERTAIN_ANGLE:
         correction = math.floor(rh * SIN_STEPS_PER_UNIT + 0.5)
-        rh, rl = _angle_reduced(rh, rl, float(correction))
+        rh, rl = _reduced(rh, rl, float(correction), SIN_STEP)
         n += correction
     zh, zl = pair_square(rh, rl)
     sh, sl = _sin_reduced(rh, rl, zh, zl)
@@ -333,7 +323,7 @@ def dd_cos(ah, al):
 def _quick_turned(ah, al, turn):
     """Sine of a + turn π/512: the terms beyond r and r²/2, which are below 2⁻²⁷, in double precision."""
     n = math.floor(ah * SIN_STEPS_PER_UNIT + 0.5)
-    rh, rl = _angle_reduced(ah, al, float(n))
+    rh, rl = _reduced(ah, al, float(n), SIN_STEP)
     zh, zl = pair_square(rh, rl)
     sl = rl + rh * zh * (-1 / 6 + zh * (1 / 120 - zh * (1 / 5040)))
     cl = -0.5 * zl + zh * zh * (1 / 24 - zh * (1 / 720))

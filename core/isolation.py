@@ -105,16 +105,25 @@ def _scale(row, n, shift, h, scratch):
 
     Returns the sum of their sizes, and how far the terms from the third power on can pull the polynomial down.
     """
-    size, fall = 0.0, 0.0
-    power = h if shift == 1 else 1.0
-    for k in range(n + 1):
-        a = row[_u(k + shift)] * power
-        scratch[0, k] = a
+    first = row[_u(shift)] * (h if shift == 1 else 1.0)
+    scratch[0, 0] = first
+    size, size_odd, fall, fall_odd = abs(first), 0.0, 0.0, 0.0
+    square = h * h
+    odd, even = (square, square * h) if shift == 1 else (h, square)
+    # Even and odd powers apart: two chains of half the length.
+    for k in range(1, n, 2):
+        a, b = row[_u(k + shift)] * odd, row[_u(k + 1 + shift)] * even
+        scratch[0, _u(k)], scratch[0, _u(k + 1)] = a, b
+        size_odd, size = size_odd + abs(a), size + abs(b)
+        if k > 1:
+            fall_odd, fall = fall_odd - min(a, 0.0), fall - min(b, 0.0)
+        odd, even = odd * square, even * square
+    if n & 1 == 1:
+        a = row[_u(n + shift)] * odd
+        scratch[0, _u(n)] = a
         size += abs(a)
-        if k > 2:
-            fall -= min(a, 0.0)
-        power *= h
-    return size, fall
+        fall -= min(a, 0.0) if n > 2 else 0.0
+    return size + size_odd, fall + fall_odd
 
 
 @always_inlined

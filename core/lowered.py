@@ -12,7 +12,7 @@ import numpy as np
 from numba import carray  # type: ignore[attr-defined]
 
 from core import doubled
-from core.operations import (
+from core.machine_operations import (
     DOUBLE,
     ROWS,
     TRUTH,

@@ -17,7 +17,7 @@ from functools import lru_cache
 from typing import Any
 
 from core.lowered import Expressions
-from core.operations import DOUBLE, RANK, ROWS, TRUTH, WHOLE, Thing, Unknown, Value, bits, number_of, returned
+from core.machine_operations import DOUBLE, RANK, ROWS, TRUTH, WHOLE, Thing, Unknown, Value, bits, number_of, returned
 
 __all__ = ["lowered"]
 

@@ -186,12 +186,19 @@ def _power_slope(a: Expr, b: Expr, exponent: sympy.Rational) -> Expr:
     """(bᵖ − aᵖ)/(b − a) for rational p = n/q, through the q-th roots α, β: (βⁿ − αⁿ)/(β^q − α^q)."""
     n, q = int(exponent.p), int(exponent.q)
     alpha, beta = (u ** sympy.Rational(1, q) for u in (a, b))
-    slope = _integer_power_slope(alpha, beta, abs(n)) / _integer_power_slope(alpha, beta, q)
+    slope = _integer_power_slope(alpha, beta, abs(n)) / _factored_power_slope(alpha, beta, q)
     return slope if n > 0 else -slope / (alpha * beta) ** abs(n)
 
 
 def _integer_power_slope(a: Expr, b: Expr, n: int) -> Expr:
     return sympy.Add(*(a**j * b ** (n - 1 - j) for j in range(n)))
+
+
+def _factored_power_slope(a: Expr, b: Expr, n: int) -> Expr:
+    """The same with (aⁿ − bⁿ) = (a^(n/2) + b^(n/2)) (a^(n/2) − b^(n/2)): few operations where n is even."""
+    if n % 2 or n < 4:
+        return _integer_power_slope(a, b, n)
+    return (a ** (n // 2) + b ** (n // 2)) * _factored_power_slope(a, b, n // 2)
 
 
 @dataclass(frozen=True)

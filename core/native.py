@@ -18,7 +18,7 @@ from llvmlite import binding as llvm
 from numba import cfunc
 
 from core.lowering import lowered
-from core.operations import Unknown
+from core.machine_operations import Unknown
 from core.signatures import CALL
 
 __all__ = ["Native", "native"]

@@ -1,275 +1,293 @@
-"""Operations on numbers, as lines of LLVM's language."""
+"""Operations on power series, and the recurrences by which they are worked out, as text.
+
+The recurrences hold sums Σ aⱼ bₖ₋ⱼ. Their two terms with the newest coefficients, j = 0 and j = k, are written out with
+values that are still in registers: they are all that a coefficient has to wait for, and each adds one operation to the
+wait. The others, 1 ≤ j ≤ k − 1, are known before (`sums`).
+
+References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
+"""
 
 from __future__ import annotations
 
-import ast
-import math
-import struct
-from collections.abc import Callable, Sequence
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from itertools import count
 from typing import Any
 
-__all__ = [
-    "DOUBLE",
-    "RANK",
-    "ROWS",
-    "TRUTH",
-    "WHOLE",
-    "Operations",
-    "Thing",
-    "Unknown",
-    "Value",
-    "bits",
-    "number_of",
-    "returned",
-    "wider",
-]
+import sympy
+from sympy import Expr, Integer
 
-DOUBLE, WHOLE, TRUTH, ROWS = "double", "i64", "i1", "ptr"
-RANK = {TRUTH: 0, WHOLE: 1, DOUBLE: 2}  #: a variable has the widest type of what it is given
-_LARGEST_POWER = 0x10000  #: a whole exponent up to which a power is multiplied out
+from core.sums import Sums
 
-_FLOAT = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-_INT = {
-    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.BitAnd: "and", ast.BitOr: "or", ast.LShift: "shl",
-    ast.RShift: "ashr",
-}  # fmt: skip
-_FOLDED: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b, ast.Pow: lambda a, b: a**b,
-}  # fmt: skip
-#: Functions of `math` that LLVM has, and those of the C library.
-_INTRINSICS = frozenset(("sqrt", "exp", "log", "sin", "cos", "pow"))
-_LIBRARY = frozenset(("expm1", "log1p", "tan", "sinh", "cosh", "tanh"))
+__all__ = ["Bag", "Linear", "Node", "Operations", "key_of", "single"]
 
 
-class Unknown(Exception):  # noqa: N818 - no error: numba compiles what is unknown here
-    """A construct that is not among those that generated text is written in."""
+#: Nodes and their exponents in a product.
+Bag = Counter[int]
+
+
+@dataclass
+class Node:
+    """One function of time that is worked out: the names of its coefficients 0 and k, and how to get them."""
+
+    start: str
+    newest: str
+    first: str
+    recurrence: str
+    row: int | None = None  # where all coefficients are kept, if any sum needs them
 
 
 @dataclass(frozen=True)
-class Value:
-    """A scalar or a pointer, in a register or a constant."""
+class Linear:
+    """A linear combination of nodes, plus a constant; the factors are expressions in the parameters."""
 
-    kind: str
-    text: str
-    stride: str = ""
-    """Of the first index of a pointer that takes two: a number or a register."""
-    known: Any = None
-    """The number, where it is known beforehand."""
+    terms: dict[int, Expr]
+    constant: Expr = sympy.S.Zero
 
+    def scaled(self, factor: Expr) -> Linear:
+        """Multiply by an expression in the parameters."""
+        return Linear({n: a * factor for n, a in self.terms.items()}, self.constant * factor)
 
-@dataclass(frozen=True)
-class Thing:
-    """What has a name and is no number: a function, a module, a table."""
-
-    what: Any
+    def plus(self, other: Linear) -> Linear:
+        """The sum of both."""
+        terms = {n: self.terms.get(n, 0) + other.terms.get(n, 0) for n in {**self.terms, **other.terms}}
+        return Linear({n: a for n, a in terms.items() if a != 0}, self.constant + other.constant)
 
 
-def number_of(value: float) -> Value:
-    """A constant."""
-    return Value(WHOLE, str(value), known=value) if isinstance(value, int) else Value(DOUBLE, bits(value), known=value)
+def single(node: int) -> Linear:
+    """A node by itself."""
+    return Linear({node: Integer(1)})
 
 
-def bits(value: float) -> str:
-    """Text of a floating-point number, to the last bit."""
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
-
-
-def returned(kinds: Sequence[str]) -> str:
-    """Type of what a function returns."""
-    return "void" if not kinds else kinds[0] if len(kinds) == 1 else f"{{{', '.join(kinds)}}}"
-
-
-def wider(a: Value, b: Value) -> str:
-    """The kind that holds both."""
-    return max(a.kind, b.kind, key=RANK.__getitem__)
+def key_of(u: Linear) -> tuple[Any, ...]:
+    """What tells a combination from others, in `Operations.add`."""
+    return tuple(sorted(u.terms.items(), key=lambda term: term[0])), u.constant
 
 
 class Operations:
-    """The lines written so far, and how an operation is added to them; registers are numbered as they come."""
+    """The operations so far. Nodes 0 … d − 1 are the state; each operation appears once, under its operands."""
 
-    def __init__(self, module: Any, names: dict[str, Any], kinds: dict[str, str]) -> None:
-        self.module, self.globals, self.kinds = module, names, kinds
-        self.numbers = count()
-        self.stack: list[str] = []
-        self.lines: list[str] = []
-        self.bound: dict[str, Any] = {}
-        self.places: set[str] = set()
+    def __init__(self, d: int) -> None:
+        self.d = d
+        self.nodes = [Node(f"x{i}", f"y{i}", "", "", row=i) for i in range(d)]
+        self.rows = d + 1
+        self.sums = Sums()
+        self.constants: dict[Expr, str] = {}
+        self.setup: list[tuple[int, str]] = []  # (before which node, line): what is worked out once
+        self.known: dict[Any, int] = {}
+        self.bags: dict[int, Bag] = {}  # the factors of products and quotients
 
-    def emit(self, line: str) -> None:
-        """Write a line."""
-        self.lines.append(f"  {line}")
+    def factored(self, u: Linear) -> tuple[Expr, int]:
+        """A factor and a node whose product is u: scalar multiples need no node of their own."""
+        if len(u.terms) == 1 and u.constant == 0:
+            ((node, factor),) = u.terms.items()
+            return factor, node
+        return Integer(1), self.node(u)
 
-    def let(self, kind: str, operation: str) -> Value:
-        """Write an operation, whose result goes to a new register."""
-        name = f"%r{next(self.numbers)}"
-        self.lines.append(f"  {name} = {operation}")
-        return Value(kind, name)
+    def bag_of(self, node: int) -> Bag:
+        """The factors of a node that is a product or a quotient, with their exponents; else itself."""
+        return self.bags.get(node, Counter({node: 1}))
 
-    def label(self) -> str:
-        """A new name for a block."""
-        return f"b{next(self.numbers)}"
+    def add(self, key: Any, first: str, recurrence: Callable[[Node], str]) -> int:
+        """A new node, unless there is one under this key."""
+        n = self.known.setdefault(key, len(self.nodes))
+        if n == len(self.nodes):
+            self.nodes.append(node := Node(f"z{n}", f"y{n}", first, ""))
+            node.recurrence = recurrence(node)
+        return n
 
-    def begin(self, label: str) -> None:
-        """Go on in the block of this label, from wherever one is."""
-        self.emit(f"br label %{label}")
-        self.lines.append(f"{label}:")
+    def node(self, u: Linear) -> int:
+        """The node of a sum, worked out if it is not a node already."""
+        if len(u.terms) == 1 and u.constant == 0 and 1 in u.terms.values():
+            (only,) = u.terms
+            return only
+        return self.add(("sum", *key_of(u)), self.start(u), lambda _: self.newest(u))
 
-    def leave(self, line: str) -> None:
-        """End the block; what follows in it is never reached."""
-        self.emit(line)
-        self.lines.append(f"{self.label()}:")
+    def time(self) -> int:
+        """Time itself."""
+        return self.add("t", "t", lambda _: "unit if k == 1 else 0.0")
 
-    def branch(self, condition: Value, yes: str, no: str) -> None:
-        """Go on in one of two blocks."""
-        self.emit(f"br i1 {condition.text}, label %{yes}, label %{no}")
+    def product(self, m: int, n: int) -> int:
+        """The product of two nodes."""
+        a, b = self.nodes[m], self.nodes[n]
+        first = f"{a.start}*{b.start}"
+        if self.known.get("t") in (m, n):
+            other, row = (b, self.row(b)) if m == self.known["t"] else (a, self.row(a))
+            return self.add(("*", *sorted((m, n))), first, lambda _: f"t*{other.newest} + unit*c[{row}, k - 1]")
+        if m == n:
+            inner = self.sums.product(self.row(a), self.row(a))
+            n = self.add(("*", n, n), first, lambda _: f"fma(2.0*{a.start}, {a.newest}, {inner})")
+            return self.made_of(n, self.bag_of(m), self.bag_of(m), 1)
+        inner = self.sums.product(self.row(a), self.row(b))
+        ends = f"fma({a.start}, {b.newest}, fma({b.start}, {a.newest}, {inner}))"
+        both = self.add(("*", *sorted((m, n))), first, lambda _: ends)
+        return self.made_of(both, self.bag_of(m), self.bag_of(n), 1)
 
-    def slot(self, kind: str) -> str:
-        """Room for one value on the stack."""
-        name = f"%s{next(self.numbers)}"
-        self.stack.append(f"  {name} = alloca {kind}")
+    def made_of(self, node: int, first: Bag, second: Bag, sign: int) -> int:
+        """Keep that a node is first·second^sign."""
+        bag = Counter(first)
+        for n, e in second.items():
+            bag[n] += sign * e
+        self.bags.setdefault(node, Counter({n: e for n, e in bag.items() if e}))
+        return node
+
+    def quotient(self, u: Linear, below: int) -> int:
+        """The quotient w = u/v: w₀ vₖ + … + wₖ v₀ = uₖ."""
+        b = self.nodes[below]
+        inverse = self.once("q", below, f"1.0/{b.start}")
+
+        def recurrence(w: Node) -> str:
+            known = f"-{inverse}*{self.sums.product(self.row(b), self.row(w), awaited=True)}"
+            return self.newest(u, scale=inverse, more={below: f"-({w.start}*{inverse})"}, known=known)
+
+        n = self.add(("/", *key_of(u), below), f"({self.start(u)})/{b.start}", recurrence)
+        above = self.bag_of(next(iter(u.terms))) if u.terms else Counter()
+        return n if len(u.terms) > 1 else self.made_of(n, above, self.bag_of(below), -1)
+
+    def root(self, u: Linear) -> int:
+        """The square root w of u: 2 w₀ wₖ + … = uₖ."""
+
+        def recurrence(w: Node) -> str:
+            half = f"(0.5/{w.start})"
+            known = f"-{half}*{self.sums.product(self.row(w), self.row(w), awaited=True)}"
+            return self.newest(u, scale=half, known=known)
+
+        return self.add(("sqrt", *key_of(u)), f"math.sqrt({self.start(u)})", recurrence)
+
+    def real_power(self, base: int, exponent: Expr) -> int:
+        """The power w = uᵃ with u w' = a u' w: k u₀ wₖ = Σ (a j uⱼ wₖ₋ⱼ − (k − j) uⱼ wₖ₋ⱼ), k u₀ uₖ aside."""
+        u, a = self.nodes[base], self.constant(exponent)
+        inverse, slope = self.once("q", base, f"1.0/{u.start}"), self.slope(base)
+
+        def recurrence(w: Node) -> str:
+            moved, still = (self.sums.product(self.row(n), self.row(w), awaited=True) for n in (slope, u))
+            known = f"{inverse}*fma(inverse*({a} + 1.0), {moved}, -{still})"
+            return f"fma({a}*{w.start}*{inverse}, {u.newest}, {known})"
+
+        return self.add(("**", base, exponent), f"{u.start}**{a}", recurrence)
+
+    def logarithm(self, u: Linear) -> int:
+        """Log u = w with u w' = u', the coefficients of s w'(s) being a node of their own."""
+        n = self.node(u)
+        if ("log", n) not in self.known:
+            a = self.nodes[n]
+            inverse = self.once("q", n, f"1.0/{a.start}")
+            w = self.nodes[self.add(("log", n), f"math.log({a.start})", lambda _: "")]
+            slope = self.nodes[self.add(("rate of log", n), "0.0", lambda _: f"k*{w.newest}")]
+            known = f"(-inverse*{inverse})*{self.sums.product(self.row(a), self.row(slope), awaited=True)}"
+            w.recurrence = f"fma({inverse}, {a.newest}, {known})"
+        return self.known["log", n]
+
+    def slope(self, n: int) -> Node:
+        """The node whose coefficients are those of s u'(s), j uⱼ."""
+        return self.nodes[self.add(("slope", n), "0.0", lambda _: f"k*{self.nodes[n].newest}")]
+
+    def rate(self, u: Linear, sign: str = "") -> Callable[[Node], str]:
+        """How coefficient k of ±∫ u' w ds is written, given w: ±inverse · Σ j uⱼ wₖ₋ⱼ."""
+        factor, n = self.factored(Linear(u.terms))
+        text = sign + (f"{self.constant(factor)}*" if factor != 1 else "")
+        if n == self.known.get("t"):
+            return lambda w: f"{text}inverse*(unit*c[{self.row(w)}, k - 1])"
+        newest, row = self.nodes[n].newest, self.row(self.slope(n))
+        # The term j = k, whose slope is k uₖ, needs no division by k: it may be the last to come.
+        return lambda w: (
+            f"fma({text}{w.start}, {newest}, ({text}inverse)*{self.sums.product(row, self.row(w), awaited=True)})"
+        )
+
+    def exponential(self, u: Linear) -> int:
+        """The exponential w of u, with w' = u' w."""
+        return self.add(("exp", *key_of(u)), f"math.exp({self.start(u)})", self.rate(u))
+
+    def pair(self, u: Linear, which: int, names: tuple[str, str], sign: str) -> int:
+        """Functions with φ' = u' χ, χ' = ±u' φ: sine and cosine, of the circle or the hyperbola."""
+        key = key_of(u)
+        if (names[0], *key) not in self.known:
+            rates = self.rate(u), self.rate(u, sign)
+            pair = [self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "") for name in names]
+            first, second = (self.nodes[n] for n in pair)
+            first.recurrence, second.recurrence = rates[0](second), rates[1](first)
+        return self.known[names[which], *key]
+
+    def tangent(self, u: Linear, name: str, first: str, sign: int) -> int:
+        """Functions with φ' = u' (1 ± φ²): the tangents; 1 ± φ² is a node, `first` its value."""
+        rate, key = self.rate(u), key_of(u)
+        if (name, *key) not in self.known:
+            n = self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "")
+            w = self.nodes[n]
+            slope = Linear({self.product(n, n): Integer(sign)}, Integer(1))
+            value = first.format(u=self.start(u), w=w.start)
+            w.recurrence = rate(self.nodes[self.add(("sum", *key_of(slope)), value, lambda _: self.newest(slope))])
+        return self.known[name, *key]
+
+    # Text ------------------------------------------------------------------------------------------------------------
+
+    def row(self, node: Node) -> int:
+        """The row in which a node's coefficients are kept from now on."""
+        if node.row is None:
+            node.row, self.rows = self.rows, self.rows + 1
+        return node.row
+
+    def once(self, stem: str, node: int, value: str) -> str:
+        """The name of a value that is worked out before the loop, as soon as `node` has its coefficient 0."""
+        name = f"{stem}{node}"
+        if (node, f"{name} = {value}") not in self.setup:
+            self.setup.append((node, f"{name} = {value}"))
         return name
 
-    def load(self, address: str) -> Value:
-        """The number at an address."""
-        return self.let(DOUBLE, f"load double, ptr {address}")
+    def constant(self, a: Expr) -> str:
+        """Text of a constant: a number, a parameter, or the name of what is worked out of them once."""
+        if a.is_number:
+            value = complex(a)
+            return repr(value.real) if value.imag == 0 else "math.nan"
+        if a.is_Symbol:
+            return str(a)
+        return self.constants.setdefault(a, f"a{len(self.constants)}")
 
-    def element(self, base: str, index: str) -> str:
-        """The address of one of several numbers."""
-        return self.let(ROWS, f"getelementptr inbounds double, ptr {base}, i64 {index}").text
+    def start(self, u: Linear) -> str:
+        """Text of coefficient 0 of a sum."""
+        terms = [self.term(a, self.nodes[n].start) for n, a in u.terms.items()]
+        return " + ".join([*terms, self.constant(u.constant)] if u.constant != 0 or not terms else terms)
 
-    def cast(self, value: Value, kind: str) -> str:
-        """Text of a value as one of a wider kind."""
-        if not isinstance(value, Value):
-            raise Unknown(f"a {type(value).__name__} in place of a number")
-        if value.kind == kind:
-            return value.text
-        if kind == DOUBLE and value.known is not None:
-            return bits(float(value.known))
-        if value.kind == ROWS or RANK[kind] < RANK[value.kind]:
-            raise Unknown(f"{value.kind} in place of {kind}")
-        how = "sitofp" if value.kind == WHOLE else "uitofp" if kind == DOUBLE else "zext"
-        return self.let(kind, f"{how} {value.kind} {value.text} to {kind}").text
+    def newest(self, u: Linear, scale: str = "", more: Mapping[int, str] = {}, known: str = "") -> str:
+        """Text of coefficient k ≥ 1 of scale·u, plus `more` (node: factor), plus what is known before.
 
-    def double(self, value: Any) -> str:
-        """Text of a value as a floating-point number."""
-        return self.cast(value, DOUBLE)
+        The node that is written last comes last: it adds the time of one operation to what has to be waited for.
+        """
+        terms = [(n, self.factor(a, scale)) for n, a in u.terms.items()] + list(more.items())
+        text = known
+        for n, factor in sorted(terms):
+            y = self.nodes[n].newest
+            if factor in ("", "-"):
+                text = f"({text} {factor or '+'} {y})" if text else f"{factor}{y}"
+            else:
+                text = f"fma({factor}, {y}, {text})" if text else f"{factor}*{y}"
+        return text or "0.0"
 
-    def binary(self, op: ast.operator, a: Any, b: Any) -> Value:
-        """An operation on two numbers, as Python writes it."""
-        if not (isinstance(a, Value) and isinstance(b, Value)):
-            raise Unknown(f"{type(op).__name__} of what are no numbers")
-        if a.known is not None and b.known is not None and type(op) in _FOLDED:
-            return number_of(_FOLDED[type(op)](a.known, b.known))
-        if isinstance(op, ast.Pow):
-            return self.power(a, b)
-        if a.kind == b.kind == WHOLE and not isinstance(op, ast.Div):
-            if isinstance(op, ast.Mod):
-                return self.whole_remainder(a, b)
-            if isinstance(op, ast.FloorDiv):
-                even = self.let(WHOLE, f"sub i64 {a.text}, {self.whole_remainder(a, b).text}").text
-                return self.let(WHOLE, f"sdiv i64 {even}, {b.text}")
-            if type(op) in _INT:
-                return self.let(WHOLE, f"{_INT[type(op)]} i64 {a.text}, {b.text}")
-        if isinstance(op, ast.Mod):
-            return self.remainder(self.double(a), self.double(b))
-        if type(op) in _FLOAT:
-            return self.let(DOUBLE, f"{_FLOAT[type(op)]} double {self.double(a)}, {self.double(b)}")
-        raise Unknown(f"{type(op).__name__} of {a.kind} and {b.kind}")
+    def factor(self, a: Expr, scale: str) -> str:
+        """Text of the factor a·scale: nothing for 1, a sign for −1."""
+        if a in (1, -1):
+            return ("-" if a == -1 else "") + scale
+        return f"({self.constant(a)}*{scale})" if scale else self.constant(a)
 
-    def power(self, a: Value, b: Value) -> Value:
-        """A power; whole ones known beforehand are multiplied out, as numba does it."""
-        base = self.double(a)
-        if not isinstance(b.known, int) or abs(b.known) > _LARGEST_POWER:
-            return self.intrinsic("pow", base, self.double(b))
-        n, product, square = abs(b.known), bits(1.0), base
-        while n:
-            if n & 1:
-                product = self.let(DOUBLE, f"fmul double {product}, {square}").text
-            n >>= 1
-            if n:
-                square = self.let(DOUBLE, f"fmul double {square}, {square}").text
-        if b.known < 0:
-            return self.let(DOUBLE, f"fdiv double {bits(1.0)}, {product}")
-        return Value(DOUBLE, product)
+    def term(self, a: Expr, name: str) -> str:
+        """Text of a factor times what has this name."""
+        return name if a == 1 else f"-{name}" if a == -1 else f"{self.constant(a)}*{name}"
 
-    def remainder(self, a: str, b: str) -> Value:
-        """Python's, which has the sign of b."""
-        rest = self.let(DOUBLE, f"frem double {a}, {b}").text
-        other, rounded = (self.let(TRUTH, f"fcmp olt double {u}, {bits(0.0)}").text for u in (b, rest))
-        differs = self.let(TRUTH, f"xor i1 {other}, {rounded}").text
-        left = self.let(TRUTH, f"fcmp une double {rest}, {bits(0.0)}").text
-        both = self.let(TRUTH, f"and i1 {differs}, {left}").text
-        moved = self.let(DOUBLE, f"fadd double {rest}, {b}").text
-        return self.let(DOUBLE, f"select i1 {both}, double {moved}, double {rest}")
+    def unit(self) -> list[str]:
+        """About the time in which the state moves by its own size, a power of two, times `shrink`."""
+        size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
+        return [f"size, speed = {size}, {speed}", "unit = shrink*power_near(size, speed)"]
 
-    def whole_remainder(self, a: Value, b: Value) -> Value:
-        """Python's, by a positive number."""
-        if not (isinstance(b.known, int) and b.known > 0):
-            raise Unknown("a remainder of a division by what is no positive number")
-        rest = self.let(WHOLE, f"srem i64 {a.text}, {b.text}").text
-        below = self.let(TRUTH, f"icmp slt i64 {rest}, 0").text
-        moved = self.let(WHOLE, f"add i64 {rest}, {b.text}").text
-        return self.let(WHOLE, f"select i1 {below}, i64 {moved}, i64 {rest}")
-
-    def truncated(self, u: Value) -> Value:
-        """A number without its fraction."""
-        return u if u.kind == WHOLE else self.let(WHOLE, f"fptosi double {self.double(u)} to i64")
-
-    def negative(self, u: Value) -> Value:
-        """A number with the other sign."""
-        if u.known is not None:
-            return number_of(-u.known)
-        if u.kind == WHOLE:
-            return self.let(WHOLE, f"sub i64 0, {u.text}")
-        return self.let(DOUBLE, f"fneg double {self.double(u)}")
-
-    def extreme(self, order: str, given: Sequence[Value]) -> Value:
-        """The first of numbers that no other one is beyond."""
-        best = self.double(given[0])
-        for u in given[1:]:
-            other = self.double(u)
-            better = self.let(TRUTH, f"fcmp {order} double {other}, {best}").text
-            best = self.let(DOUBLE, f"select i1 {better}, double {other}, double {best}").text
-        return Value(DOUBLE, best)
-
-    def intrinsic(self, name: str, *given: str) -> Value:
-        """A function that LLVM knows itself."""
-        symbol = f"@llvm.{name}.f64"
-        self.module.declare(symbol, f"declare double {symbol}({', '.join(['double'] * len(given))})")
-        return self.let(DOUBLE, f"call double {symbol}({', '.join(f'double {u}' for u in given)})")
-
-    def mathematical(self, name: str, given: Sequence[Value]) -> Any:
-        """A function of Python's module `math`."""
-        if name == "ldexp":
-            return self.scaled(*given)
-        texts = [self.double(u) for u in given]
-        if name == "isfinite":
-            size = self.intrinsic("fabs", *texts).text
-            return self.let(TRUTH, f"fcmp one double {size}, {bits(math.inf)}")
-        if name == "floor":
-            return self.truncated(self.intrinsic("floor", *texts))
-        if name == "frexp":
-            return self.taken_apart(*texts)
-        if name in _INTRINSICS:
-            return self.intrinsic(name, *texts)
-        if name in _LIBRARY:
-            self.module.declare(f"@{name}", f"declare double @{name}(double)")
-            return self.let(DOUBLE, f"call double @{name}(double {texts[0]})")
-        raise Unknown(f"math.{name}")
-
-    def scaled(self, u: Value, power: Value) -> Value:
-        """A number times a power of two."""
-        self.module.declare("@ldexp", "declare double @ldexp(double, i32)")
-        exponent = self.let("", f"trunc i64 {power.text} to i32").text
-        return self.let(DOUBLE, f"call double @ldexp(double {self.double(u)}, i32 {exponent})")
-
-    def taken_apart(self, u: str) -> tuple[Value, Value]:
-        """Fraction and exponent of a number."""
-        self.module.declare("@frexp", "declare double @frexp(double, ptr)")
-        place = self.slot("i32")
-        fraction = self.let(DOUBLE, f"call double @frexp(double {u}, ptr {place})")
-        exponent = self.let("", f"load i32, ptr {place}").text
-        return fraction, self.let(WHOLE, f"sext i32 {exponent} to i64")
+    def needed(self, texts: Iterable[str]) -> tuple[set[int], set[str]]:
+        """Nodes, and sums, whose coefficients these texts need: what is put together otherwise leaves some unused."""
+        nodes, sums, pending = set[int](), set[str](), list(texts)
+        owner = {node.row: n for n, node in enumerate(self.nodes) if node.row is not None}
+        while pending:
+            for kind, number in re.findall(r"\b(y|sum|c\[)(\d+)\b", pending.pop()):
+                of_sum = self.sums.rows_of(f"sum{number}") if kind == "sum" else ()
+                sums |= {f"sum{number}"} if kind == "sum" else set()
+                new = [int(number)] if kind == "y" else [owner[row] for row in of_sum or [int(number)] if row in owner]
+                pending += [self.nodes[n].recurrence for n in new if n not in nodes]
+                nodes |= set(new)
+        return nodes, sums

@@ -112,7 +112,7 @@ def doubled_assignments(
 ) -> list[str]:
     """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double.
 
-    Where `quick`, sines and cosines are good to 2⁻⁷⁸ only.
+    Where `quick`, elementary functions are good to some 2⁻⁷⁷ only (`doubled_quick`).
     """
     writer = _Doubled(known, temporaries, quick)
     for target, expression in zip(targets, expressions, strict=True):
@@ -126,7 +126,7 @@ class _Doubled:
 
     def __init__(self, known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol], quick: bool = False) -> None:
         self.known: dict[Expr, Pair] = dict(known)
-        self.kinds = dict.fromkeys(("sin", "cos"), "quick") if quick else {}
+        self.kind = "quick" if quick else "dd"
         self.temporaries = iter(temporaries)
         self.lines: list[str] = []
 
@@ -171,7 +171,7 @@ class _Doubled:
         if u.is_Pow:
             return self.power(u.base, u.exp)
         name = type(u).__name__
-        return self.call(f"{self.kinds.get(name, 'dd')}_{name}", self.pair(u.args[0]))
+        return self.call(f"{self.kind}_{name}", self.pair(u.args[0]))
 
     def product(self, u: Expr) -> Pair:
         total, *others = map(self.pair, sympy.Mul.make_args(u))
@@ -201,5 +201,5 @@ class _Doubled:
             self.known[name] = root
             return self.power(name, Integer(exponent.p))
         if base == sympy.E:
-            return self.call("dd_exp", self.pair(exponent))
-        return self.call("dd_pow", self.pair(base), self.pair(exponent))
+            return self.call(f"{self.kind}_exp", self.pair(exponent))
+        return self.call(f"{self.kind}_pow", self.pair(base), self.pair(exponent))

@@ -4,18 +4,17 @@ Every quantity u(t, x) has coefficients u₀, u₁, … along the solution: u(t 
 taken apart into operations, each of which gives its coefficient k from those of its operands up to k and its own up to
 k − 1; then x' = f gives xₖ₊₁ = fₖ / (k + 1). One loop over k serves every order.
 
-The recurrences hold sums Σ aⱼ bₖ₋ⱼ. Their two terms with the newest coefficients, j = 0 and j = k, are written out with
-values that are still in registers: they are all that a coefficient has to wait for. The others, 1 ≤ j ≤ k − 1, are
-known before (`sums`).
+The recurrences are those of `operations`.
 
 References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
 """
 
 from __future__ import annotations
 
+import itertools
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy import Expr, Integer, Symbol
@@ -23,8 +22,8 @@ from sympy import Expr, Integer, Symbol
 from core.codegen import Names
 from core.expressions import TIME
 from core.laws import Laws, Side
+from core.operations import Bag, Linear, Operations, single
 from core.printing import printed
-from core.sums import Sums
 
 __all__ = ["SeriesCode", "series_code"]
 
@@ -66,69 +65,43 @@ def series_code(laws: Laws, side: Side) -> SeriesCode:
     return writer.code(field, g)
 
 
-@dataclass
-class _Node:
-    """One function of time that is worked out: the names of its coefficients 0 and k, and how to get them."""
-
-    start: str
-    newest: str
-    first: str
-    recurrence: str
-    row: int | None = None  # where all coefficients are kept, if any sum needs them
-
-
-@dataclass(frozen=True)
-class _Sum:
-    """A linear combination of nodes, plus a constant; the factors are expressions in the parameters."""
-
-    terms: dict[int, Expr]
-    constant: Expr = sympy.S.Zero
-
-    def scaled(self, factor: Expr) -> _Sum:
-        return _Sum({n: a * factor for n, a in self.terms.items()}, self.constant * factor)
-
-    def plus(self, other: _Sum) -> _Sum:
-        terms = {n: self.terms.get(n, 0) + other.terms.get(n, 0) for n in {**self.terms, **other.terms}}
-        return _Sum({n: a for n, a in terms.items() if a != 0}, self.constant + other.constant)
-
-
-class _Writer:
-    """The operations so far. Nodes 0 … d − 1 are the state; each operation appears once, under its operands."""
+class _Writer(Operations):
+    """Expressions taken apart into operations."""
 
     def __init__(self, names: Names) -> None:
+        super().__init__(len(names.x))
         self.unpack = names.unpack
-        self.d = len(names.x)
-        self.nodes = [_Node(f"x{i}", f"y{i}", "", "", row=i) for i in range(self.d)]
-        self.rows = self.d + 1
-        self.sums = Sums()
-        self.constants: dict[Expr, str] = {}
-        self.setup: list[tuple[int, str]] = []  # (before which node, line): what is worked out once
-        self.known: dict[Any, int] = {}
-        self.series = {v: _Sum({i: Integer(1)}) for i, v in enumerate(names.x)}  # symbol -> its series
+        self.series = {v: single(i) for i, v in enumerate(names.x)}  # symbol -> its series
+        self.inverted: dict[Expr, Expr] = {}  # symbols that stand for 1 over a power
         self.fixed: dict[Symbol, Expr] = {}  # symbols that stand for constants
 
     # Expressions → sums of nodes -------------------------------------------------------------------------------------
 
     def share(self, symbol: Symbol, value: Expr) -> None:
         """Let `symbol` stand for an expression that is used more than once."""
+        if _taken_apart(value)[1] < 0 and not self.is_constant(value):  # to divide takes no longer than to multiply
+            self.inverted[symbol] = value
+            return
         series = self.of(value)
         if not series.terms:
             self.fixed[symbol] = series.constant
         elif len(series.terms) == 1:
             self.series[symbol] = series
         else:  # added up once
-            self.series[symbol] = _Sum({self.node(series): Integer(1)})
+            self.series[symbol] = Linear({self.node(series): Integer(1)})
 
-    def of(self, u: Expr) -> _Sum:
+    def of(self, u: Expr) -> Linear:
         """An expression as a sum of nodes; operations that are not linear become nodes."""
         if self.is_constant(u):
-            return _Sum({}, u.xreplace(self.fixed))
+            return Linear({}, u.xreplace(self.fixed))
         if u == TIME:
-            return _Sum({self.time(): Integer(1)})
+            return Linear({self.time(): Integer(1)})
+        if u in self.inverted:
+            return self.product_of([u])
         if u.is_Symbol:
             return self.series[u]
         if u.is_Add:
-            total = _Sum({})
+            total = Linear({})
             for term in u.args:
                 total = total.plus(self.of(term))
             return total
@@ -140,253 +113,142 @@ class _Writer:
 
     def is_constant(self, u: Expr) -> bool:
         """Whether u holds numbers and parameters only."""
-        return not any(s in self.series or s == TIME for s in u.free_symbols)
+        return not any(s in self.series or s in self.inverted or s == TIME for s in u.free_symbols)
 
-    def product_of(self, factors: Iterable[Expr]) -> _Sum:
-        """Products: factors that are constant go in front, those to negative whole powers into one denominator."""
-        above, below = _Sum({}, Integer(1)), _Sum({}, Integer(1))
+    def product_of(self, factors: Iterable[Expr]) -> Linear:
+        """Products of powers, taken apart into factors and put together from products and quotients that are there."""
+        scale: Expr = Integer(1)
+        bag: Bag = Counter()
         for factor in factors:
-            if factor.is_Pow and factor.exp.is_Integer and factor.exp < 0 and not self.is_constant(factor):
-                below = self.times(below, self.power_of(factor.base, -factor.exp))
-            else:
-                above = self.times(above, self.of(factor))
-        return self.over(above, below)
+            base, n = _taken_apart(self.inverted.get(factor, factor))
+            series = self.of(base)
+            if not series.terms:
+                scale *= series.constant**n
+                continue
+            a, node = self.factored(series)
+            whole = Integer(int(n))  # towards zero; what is left is a root
+            scale *= a**whole
+            for part, times in self.bag_of(node).items():
+                bag[part] += times * int(whole)
+            if n != whole:
+                bag[self.root(series)] += 1 if n > 0 else -1
+        return self.put_together(bag).scaled(scale)
 
-    def power_of(self, base: Expr, exponent: Expr) -> _Sum:
+    def power_of(self, base: Expr, exponent: Expr) -> Linear:
         if self.is_constant(base) or not self.is_constant(exponent):
             return self.of(sympy.exp(exponent * sympy.log(base)))
         n = exponent.xreplace(self.fixed)
-        if n.is_Integer and n < 0:
-            return self.over(_Sum({}, Integer(1)), self.whole_power(self.of(base), -int(n)))
-        if n.is_Integer:
-            return self.whole_power(self.of(base), int(n))
-        if n == sympy.Rational(1, 2):
-            return _one(self.root(self.of(base)))
-        return _one(self.real_power(self.node(self.of(base)), n))
+        if n.is_Rational and n.q <= 2:
+            return self.product_of([sympy.Pow(base, n, evaluate=False)])
+        return single(self.real_power(self.node(self.of(base)), n))
 
-    def function_of(self, u: Expr) -> _Sum:
+    def function_of(self, u: Expr) -> Linear:
         name = type(u).__name__
         if name not in _FUNCTIONS:
             raise ValueError(f"{u}: there is no recurrence for {name}; there are those of {', '.join(_FUNCTIONS)}")
-        return _one(_FUNCTIONS[name](self, self.of(u.args[0])))
+        return single(_FUNCTIONS[name](self, self.of(u.args[0])))
 
     # Products and quotients of sums ----------------------------------------------------------------------------------
 
-    def factored(self, u: _Sum) -> tuple[Expr, int]:
-        """A factor and a node whose product is u: scalar multiples need no node of their own."""
-        if len(u.terms) == 1 and u.constant == 0:
-            ((node, factor),) = u.terms.items()
-            return factor, node
-        return Integer(1), self.node(u)
+    def put_together(self, bag: Bag) -> Linear:
+        """The product of nodes to powers: of what is there, what covers most first, then of as little as can be."""
+        found: Bag = Counter()
+        while known := {node: self.covered(bag, part) for node, part in self.bags.items()}:
+            node = max(known, key=lambda n: (known[n][0], -n))
+            _, times = known[node]
+            if times == 0:
+                break
+            bag.subtract({n: e * times for n, e in self.bags[node].items()})
+            found[node] += times
+        for m, n in itertools.combinations(sorted(bag), 2):  # squares of a product, or of a quotient
+            several = min(abs(bag[m]), abs(bag[n]))
+            if several < 2:
+                continue
+            signs = [1 if bag[node] > 0 else -1 for node in (m, n)]
+            above, below = (m, n) if signs[0] > 0 else (n, m)
+            both = self.product(m, n) if signs[0] == signs[1] else self.quotient(single(above), below)
+            found[both] += several * (signs[0] if signs[0] == signs[1] else 1)
+            bag.subtract({m: several * signs[0], n: several * signs[1]})
+        found.update(bag)
+        top, bottom = (self.powers((node, e * sign) for node, e in sorted(found.items())) for sign in (1, -1))
+        return self.over(top, bottom)
 
-    def times(self, u: _Sum, v: _Sum) -> _Sum:
+    def covered(self, bag: Bag, part: Bag) -> tuple[int, int]:
+        """How many factors of a product a part of it makes up, and how many times it is in it; or 1 over it is, < 0."""
+        for sign in (1, -1):
+            times = min((sign * bag[n] // e if sign * bag[n] * e > 0 else 0 for n, e in part.items()), default=0)
+            if times > 0:
+                return times * sum(map(abs, part.values())), sign * times
+        return 0, 0
+
+    def powers(self, factors: Iterable[tuple[int, int]]) -> Linear:
+        """The product of the powers that are positive."""
+        total = Linear({}, Integer(1))
+        for node, n in factors:
+            if n > 0:
+                total = self.times(total, self.whole_power(node, n))
+        return total
+
+    def times(self, u: Linear, v: Linear) -> Linear:
         if not u.terms or not v.terms:
             return v.scaled(u.constant) if not u.terms else u.scaled(v.constant)
         (a, m), (b, n) = self.factored(u), self.factored(v)
-        return _Sum({self.product(m, n): a * b})
+        return Linear({self.product(m, n): a * b})
 
-    def whole_power(self, u: _Sum, n: int) -> _Sum:
+    def whole_power(self, node: int, n: int) -> Linear:
         if n == 1:
-            return u
-        half = self.whole_power(u, n // 2)
+            return single(node)
+        half = self.whole_power(node, n // 2)
         square = self.times(half, half)
-        return self.times(square, u) if n % 2 else square
+        return self.times(square, single(node)) if n % 2 else square
 
-    def over(self, u: _Sum, v: _Sum) -> _Sum:
+    def over(self, u: Linear, v: Linear) -> Linear:
         if not v.terms:
             return u.scaled(1 / v.constant)
-        factor, below = self.factored(v)
-        return _Sum({self.quotient(u, below): 1 / factor})
+        (below,) = v.terms
+        if len(u.terms) == 1 and u.constant == 0:
+            factor, above = self.factored(u)
+            return Linear({self.quotient(single(above), below): factor})
+        return Linear({self.quotient(u, below): Integer(1)})
 
-    # Nodes: the recurrences ------------------------------------------------------------------------------------------
-
-    def add(self, key: Any, first: str, recurrence: Callable[[_Node], str]) -> int:
-        """A new node, unless there is one under this key."""
-        n = self.known.setdefault(key, len(self.nodes))
-        if n == len(self.nodes):
-            self.nodes.append(node := _Node(f"z{n}", f"y{n}", first, ""))
-            node.recurrence = recurrence(node)
-        return n
-
-    def node(self, u: _Sum) -> int:
-        """The node of a sum, worked out if it is not a node already."""
-        if len(u.terms) == 1 and u.constant == 0 and 1 in u.terms.values():
-            (only,) = u.terms
-            return only
-        key = ("sum", tuple(sorted(u.terms.items(), key=lambda term: term[0])), u.constant)
-        return self.add(key, self.start(u), lambda _: self.newest(u))
-
-    def time(self) -> int:
-        return self.add("t", "t", lambda _: "unit if k == 1 else 0.0")
-
-    def product(self, m: int, n: int) -> int:
-        a, b = self.nodes[m], self.nodes[n]
-        first = f"{a.start}*{b.start}"
-        if self.known.get("t") in (m, n):
-            other, row = (b, self.row(b)) if m == self.known["t"] else (a, self.row(a))
-            return self.add(("*", *sorted((m, n))), first, lambda _: f"t*{other.newest} + unit*c[{row}, k - 1]")
-        if m == n:
-            inner = self.sums.product(self.row(a), self.row(a))
-            return self.add(("*", n, n), first, lambda _: f"fma(2.0*{a.start}, {a.newest}, {inner})")
-        inner = self.sums.product(self.row(a), self.row(b))
-        ends = f"fma({a.start}, {b.newest}, fma({b.start}, {a.newest}, {inner}))"
-        return self.add(("*", *sorted((m, n))), first, lambda _: ends)
-
-    def quotient(self, u: _Sum, below: int) -> int:
-        b = self.nodes[below]
-        inverse = self.once("q", below, f"1.0/{b.start}")
-
-        def recurrence(w: _Node) -> str:
-            known = f"{w.start}*{b.newest} + {self.sums.product(self.row(b), self.row(w), awaited=True)}"
-            return f"({self.newest(u)} - ({known}))*{inverse}"
-
-        return self.add(("/", *_key(u), below), f"({self.start(u)})/{b.start}", recurrence)
-
-    def root(self, u: _Sum) -> int:
-        def recurrence(w: _Node) -> str:
-            return f"({self.newest(u)} - {self.sums.product(self.row(w), self.row(w), awaited=True)})*(0.5/{w.start})"
-
-        return self.add(("sqrt", *_key(u)), f"math.sqrt({self.start(u)})", recurrence)
-
-    def real_power(self, base: int, exponent: Expr) -> int:
-        u, a = self.nodes[base], self.constant(exponent)
-        inverse = self.once("q", base, f"1.0/{u.start}")
-
-        def recurrence(w: _Node) -> str:
-            known = f"inverse*{self.sums.power(self.row(u), self.row(w), a)}"
-            return f"({a}*{w.start}*{u.newest} + {known})*{inverse}"
-
-        return self.add(("**", base, exponent), f"{u.start}**{a}", recurrence)
-
-    def logarithm(self, u: _Sum) -> int:
-        """Log u = w with u w' = u', the coefficients of s w'(s) being a node of their own."""
-        n = self.node(u)
-        a = self.nodes[n]
-        inverse = self.once("q", n, f"1.0/{a.start}")
-
-        def rate(w: _Node) -> str:
-            return f"(k*{a.newest} - {self.sums.product(self.row(a), self.row(w), awaited=True)})*{inverse}"
-
-        slope = self.nodes[self.add(("rate of log", n), "0.0", rate)]
-        return self.add(("log", n), f"math.log({a.start})", lambda _: f"inverse*{slope.newest}")
-
-    def rate(self, u: _Sum) -> Callable[[_Node], str]:
-        """How coefficient k of ∫ u' w ds is written, given w: inverse · Σ j uⱼ wₖ₋ⱼ."""
-        if list(u.terms) == [self.known.get("t")]:
-            (slope,) = u.terms.values()
-            return lambda w: f"inverse*(unit*{self.constant(slope)}*c[{self.row(w)}, k - 1])"
-        slope = self.nodes[self.add(("rate", *_key(u)), "0.0", lambda _: f"k*({self.newest(u)})")]
-        row = self.row(slope)
-        # The term j = k, whose slope is k uₖ, needs no division by k: it may be the last to come.
-        return lambda w: (
-            f"fma({self.newest(u)}, {w.start}, inverse*{self.sums.product(row, self.row(w), awaited=True)})"
-        )
-
-    def exponential(self, u: _Sum) -> int:
-        return self.add(("exp", *_key(u)), f"math.exp({self.start(u)})", self.rate(u))
-
-    def pair(self, u: _Sum, which: int, names: tuple[str, str], sign: str) -> int:
-        """Functions with φ' = u' χ, χ' = ±u' φ: sine and cosine, of the circle or the hyperbola."""
-        rate, key = self.rate(u), _key(u)
-        if (names[0], *key) not in self.known:
-            pair = [self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "") for name in names]
-            first, second = (self.nodes[n] for n in pair)
-            first.recurrence, second.recurrence = rate(second), sign + rate(first)
-        return self.known[names[which], *key]
-
-    def tangent(self, u: _Sum, name: str, first: str, sign: str) -> int:
-        """Functions with φ' = u' (1 ± φ²): the tangents; 1 ± φ² is a node, `first` its value."""
-        rate, key = self.rate(u), _key(u)
-        if (name, *key) not in self.known:
-            n = self.add((name, *key), f"math.{name}({self.start(u)})", lambda _: "")
-            w = self.nodes[n]
-            inner = self.sums.product(self.row(w), self.row(w), awaited=True)
-            square = f"{sign}(2.0*({w.start}*{w.newest}) + {inner})"
-            value = first.format(u=self.start(u), w=w.start)
-            w.recurrence = rate(self.nodes[self.add((f"slope of {name}", *key), value, lambda _: square)])
-        return self.known[name, *key]
-
-    # Text ------------------------------------------------------------------------------------------------------------
-
-    def row(self, node: _Node) -> int:
-        """The row in which a node's coefficients are kept from now on."""
-        if node.row is None:
-            node.row, self.rows = self.rows, self.rows + 1
-        return node.row
-
-    def once(self, stem: str, node: int, value: str) -> str:
-        """The name of a value that is worked out before the loop, as soon as `node` has its coefficient 0."""
-        name = f"{stem}{node}"
-        if (node, f"{name} = {value}") not in self.setup:
-            self.setup.append((node, f"{name} = {value}"))
-        return name
-
-    def constant(self, a: Expr) -> str:
-        """Text of a constant: a number, a parameter, or the name of what is worked out of them once."""
-        if a.is_number:
-            value = complex(a)
-            return repr(value.real) if value.imag == 0 else "math.nan"
-        if a.is_Symbol:
-            return str(a)
-        return self.constants.setdefault(a, f"a{len(self.constants)}")
-
-    def start(self, u: _Sum) -> str:
-        """Text of coefficient 0 of a sum."""
-        terms = [self.term(a, self.nodes[n].start) for n, a in u.terms.items()]
-        return " + ".join([*terms, self.constant(u.constant)] if u.constant != 0 or not terms else terms)
-
-    def newest(self, u: _Sum) -> str:
-        """Text of coefficient k ≥ 1 of a sum."""
-        return " + ".join(self.term(a, self.nodes[n].newest) for n, a in u.terms.items()) or "0.0"
-
-    def term(self, a: Expr, name: str) -> str:
-        return name if a == 1 else f"-{name}" if a == -1 else f"{self.constant(a)}*{name}"
-
-    def unit(self) -> list[str]:
-        """About the time in which the state moves by its own size, a power of two, times `shrink`."""
-        size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
-        return [f"size, speed = {size}, {speed}", "unit = shrink*power_near(size, speed)"]
-
-    def _newest_of_row(self, row: int) -> str:
-        return next(node.newest for node in self.nodes if node.row == row)
-
-    def code(self, field: list[_Sum], g: _Sum) -> SeriesCode:
+    def code(self, field: list[Linear], g: Linear) -> SeriesCode:
         """The whole body."""
         rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
         heights = f"c[{self.d}, 0] = {self.start(g)}", f"c[{self.d}, k] = {self.newest(g)}"
+        needed, sums = self.needed([heights[1], *(rate for _, rate in rates)])
+        needed |= set(range(self.d))
         before = [f"{name} = {printed(a)}" for a, name in self.constants.items()]
-        loop = [*self.sums.lines(), "inverse = 1.0 / k", "pace = unit*inverse"]
+        loop = [*self.sums.lines(sums), "inverse = 1.0 / k", "pace = unit*inverse"]
         loop += [f"y{i} = pace*f{i}" for i in range(self.d)]
         for n, node in enumerate(self.nodes):
-            if n >= self.d:
-                before.append(f"{node.start} = {node.first}")
-                loop.append(f"{node.newest} = {node.recurrence}")
+            before += [f"{node.start} = {node.first}"] if n >= self.d else []
+            before += [line for m, line in self.setup if m == n]
+            if n not in needed:
+                continue
+            loop += [f"{node.newest} = {node.recurrence}"] if n >= self.d else []
             if node.row is not None:
                 before.append(f"c[{node.row}, 0] = {node.start}")
                 loop.append(f"c[{node.row}, k] = {node.newest}")
-            before += [line for m, line in self.setup if m == n]
         before += [*(first for first, _ in rates), heights[0], *self.unit()]
-        loop += [*(rate for _, rate in rates), heights[1], *self.sums.after(self._newest_of_row)]
-        before += self.sums.before()
+        newest = {node.row: node.newest for node in self.nodes if node.row is not None}
+        loop += [*(rate for _, rate in rates), heights[1], *self.sums.after(newest, sums)]
+        before += self.sums.before(sums)
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)
 
 
-def _one(node: int) -> _Sum:
-    return _Sum({node: Integer(1)})
+def _taken_apart(u: Expr) -> tuple[Expr, sympy.Rational]:
+    """Base and exponent of a power that takes products and a root at most; else u itself, and 1."""
+    return (u.base, u.exp) if u.is_Pow and u.exp.is_Rational and u.exp.q <= 2 else (u, Integer(1))
 
 
-def _key(u: _Sum) -> tuple[Any, ...]:
-    return tuple(sorted(u.terms.items(), key=lambda term: term[0])), u.constant
-
-
-_FUNCTIONS: dict[str, Callable[[_Writer, _Sum], int]] = {
+_FUNCTIONS: dict[str, Callable[[_Writer, Linear], int]] = {
     "exp": _Writer.exponential,
     "log": _Writer.logarithm,
     "sin": lambda writer, u: writer.pair(u, 0, ("sin", "cos"), "-"),
     "cos": lambda writer, u: writer.pair(u, 1, ("sin", "cos"), "-"),
     "sinh": lambda writer, u: writer.pair(u, 0, ("sinh", "cosh"), ""),
     "cosh": lambda writer, u: writer.pair(u, 1, ("sinh", "cosh"), ""),
-    "tan": lambda writer, u: writer.tangent(u, "tan", "1.0 + {w}*{w}", ""),
-    "tanh": lambda writer, u: writer.tangent(u, "tanh", "1.0/math.cosh({u})**2", "-"),
+    "tan": lambda writer, u: writer.tangent(u, "tan", "1.0 + {w}*{w}", 1),
+    "tanh": lambda writer, u: writer.tangent(u, "tanh", "1.0/math.cosh({u})**2", -1),
 }

@@ -10,7 +10,7 @@ pair comes after the loop, from registers: of row r, ``last{r}`` is coefficient 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
 __all__ = ["Sums"]
@@ -30,8 +30,8 @@ class Sums:
 
     def __init__(self) -> None:
         self._names: dict[tuple[object, ...], str] = {}
-        self._texts: list[_Text] = []
-        self._rows: set[int] = set()
+        self._texts: dict[str, _Text] = {}
+        self._rows: dict[str, frozenset[int]] = {}
         self._awaited = False
 
     def product(self, a: int, b: int, awaited: bool = False) -> str:
@@ -41,26 +41,11 @@ class Sums:
         name, new = self._named("product", *sorted((a, b)), awaited=awaited)
         if new:
             rest = f"{name} + {name}_back"
-            self._add({a, b}, _Text(
+            self._add(name, {a, b}, _Text(
                 f"{name}, {name}_back = c[{a}, m]*c[{b}, m] if even else 0.0, 0.0",
                 (f"{name} = fma(c[{a}, i], c[{b}, j], {name})",
                  f"{name}_back = fma(c[{a}, j], c[{b}, i], {name}_back)"),
                 f"{name} = {rest}", f"{name} = fma(one{a}, last{b}, fma(again{b}, last{a}, {rest}))",
-            ))  # fmt: skip
-        return name
-
-    def power(self, a: int, b: int, exponent: str) -> str:
-        """Name of Σ (j (exponent + 1) − k) aⱼ bₖ₋ⱼ: the recurrence of b = a**exponent."""
-        name, new = self._named("power", a, b, exponent, awaited=True)
-        if new:
-            weight = f"({{}}*({exponent} + 1.0) - k)".format
-            rest = f"{name} + {name}_back"
-            ends = f"{weight('1.0')}*(one{a}*last{b}) + {weight('(k - 1)')}*(last{a}*again{b})"
-            self._add({a, b}, _Text(
-                f"{name}, {name}_back = {weight('m')}*(c[{a}, m]*c[{b}, m]) if even else 0.0, 0.0",
-                (f"{name} += {weight('i')}*(c[{a}, i]*c[{b}, j])",
-                 f"{name}_back += {weight('j')}*(c[{a}, j]*c[{b}, i])"),
-                f"{name} = {rest}", f"{name} = {ends} + ({rest})",
             ))  # fmt: skip
         return name
 
@@ -69,41 +54,52 @@ class Sums:
         name, new = self._named("square", a, awaited=awaited)
         if new:
             rest = f"({name} + {name}) + (c[{a}, m]*c[{a}, m] if even else 0.0)"
-            self._add({a}, _Text(
+            self._add(name, {a}, _Text(
                 f"{name} = 0.0", (f"{name} = fma(c[{a}, i], c[{a}, j], {name})",),
                 f"{name} = {rest}", f"{name} = fma(one{a} + again{a}, last{a}, {rest})",
             ))  # fmt: skip
         return name
 
-    def lines(self) -> list[str]:
-        """Lines that work all sums out from the coefficients below k."""
-        if not self._texts:
+    def rows_of(self, name: str) -> frozenset[int]:
+        """The rows that a sum is of."""
+        return self._rows[name]
+
+    def lines(self, needed: Collection[str]) -> list[str]:
+        """Lines that work these sums out from the coefficients below k."""
+        texts = self._texts_of(needed)
+        if not texts:
             return []
         even, least = ("k & 1 == 0 and k > 2", 1) if self._awaited else ("k & 1 == 0", 0)
-        head = [f"m, even = unsigned(k >> 1), {even}", *(text.begin for text in self._texts)]
+        head = [f"m, even = unsigned(k >> 1), {even}", *(text.begin for text in texts)]
         head.append("i, j = unsigned((k - 1) >> 1), unsigned((k >> 1) + 1)")
-        loop = [*(line for text in self._texts for line in text.pairs), "i, j = unsigned(i - 1), unsigned(j + 1)"]
-        ends = [text.last if self._awaited else text.rest for text in self._texts]
+        loop = [*(line for text in texts for line in text.pairs), "i, j = unsigned(i - 1), unsigned(j + 1)"]
+        ends = [text.last if self._awaited else text.rest for text in texts]
         return [*head, f"while i > {least}:", *(f"    {line}" for line in loop), *ends]
 
-    def before(self) -> list[str]:
+    def before(self, needed: Collection[str]) -> list[str]:
         """Lines that go before the loop over k."""
-        return [f"last{r} = one{r} = again{r} = 0.0" for r in sorted(self._rows)] if self._awaited else []
+        return [f"last{r} = one{r} = again{r} = 0.0" for r in self._rows_of(needed)]
 
-    def after(self, newest: Callable[[int], str]) -> list[str]:
+    def after(self, newest: Mapping[int, str], needed: Collection[str]) -> list[str]:
         """Lines that keep the coefficients k for the sums of the next k; `newest` names that of a row."""
-        if not self._awaited:
+        rows = self._rows_of(needed)
+        if not rows:
             return []
-        rows = sorted(self._rows)
-        kept = [f"last{r} = {newest(r)}" for r in rows]
+        kept = [f"last{r} = {newest[r]}" for r in rows]
         first, second = ([f"    {to}{r} = {of}{r}" for r in rows] for to, of in (("one", "last"), ("again", "one")))
         return [*kept, "if k == 1:", *first, "elif k == 2:", *second]
+
+    def _texts_of(self, needed: Collection[str]) -> list[_Text]:
+        return [text for name, text in self._texts.items() if name in needed]
+
+    def _rows_of(self, needed: Collection[str]) -> list[int]:
+        """The rows whose newest coefficients are kept."""
+        return sorted({row for name in needed for row in self._rows[name]}) if self._awaited else []
 
     def _named(self, *key: object, awaited: bool) -> tuple[str, bool]:
         self._awaited = self._awaited or awaited
         new = key not in self._names
         return self._names.setdefault(key, f"sum{len(self._names)}"), new
 
-    def _add(self, rows: set[int], text: _Text) -> None:
-        self._rows |= rows
-        self._texts.append(text)
+    def _add(self, name: str, rows: Iterable[int], text: _Text) -> None:
+        self._rows[name], self._texts[name] = frozenset(rows), text

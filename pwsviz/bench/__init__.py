@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TextIO
 
 from pwsviz.bench.catalogue import catalogue_orders, orders_in_digits
+from pwsviz.bench.drawn import drawn
 from pwsviz.bench.drift import drift
 from pwsviz.bench.machine import machine_lines
 from pwsviz.bench.plan import LONG, QUICK, STANDARD, Plan
@@ -20,7 +21,7 @@ __all__ = ["LONG", "QUICK", "STANDARD", "Plan", "report"]
 
 # Memory first: the greatest that was ever held is no measure once the others have held more.
 _SECTIONS = (
-    linearity, comparison, step_costs, first_calls, larger_systems, moved_slider, conservation, drift, orders,
+    linearity, comparison, drawn, step_costs, first_calls, larger_systems, moved_slider, conservation, drift, orders,
     catalogue_orders, orders_in_digits,
 )  # fmt: skip
 

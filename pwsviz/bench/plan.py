@@ -15,6 +15,8 @@ class Plan:
 
     systems: tuple[str, ...]
     """Compared with the rivals."""
+    drawn: int
+    """Problems drawn at random, compared with heyoka."""
     seeds: tuple[str, ...]
     """Measured by themselves."""
     methods: tuple[str, ...]
@@ -49,6 +51,7 @@ class Plan:
 
 STANDARD = Plan(
     systems=("harmonic_oscillator", "elliptic_curve", "pendulum", "rigid_body"),
+    drawn=6,
     seeds=("harmonic_oscillator", "elliptic_curve"),
     methods=tuple(core.METHODS),
     start_methods=("dmm2", "dmm8", "prk8", "taylor"),
@@ -68,6 +71,7 @@ STANDARD = Plan(
 )
 LONG = replace(
     STANDARD,
+    drawn=40,
     step_counts=(*STANDARD.step_counts, 10**8),
     catalogue=tuple(core.CATALOGUE),
     in_digits=("elliptic_curve", "kepler", "diode_circuit"),
@@ -83,6 +87,7 @@ LONG = replace(
 )
 QUICK = Plan(
     systems=("elliptic_curve",),
+    drawn=1,
     seeds=("elliptic_curve",),
     methods=("dmm2", "prk8", "taylor"),
     start_methods=("dmm2",),

@@ -73,7 +73,10 @@ class Problem:
     def _inserted(self, expression: Expr) -> Expr:
         laws, own = self.system.laws, (f"{self.coefficient}_minus", f"{self.coefficient}_plus")
         values = zip(laws.p, self.system.parameter_array, strict=True)
-        return expression.xreplace({s: self.coefficient if str(s) in own else sympy.Float(v, 17) for s, v in values})
+        inserted = {s: self.coefficient if str(s) in own else sympy.Float(v, 17) for s, v in values}
+        # Doubles, as the compiled code has them: heyoka takes no ratio but of a power of two.
+        ratios = {q: sympy.Float(float(q), 17) for q in expression.atoms(sympy.Rational) if q.q & (q.q - 1)}
+        return expression.xreplace(inserted | ratios)
 
 
 def problem_named(name: str, share: float = 1.0) -> Problem:

@@ -16,7 +16,7 @@ from doubles import DIGITS, FIXED, Pair, error, exact, pairs, relative_error, si
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core import doubled_functions
+from core import doubled_functions, doubled_quick
 from core.doubled_functions import dd_cos, dd_log, dd_pow, dd_sin, dd_tan, quick_cos, quick_sin
 
 SMALL = sized(-100, 0)
@@ -32,8 +32,9 @@ BOUNDS = {"exp": 0.5, "sinh": 1.5, "cosh": 1.0, "tanh": 3.0, "log": 2.5}
 ANGLES = SMALL | st.floats(-7, 7) | st.floats(-1e5, 1e5) | sized(0, 45.9)
 
 
-def function(name: str) -> Callable[..., Pair]:
-    found: Callable[..., Pair] = getattr(doubled_functions, f"dd_{name}")
+def function(name: str, kind: str = "dd") -> Callable[..., Pair]:
+    home = doubled_functions if hasattr(doubled_functions, f"{kind}_{name}") else doubled_quick
+    found: Callable[..., Pair] = getattr(home, f"{kind}_{name}")
     return found
 
 
@@ -62,6 +63,36 @@ def test_the_quick_sine_and_cosine_are_good_to_78_bits(a: Pair) -> None:
     with mp.workdps(DIGITS):
         assert error(quick_sin(*a), mp.sin(exact(a))) <= 2.0**26
         assert error(quick_cos(*a), mp.cos(exact(a))) <= 2.0**26
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_quick_functions_are_good_to_76_bits(name: str) -> None:
+    @FIXED
+    @given(pairs(ARGUMENTS[name]))
+    def check(a: Pair) -> None:
+        with mp.workdps(DIGITS):
+            wanted = getattr(mp, name)(exact(a))
+            found = getattr(doubled_quick, f"quick_{name}")(*a)
+            assert error(found, wanted) <= 2.0**28 * max(1.0, abs(wanted))
+
+    check()
+
+
+@FIXED
+@given(pairs(st.floats(-1.5, 1.5)))
+def test_the_quick_tangent_is_good_to_76_bits(a: Pair) -> None:
+    with mp.workdps(DIGITS):
+        wanted = mp.tan(exact(a))
+        assert error(doubled_quick.quick_tan(*a), wanted) <= 2.0**28 * (1.0 + wanted**2)
+
+
+@FIXED
+@given(pairs(sized(-100, 100).map(abs)), pairs(sized(-30, 3)))
+def test_the_quick_power_is_good_to_76_bits(a: Pair, b: Pair) -> None:
+    with mp.workdps(DIGITS):
+        wanted = mp.exp(exact(b) * mp.log(exact(a)))
+        bound = 2.0**28 * (1 + 100 * abs(exact(b)))
+        assert relative_error(doubled_quick.quick_pow(*a, *b), wanted) <= bound
 
 
 @FIXED
@@ -129,8 +160,9 @@ ENDS = {
 
 
 @pytest.mark.parametrize(("name", "a"), [(name, a) for name, ends in ENDS.items() for a in VALUES + ends])
-def test_ends_of_the_range_are_those_of_double_precision(name: str, a: float) -> None:
-    high, low = function(name)(a, 0.0)
+@pytest.mark.parametrize("kind", ["dd", "quick"])
+def test_ends_of_the_range_are_those_of_double_precision(kind: str, name: str, a: float) -> None:
+    high, low = function(name, kind)(a, 0.0)
     with np.errstate(all="ignore"):
         wanted = float(getattr(np, name)(a))
     if math.isfinite(wanted):

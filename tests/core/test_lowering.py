@@ -12,8 +12,8 @@ import core
 from core import doubled, doubled_functions, lowering
 from core.codegen import module_text
 from core.compiled import _load, _texts
+from core.machine_operations import Unknown
 from core.methods import METHODS
-from core.operations import Unknown
 from core.recurrences import STRIDE
 from core.scratch import scratch
 from core.signatures import ORDER, PER_UNIT, TOLERANCE, Frame

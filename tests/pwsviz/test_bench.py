@@ -14,6 +14,8 @@ import core
 from pwsviz.bench import QUICK, report
 from pwsviz.bench.clock import timed
 from pwsviz.bench.curves import Curve, Point
+from pwsviz.bench.drawn import drawn
+from pwsviz.bench.families import drawn_problems
 from pwsviz.bench.own import own_curve
 from pwsviz.bench.problems import ENDS, problem_named
 from pwsviz.bench.reference import reference_of
@@ -39,8 +41,8 @@ def without_heyoka(monkeypatch):
 
 def test_quick_prints_every_section_and_opens_it_with_a_sentence(quick):
     sections = [
-        "Cost in proportion to steps", "Time to a state error", "Ratios", "Cost of a step", "First call",
-        "Moved slider", "Conservation", "Drift", "Order of dmm2", "Orders across",
+        "Cost in proportion to steps", "Time to a state error", "Ratios", "Problems drawn", "Cost of a step",
+        "First call", "Moved slider", "Conservation", "Drift", "Order of dmm2", "Orders across",
     ]  # fmt: skip
     places = [quick.index(f"\n{section}") for section in sections]
     assert places == sorted(places)
@@ -63,6 +65,18 @@ def test_ratios_to_scipy_are_stated_for_each_error(quick):
     table = quick[quick.index("Ratios") : quick.index("Cost of a step")]
     for error in ("1e-03", "1e-06", "1e-09", "1e-12"):
         assert re.search(rf"elliptic_curve +{error} .*SciPy \w+.* [\d.e-]+ +(met|missed)$", table, re.MULTILINE), error
+
+
+def test_drawn_problems_are_the_same_for_the_same_seed_and_cross_five_hundred_times():
+    first, again = (list(drawn_problems(3, 7)) for _ in range(2))
+    assert first == again
+    for problem in first:
+        run = core.integrate(problem.system, (0.0, problem.end), method="taylor", record="end")
+        assert (run.status, run.crossing_count) == (core.Status.COMPLETED, 500), problem
+
+
+def test_without_heyoka_nothing_is_drawn(without_heyoka):
+    assert "not installed" in "\n".join(drawn(TINY))
 
 
 def test_without_heyoka_its_column_says_so(without_heyoka):

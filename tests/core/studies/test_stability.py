@@ -328,4 +328,6 @@ def test_a_coordinate_may_be_named_and_ranges_cover_the_orbit():
 def test_outcomes_that_are_no_status_have_codes_of_their_own():
     own = {NOT_YET, WRONG_CROSSINGS, WENT_ON, NO_START}
     assert len(own) == 4
-    assert own & {int(status) for status in core.Status} == {int(core.Status.RUNNING)}  # a run not yet made is one that runs
+    assert own & {int(status) for status in core.Status} == {
+        int(core.Status.RUNNING)
+    }  # a run not yet made is one that runs
