@@ -10,9 +10,8 @@ A *move* is a step, or the part of one up to the next crossing, or what a crossi
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
-from core.arithmetic import two_sum
+from core.approach import cut_to_domain, cut_to_reach, has_end, is_at_surface, move_across
 from core.isolation import NONE as NO_ROOT
 from core.isolation import ROOT
 from core.jit import inlined, internal
@@ -31,27 +30,22 @@ from core.locating import (
     probe,
     root_of_series,
 )
-from core.signatures import (
-    DELAY,
-    DOUBT,
-    EXCESS,
-    G_END,
-    JUMP,
-    LENGTH,
-    LOOK,
-    POLISH,
-    RATE_END,
-    RATES,
-    REACH,
-    SETTLE,
-    SLACK,
-    G,
-    call,
-)
+from core.signatures import DELAY, DOUBT, G_END, JUMP, LOOK, POLISH, RATES, SETTLE, SLACK, G, call
 from core.state import JUMP_TO_SURFACE, NO_JUMP
-from core.trajectory import CROSSING_KINDS, Status
+from core.status import CROSSING_KINDS, Status
+from core.surface import (
+    MARGIN,
+    accept,
+    contradicts,
+    is_contradicted,
+    is_on_surface,
+    look,
+    note,
+    pass_time,
+    widen_envelope,
+)
 
-__all__ = ["RUNNING", "Log", "contradicts", "enter", "is_plain", "move", "widen_envelope"]
+__all__ = ["RUNNING", "enter", "is_plain", "move"]
 
 RUNNING = int(Status.RUNNING)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
@@ -67,38 +61,8 @@ _SHRUNK, _SPENT = 8, 2.0**-52
 #: A surface is met against the field where the rate away from it is this part of that at the start of the step, or of
 #: that with which the side was entered.
 _AGAINST = 2.0**-7
-#: Of a step to the surface of a side beyond which the field has no value.
-_HALVINGS = 60
-#: How far beside a state, in parts of its size, the slopes of g are taken.
-_BESIDE = 2.0**-26
-#: Of the size of a state: what a landing may be moved by, and be the same landing.
-_NOTHING = 2.0**-48
 #: Gaps that have shrunk in a row, after which a visit that is lost in rounding is the end of a sequence, and no touch.
 _COMING = 3
-_MARGIN = 16.0  # by how much g may contradict the side, in units of a first-order bound on its rounding
-
-
-class Log(NamedTuple):
-    """Where crossings are written."""
-
-    hits: Any
-    places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
-    excess: Any  # of ψ over its levels, a part of the frame
-    envelope: Any  # (columns, m, 2) least and greatest excess in equal parts of the time
-
-
-@inlined
-def accept(motion):
-    """Add the increment to the state, keeping what rounding would lose (compensated summation)."""
-    x, carry, increment = motion.x, motion.carry, motion.increment
-    for i in range(x.size):
-        x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
-
-
-@inlined
-def pass_time(run, h):
-    """Go on in time, compensated likewise."""
-    run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
 
 
 @internal
@@ -114,73 +78,6 @@ def is_plain(run, h, height, rate):
         return False
     run.height, run.rate, run.leaving = height, rate, 0
     return True
-
-
-@inlined
-def look(motion, t):
-    """Look at `place`: g to w[G], and to run.own and run.other the rates into the side occupied and into the other."""
-    run, w = motion.run, motion.w
-    call(motion.functions[LOOK], t, 0.0, motion.p, w, motion.memo)
-    along = math.copysign(1.0, run.tau) * run.side
-    run.own = along * w[RATES + (run.side > 0)]
-    run.other = -along * w[RATES + (run.side < 0)]
-
-
-@inlined
-def look_at(motion, t):
-    """G at `place`."""
-    call(motion.functions[LOOK], t, 0.0, motion.p, motion.w, motion.memo)
-    return motion.w[G]
-
-
-@inlined
-def note(motion, log, which):
-    """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
-    for i in range(motion.place.size):
-        log.places[motion.run.hits, which, i] = motion.place[i]
-
-
-@internal
-def widen_envelope(motion, log):
-    """Take the excess of ψ over its levels into the column of this time."""
-    run, excess, envelope = motion.run, log.excess, log.envelope
-    call(motion.functions[EXCESS + (run.side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
-    columns = envelope.shape[0]
-    column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
-    for j in range(excess.size):
-        if excess[j] < envelope[column, j, 0]:  # never so where a side has fewer ψ, and its excess is nan
-            envelope[column, j, 0] = excess[j]
-        if excess[j] > envelope[column, j, 1]:
-            envelope[column, j, 1] = excess[j]
-
-
-@inlined
-def is_on_surface(motion):
-    """Whether g, where it has been looked at last, may be zero but for rounding."""
-    return abs(motion.w[G]) <= _MARGIN * motion.w[DOUBT]
-
-
-@internal
-def contradicts(motion, h):
-    """Whether g at the state has the sign of the other side than that occupied, by more than rounding can explain.
-
-    A step of length h rounds its increment, and a time is rounded too: both move g by so much of its rate. Where a
-    perturbation, or a step over the surface, has left the state on purpose there is nothing to compare.
-    """
-    for i in range(motion.x.size):
-        motion.place[i] = motion.x[i]
-    look_at(motion, motion.run.t)
-    return is_contradicted(motion, h)
-
-
-@inlined
-def is_contradicted(motion, h):
-    """The same, where the state has been looked at already."""
-    run, w = motion.run, motion.w
-    if run.leaving == 1 and (run.shift != 0.0 or run.follow == 0):
-        return False
-    moved = _EPS * (abs(run.t) + abs(h)) * max(abs(w[RATES]), abs(w[RATES + 1]))
-    return -run.side * w[G] > _MARGIN * (w[DOUBT] + moved)
 
 
 @inlined
@@ -234,7 +131,7 @@ def is_met_against_the_field(motion, found, own):
     if run.follow == 0 or run.shift != 0.0:
         return False
     if found == TOUCH:
-        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * _MARGIN * motion.w[DOUBT]
+        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * motion.w[DOUBT]
     return own > _AGAINST * min(abs(run.rate), abs(run.entered))
 
 
@@ -292,7 +189,7 @@ def is_lost_in_rounding(motion, found, own, rate):
     run = motion.run
     if run.jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
         return False
-    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * _MARGIN * motion.w[DOUBT]
+    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * motion.w[DOUBT]
 
 
 @inlined
@@ -408,74 +305,6 @@ def step_over(motion, log, t, h, height, rate):
     status = switch_side(motion, log, FOUND)
     run.leaving, run.height = 0, run.side * motion.w[G]
     return status
-
-
-@inlined
-def cut_to_reach(motion, t, h):
-    """The length that a variable-step method takes, at most h; nan where there is none."""
-    run = motion.run
-    run.evaluations += call(motion.functions[REACH + (run.side > 0)], t, h, motion.p, motion.w, motion.memo)
-    length = motion.w[LENGTH]
-    if length >= abs(h):
-        return h
-    run.final = 0
-    return math.copysign(length, h) if length > _EPS * _EPS * abs(t) else math.nan
-
-
-@inlined
-def has_end(motion, t, h):
-    """Whether a step of length h has an end that is a state, with a height and a rate."""
-    height = probe(motion, t, h)
-    return abs(height) < math.inf and abs(motion.w[RATE_END]) < math.inf and arrive(motion) < BOUND
-
-
-@internal
-def cut_to_domain(motion, t, h):
-    """The longest of h/2, h/4 … that is a step, where the surface is ahead; 0 where there is none, or no need.
-
-    A field may have no value beyond the surface, as a spring that only pushes: the surface is then approached in ever
-    shorter steps, the last of which cannot be told from it.
-    """
-    run = motion.run
-    if run.rate >= 0.0 or run.height + 2.0 * run.rate * abs(h) > 0.0:
-        return 0.0
-    for _ in range(_HALVINGS):
-        h *= 0.5
-        if has_end(motion, t, h):
-            return h
-    return 0.0
-
-
-@internal
-def move_across(motion, t):
-    """Move a state that is on the surface but for rounding, by less than that, to where g has the sign to come.
-
-    A field that has a value on its own side alone has none at a state whose g is wrong by the last digit.
-    """
-    x, place, g = motion.x, motion.place, motion.w[G]
-    size, steepest, along = 0.0, 0.0, 0
-    for i in range(x.size):
-        size = max(size, abs(x[i]))
-    for i in range(x.size):
-        place[i] = x[i] + _BESIDE * size
-        slope = (look_at(motion, t) - g) / (place[i] - x[i])
-        place[i] = x[i]
-        if abs(slope) > abs(steepest):
-            steepest, along = slope, i
-    if abs(2.0 * g) <= _NOTHING * size * abs(steepest):
-        x[along] -= 2.0 * g / steepest
-    place[along] = x[along]
-    look(motion, t)
-
-
-@internal
-def is_at_surface(motion, t, h):
-    """Whether the state is as near to the surface as the rounding of a step of length h lets it come."""
-    run, x = motion.run, motion.x
-    for i in range(x.size):
-        motion.place[i] = x[i]
-    look(motion, t)
-    return run.height <= _MARGIN * (motion.w[DOUBT] + _EPS * abs(run.own) * (abs(t) + abs(h)))
 
 
 @inlined

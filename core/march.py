@@ -14,13 +14,14 @@ from typing import Any
 import numba
 from numba import njit, types
 
-from core import arithmetic, crossing, doubled, isolation, jit, locating, signatures, state, trajectory
+from core import approach, arithmetic, crossing, doubled, isolation, jit, locating, signatures, state, status, surface
 from core.arithmetic import two_sum
-from core.crossing import RUNNING, Log, contradicts, enter, is_plain, move, widen_envelope
+from core.crossing import RUNNING, enter, is_plain, move
 from core.jit import OPTIONS, internal
 from core.locating import BOUND, Motion
 from core.signatures import G_END, RATE_END, STEP, Frame, call
-from core.trajectory import Status
+from core.status import Status
+from core.surface import Log, contradicts, widen_envelope
 
 __all__ = ["compiled_march"]
 
@@ -86,7 +87,9 @@ def compiled_march() -> Callable[..., int]:
     """
     # numba looks for changes in this file only. The loop inlines others: a hash of them, being a closed-over
     # variable, becomes part of the key that numba caches under.
-    modules = (arithmetic, crossing, doubled, isolation, jit, locating, signatures, state, trajectory)
+    modules = (
+        approach, arithmetic, crossing, doubled, isolation, jit, locating, signatures, state, status, surface,
+    )  # fmt: skip
     text = "\0".join(Path(str(m.__file__)).read_text(encoding="utf-8") for m in modules)
     inlined = hashlib.sha256(text.encode()).hexdigest()
     head = Frame(0, 0).x

@@ -23,10 +23,11 @@ from core.methods import Method
 from core.recurrences import STRIDE, order_of
 from core.signatures import ORDER, TOLERANCE, Frame
 from core.state import HIT, JUMP_ANYWHERE, JUMP_TO_SURFACE, ROW, RUN
+from core.status import CROSSING_KINDS, Status
 from core.system import MAX_DIMENSION, PiecewiseSystem
 from core.tangency import sides_entered
 from core.taylor import memo_rows
-from core.trajectory import CROSSING_KINDS, Crossings, Status
+from core.trajectory import Crossings
 
 __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
-from enum import IntEnum
 from functools import cached_property
 from typing import Any, overload
 
@@ -17,96 +16,12 @@ from core.dense import Stepper, Track
 from core.excess import excess_along, with_exits
 from core.laws import Floats
 from core.methods import METHODS
+from core.status import CROSSING_KINDS, Status
 from core.system import PiecewiseSystem
 
 __all__ = ["CROSSING_KINDS", "Crossing", "Crossings", "Status", "Trajectory"]
 
 Integers = NDArray[np.int64]
-
-
-class Status(IntEnum):
-    """How a run ended. Its `advice` says what to do about it."""
-
-    RUNNING = 0
-    COMPLETED = 1
-    SLIDING = 2
-    REPELLING = 3
-    GRAZING = 4
-    NO_CONVERGENCE = 5
-    ESCAPED = 6
-    ZENO = 7
-    CROSSING_LIMIT = 8
-    STEP_LIMIT = 9
-    CANCELLED = 10
-    CONTRADICTION = 11
-    UNSTABLE = 12
-
-    @property
-    def reason(self) -> str:
-        """Why a run stops so, in plain words."""
-        return _WORDS[self][0]
-
-    @property
-    def advice(self) -> str:
-        """What to do about it."""
-        return _WORDS[self][1]
-
-    @property
-    def advice_without_tau(self) -> str:
-        """What to do about it where the method chooses its steps."""
-        return _WITHOUT_TAU.get(self, self.advice)
-
-
-_WORDS = {
-    Status.RUNNING: ("still running", ""),
-    Status.COMPLETED: ("reached the end time", ""),
-    Status.SLIDING: (
-        "both fields point to the surface, so the state slides along it",
-        "Transversal dynamics end here; a sliding flow is another system.",
-    ),
-    Status.REPELLING: (
-        "both fields point away from the surface, so where to go on is not determined",
-        "Start off the surface, on the side you want.",
-    ),
-    Status.GRAZING: (
-        "the trajectory touches the surface without a transversal crossing",
-        "Move the initial condition or a parameter a little, or take a smaller step size tau.",
-    ),
-    Status.NO_CONVERGENCE: (
-        "the equations of the step, or the switching function, have no real solution that can be found",
-        "Take a smaller step size tau.",
-    ),
-    Status.ESCAPED: (
-        "the state runs away beyond any bound",
-        "The solution may have a pole: end the run before it. If it has none, take a smaller step size tau.",
-    ),
-    Status.ZENO: (
-        "crossings come ever closer and accumulate here (Zeno)",
-        "The motion does not go on by these laws; say what follows with another system.",
-    ),
-    Status.CROSSING_LIMIT: ("reached max_crossings", "Raise max_crossings to go on."),
-    Status.STEP_LIMIT: ("reached max_steps", "Take a larger step size tau, a shorter time, or raise max_steps."),
-    Status.CANCELLED: ("cancelled", ""),
-    Status.CONTRADICTION: (
-        "the state lies on the other side of the surface than the one whose law it has followed",
-        "This is an error of the program, not of yours: please report the system, and discard the run.",
-    ),
-    Status.UNSTABLE: (
-        "the step is too long for this field: the scheme leaves the solution, which does not move so",
-        "Take a smaller step size tau, or a method that chooses its steps (taylor).",
-    ),
-}
-
-_WITHOUT_TAU = {
-    Status.GRAZING: "Move the initial condition or a parameter a little.",
-    Status.NO_CONVERGENCE: "Its Taylor series is not defined here, as that of a root at zero: take prk8, say.",
-    Status.ESCAPED: "The solution may have a pole: end the run before it.",
-    Status.STEP_LIMIT: "Take a larger tolerance, a shorter time, or raise max_steps.",
-    Status.UNSTABLE: "Take a smaller tolerance.",
-}
-
-#: Names of the kinds of crossing, in the order of the compiled codes.
-CROSSING_KINDS = ("transversal", "grazing", "sliding", "repelling", "jump")
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,9 @@ def test_importing_core_loads_nothing_of_a_screen():
     ("module", "barred"),
     [
         ("core/crossing.py", ["core.march", "core.runner", "core.integrate", "core.studies"]),
+        ("core/surface.py", ["core.crossing", "core.locating", "core.march", "core.trajectory"]),
+        ("core/approach.py", ["core.crossing", "core.march", "core.trajectory"]),
+        ("core/status.py", ["core"]),
         ("core/locating.py", ["core.crossing", "core.march", "core.runner"]),
         ("core/printing.py", ["core.codegen", "core.stepcode", "core.methods"]),
         ("core/stepcode.py", ["core.compiled", "core.methods", "core.march"]),
