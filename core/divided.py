@@ -29,8 +29,8 @@ _inline = njit(error_model="numpy")
 _NEAR = 1e-4
 
 
-#: Up to here the products of e^2a and e^2b are far from the ends of floating point.
-_MODERATE = 100.0
+#: Up to here the rounding of b − a is none of sinh(b − a) to speak of.
+_MODERATE = 1.0
 #: Below this twelve terms of the series of artanh are enough: 0.18²⁴/25 is 2⁻⁶⁴.
 _SMALL_PART = 0.18
 

@@ -59,7 +59,9 @@ def excess_along(
 
 
 def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floats:
-    """The error at each row, or at an exit met since the row before where that is larger in size.
+    """The error at each row, or that with which the side is left before the next row, where that is larger in size.
+
+    An exit from a segment without rows, between two crossings in one step, counts for the row that follows.
 
     Parameters
     ----------
@@ -70,7 +72,10 @@ def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floa
     exits
         (k, m) where the k-th segment was left.
     """
-    row = np.searchsorted(segment, np.arange(len(exits)), side="right")  # the first that lies in a later segment
+    numbers = np.arange(len(exits))
+    after = np.searchsorted(segment, numbers, side="right")  # the first row that lies in a later segment
+    has_rows = np.searchsorted(segment, numbers, side="left") < after
+    row = np.where(has_rows, after - 1, after)
     row = row[row < len(error)]
     for j in range(error.shape[1]):
         found = exits[: len(row), j]

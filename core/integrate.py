@@ -62,7 +62,7 @@ def integrate(
         d numbers, or a mapping from the names of all variables to theirs; the system's own x0 where not given.
     tau
         Step size, positive; 1e-2 where not given. The last step is shortened to end at the end time. A method that
-        chooses its own steps ("taylor") takes none longer than this.
+        chooses its own steps ("taylor") takes none longer than this, and any where it is not given.
     method
         A key of METHODS, or one of its values.
     tolerance

@@ -40,9 +40,9 @@ def write_sample(run, x, samples):
         for k in range(run.samples):
             for i in range(samples.shape[1]):
                 samples[k, i] = samples[2 * k, i]
-    samples[run.samples, 0], samples[run.samples, 1] = run.t, run.side
+    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.side, 0.0
     for i in range(x.size):
-        samples[run.samples, 2 + i] = x[i]
+        samples[run.samples, 3 + i] = x[i]
     run.samples += 1
     run.next_sample = run.steps + run.stride
 
@@ -115,6 +115,8 @@ def compiled_march() -> Callable[..., int]:
             h = run.rest
             if h == 0.0:
                 run.final = 0
+                if run.steps >= run.next_sample:
+                    write_sample(run, x, samples)
                 h = (run.t_end - run.t) - run.t_carry
                 if h == 0.0:
                     return _CONTRADICTION if contradicts(motion, 0.0) else _COMPLETED
@@ -122,8 +124,6 @@ def compiled_march() -> Callable[..., int]:
                     run.final = 1
                 else:
                     h = run.tau
-                    if run.steps >= run.next_sample:
-                        write_sample(run, x, samples)
             # Nearly every step is plain, and taken right here: passing so many arrays costs more than the step.
             t, plain = run.t + run.t_carry, False
             if run.adaptive == 0:
@@ -147,6 +147,8 @@ def compiled_march() -> Callable[..., int]:
                     return status
             if run.rest != 0.0:
                 continue
+            if run.next_sample == run.steps + run.stride and run.samples > 0:
+                samples[run.samples - 1, 2] = (run.t - samples[run.samples - 1, 0]) + run.t_carry
             run.steps += 1
             if run.final == 1:
                 run.t, run.t_carry = run.t_end, 0.0

@@ -27,7 +27,7 @@ LEAST_ORDER, MAX_ORDER = 8, 24
 STRIDE = MAX_ORDER + 1
 
 #: What the height may be off by: in powers of two of the tolerance, and of the height at most.
-_FREEDOM, _FREEST = 10.0, -20.0
+_FREEDOM, _FREEST = 10.0, -14.0
 
 _LOG2_E = math.log2(math.e)
 _THIRD = 1.0 / 3.0  #: a product is there sooner than a quotient
@@ -165,25 +165,24 @@ def reach_of_height(c, d, order, tolerance):
     """Length of the step that the last two coefficients of row d allow, the height over the surface.
 
     A surface may vary faster than the state: a crossing is seen on this polynomial, but located on the scheme itself.
-    So it may be off by 2¹⁰ times the tolerance, up to 2⁻²⁰, or by the tolerance if that is more. The scale is the
+    So it may be off by 2¹⁰ times the tolerance, up to 2⁻¹⁴, or by the tolerance if that is more. The scale is the
     largest of the height, and of its change to first and to second order, in the step: one of them at least is no
     accident of where the step begins. The rest is as in `reach`.
     """
-    row = c[d]
-    before, last = abs(row[order - 1]), abs(row[order])
-    if before == 0.0 and last == 0.0:
-        order = _last_nonzero(c[d:], 1, order)
-        if order == 0:
-            return math.inf
-        before, last = abs(row[order - 1]), abs(row[order])
-    if not abs(row[0]) + before + last < math.inf:
+    highest = order
+    while order > highest // 2 and c[d, order] == 0.0 and c[d, order - 1] == 0.0:
+        order -= 1
+    if order <= highest // 2:
+        return math.inf
+    before, last = abs(c[d, order - 1]), abs(c[d, order])
+    if not abs(c[d, 0]) + before + last < math.inf:
         return math.nan
     shrink = min(-1.0, max(_log2(tolerance), min(_log2(tolerance) + _FREEDOM, _FREEST)) / order)
     before, last = _log2(before), _log2(last)
     h = -math.inf
     for q in range(3):
-        if row[q] != 0.0:
-            h = max(h, _log_radius(_log2(abs(row[q])) + shrink * q, before, last, order, q))
+        if c[d, q] != 0.0:
+            h = max(h, _log_radius(_log2(abs(c[d, q])) + shrink * q, before, last, order, q))
     return _exp2(h + shrink - 0.7 * _LOG2_E / (order - 1))
 
 

@@ -109,7 +109,7 @@ class Runner:
         if system.jump is not None:
             self._run["jump"] = JUMP_TO_SURFACE if system.laws.jump_stays else JUMP_ANYWHERE
         self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
-        self._run["stride"], self._samples = 1, np.empty((_SAMPLES, 2 + d))
+        self._run["stride"], self._samples = 1, np.empty((_SAMPLES, 3 + d))
         self._memo = np.empty((1, 1))
         self._scratch: tuple[Floats, ...] = (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))
         if method.adaptive:
@@ -139,7 +139,7 @@ class Runner:
 
     @property
     def samples(self) -> Floats:
-        """(k, 2 + d) time, side and state at the start of some of the steps in which no crossing was found."""
+        """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
         return self._samples[: int(self._run["samples"][0])]
 
     @property

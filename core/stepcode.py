@@ -36,7 +36,7 @@ _FAR = 0.05
 #: The determinant of the equations, 1 at h = 0, may change by this factor in a part of a step.
 _NEAR = 0.6
 #: Parts at most in which a solution is followed from h = 0.
-_MOST_PARTS = 64
+_MOST_PARTS = 1024
 #: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
 _SETTLED = 1e-8
 _MAX_MOVES = 8
@@ -316,7 +316,7 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
     state = ", ".join(f"abs(x{k})" for k in range(d))
     # Where the first correction is large, or the determinant changes much, the part is too far a way, unless linear.
     changed = f" or not {_NEAR} * before < scale < before / {_NEAR}" if on_branch != "True" else ""
-    far = [f"if corrections == 2 and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
+    far = [f"if aside and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
     kept = ""
     check = []
     if n - d > 1:  # a ψ that has been left alone must be kept all the same
@@ -328,9 +328,10 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
         f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
         f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
         "corrections += 1",
-        f"if not size < math.inf or corrections > {_MAX_CORRECTIONS}:",
+        "if not size < math.inf:",
         "    break",
-        f"if corrections == 2 and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
+        f"aside = corrections == 2 and last > {_STAGNATION} * max(whole, {state})",
+        f"if aside and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
         "    break",
         *far,
         *check,
@@ -340,8 +341,11 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
         f"if {kept}(size == 0.0 or fast):",
         f"    solved = {on_branch}",
         "    break",
-        f"if {kept}2.0 * size >= last and size <= {_STAGNATION} * max(whole, {state}):",
+        f"over = corrections >= {_MAX_CORRECTIONS}",
+        f"if {kept}(size >= last or over) and size <= {_STAGNATION} * max(whole, {state}):",
         f"    solved = {on_branch}",
+        "    break",
+        "if over:",
         "    break",
         "last = size",
     ]

@@ -177,7 +177,7 @@ class Trajectory:
     tolerance: float = math.nan
     """Of a method that chooses its own step size; else nan."""
     samples: Floats | None = field(default=None, repr=False)
-    """(k, 2 + d) time, side and state at the start of some of the steps in which no crossing was found."""
+    """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
 
     def __repr__(self) -> str:
         step = f"tolerance = {self.tolerance:g}" if METHODS[self.method].adaptive else f"tau = {self.tau:g}"
@@ -197,8 +197,8 @@ class Trajectory:
         Parameters
         ----------
         exits
-            Whether a row also tells of the crossings met since the row before, where a side was left with an error
-            that is larger (see `exit_error`).
+            Whether the last row before a crossing tells of the error with which its side is left there, where that is
+            larger (see `exit_error`).
 
         Returns
         -------

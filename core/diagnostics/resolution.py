@@ -13,8 +13,8 @@ from core.trajectory import Trajectory
 __all__ = ["unresolved"]
 
 #: Where in a step g is looked at, in parts of it: at no equal distances, which a regular surface could hide behind.
-#: What is narrower than a twentieth of a step may be hidden all the same.
-_PLACES = np.append(np.sort((np.arange(1, 32) * 0.6180339887498949) % 1.0), 1.0)
+#: What is narrower than a thirtieth of a step may be hidden all the same.
+_PLACES = np.append(np.sort((np.arange(1, 48) * 0.6180339887498949) % 1.0), 1.0)
 #: What g may be off the cubic between the places that are looked at, in parts of what it is off there.
 _MARGIN = 3.0
 
@@ -30,28 +30,31 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        () where g is resolved, or where the method chooses its steps and has no such cubic; else one warning.
+        () where g is resolved, else one warning. A method that chooses its steps has a polynomial in place of the
+        cubic, and only what is seen between is told of.
     """
     samples = run.samples
-    if samples is None or not len(samples) or METHODS[run.method].adaptive:
+    if samples is None or not len(samples):
         return ()
-    t, side, x = samples[:, 0], samples[:, 1].astype(np.int64), np.ascontiguousarray(samples[:, 2:])
-    h = run.tau if run.t[-1] >= run.t[0] else -run.tau
-    times = t[:, None] + h * _PLACES
-    states = np.concatenate([x[:, None], _states(run, t, x, side, times)], axis=1)
-    places, times = np.append(0.0, _PLACES), np.concatenate([t[:, None], times], axis=1)
+    t, side, h = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2]
+    x = np.ascontiguousarray(samples[:, 3:])
+    places, times = np.append(0.0, _PLACES), t[:, None] + h[:, None] * np.append(0.0, _PLACES)
+    states = np.concatenate([x[:, None], _states(run, t, x, side, times[:, 1:])], axis=1)
     with np.errstate(all="ignore"):
         g = side[:, None] * run.system.switching(times, states)
         rates = (run.system.switching_rate(s, times, states) for s in (1, -1))
-        rate: Floats = np.where(side[:, None] > 0, *rates) * (h * side[:, None])
+        rate: Floats = np.where(side[:, None] > 0, *rates) * (h * side)[:, None]
         cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
-        hidden = (g[:, -1] > 0.0) & ((g <= 0.0) | (cubic <= _MARGIN * np.abs(g - cubic)))[:, 1:].any(axis=1)
-        hidden |= (g[:, -1] > 0.0) & _may_dip(np.diff(places), g, rate).any(axis=1)
+        hidden = (g <= 0.0)[:, 1:].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1)
+        if not METHODS[run.method].adaptive:
+            hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:].any(axis=1)
+        hidden &= (g[:, -1] > 0.0) & (h != 0.0)
     if not hidden.any():
         return ()
+    when, length = float(t[hidden][0]), float(np.abs(h[hidden][0]))
     return (
-        f"tau = {run.tau:.3g} is too long for this surface: within the step at t = {t[hidden][0]:.6g} g varies by more "
-        "than its values and rates at both ends show, so crossings may have been missed; take a smaller tau",
+        f"A step of {length:.3g} is too long for this surface: from t = {when:.6g} on g varies by more than its values "
+        "and rates at both ends show, so crossings may have been missed; take a smaller tau",
     )
 
 

@@ -91,7 +91,7 @@ class _Path:
     def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, tolerance: float) -> None:
         settings = Settings(np.inf, tolerance, max_steps=_MAX_STEPS)
         self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
-        self._kept = [_Snapshot(t0, self._runner.twin())]
+        self._kept, self._ended = [_Snapshot(t0, self._runner.twin())], False
         self._stride = float(np.linalg.norm(x0)) / (float(np.linalg.norm(system.field(1, t0, x0))) or 1.0) or 1.0
 
     def begin(self) -> None:
@@ -113,8 +113,12 @@ class _Path:
         return self._at(t).side or self._runner.first_side
 
     def _at(self, t: float) -> Runner:
-        while self._kept[-1].t < t:
-            self._extend(f"t = {t:.17g}")
+        while self._kept[-1].t < t and not (self._ended and t < self._runner.t):
+            try:
+                self._extend(f"t = {t:.17g}")
+            except ValueError:
+                if not t < self._runner.t:
+                    raise
         runner = self._kept[bisect_right([s.t for s in self._kept], t) - 1].runner.twin()
         runner.advance(t)
         return runner
@@ -122,7 +126,8 @@ class _Path:
     def _extend(self, wanted: str) -> None:
         """Go on by a stride; ValueError where the run has stopped."""
         runner, before = self._runner, self._runner.steps
-        if runner.advance(runner.t + self._stride) is not Status.COMPLETED:
+        if self._ended or runner.advance(runner.t + self._stride) is not Status.COMPLETED:
+            self._ended = True
             reason = runner.status.reason
             raise ValueError(f"the solution ends at t = {runner.t:.16g}, x = {runner.x}, before {wanted}: {reason}")
         self._kept.append(_Snapshot(runner.t, runner.twin()))

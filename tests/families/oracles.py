@@ -187,9 +187,9 @@ def trusted(
         off = max((float(abs(e.t - event.t)) for e in twins), default=np.inf)
         if len(twins) < len(others) or off > 0.05 * float(min(event.t - times[k], times[k + 2] - event.t)):
             break
-        dt.append(off + floor)
+        dt.append(3 * off + floor)
         dx.append(
-            max(float(np.abs(np.concatenate([e.x - event.x, e.after - event.after])).max()) for e in twins) + floor
+            3 * max(float(np.abs(np.concatenate([e.x - event.x, e.after - event.after])).max()) for e in twins) + floor
         )
     told = len(dt)
     if told < len(base.events) or base.why or any(o.why or len(o.events) > told for o in others):

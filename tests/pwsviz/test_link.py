@@ -204,7 +204,6 @@ HOSTILE = [
     ("starts=1,nan", "Start 1", "not a number"),
     ("starts=1,2,3", "Start 1", "needs 2 numbers"),
     ("starts=", "Start 1", "not a number"),
-    ("starts=1,2;0,0;3,4", "Start 2", "no surface"),
     ("starts=" + "1,1;" * 1_000_000, "link", "cut"),
     ("starts=" + "1,1;" * 500 + "1,1", "501 starts", "first 12"),
     ("own=[]", "own", "a list is no system"),
