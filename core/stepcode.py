@@ -282,7 +282,9 @@ class StepCode:
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
         whole, state = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in "dx")
-        inner.append(f"if size <= {_SETTLED} * {whole} or size <= {_NOTHING} * {state}:")
+        # A coordinate may be far smaller than others, and ψ hang on it all the same, as on its logarithm.
+        each = " and ".join(f"abs(e{k}) <= {_SETTLED} * max(abs(d{k}), abs(x{k}))" for k in range(d))
+        inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * {state}) and {each}:")
         inner.append("    break")
         self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]
         # Near an equilibrium, where ψ hardly varies, a move may be large for the motion and nothing for the state.

@@ -14,7 +14,7 @@ def test_machine_code_is_freed_without_harm_to_other_code():
     before = core.integrate(system, (0.0, 1.0), method="rk4").x
     (source, *_) = sorted((compiled._folder() / "__pycache__").glob("pws_*.step.*.o"))
     code = source.read_bytes()
-    for _ in range(20):
+    for _ in range(4):
         kept = [Native(code, "step", 1) for _ in range(5)]
         assert len({one.address for one in kept}) == 5
         del kept

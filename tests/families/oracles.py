@@ -23,6 +23,7 @@ _CHUNK = 192  # samples of g taken at a time
 _FIRST = 2.0**-30  # the first sample after an event, as a part of the spacing
 _REFINED = 32  # parts of an interval that is looked into
 _ACCUMULATED = 1e-7  # gaps below this part of the spacing: the motion chatters
+_SHORTEST = 1e-3  # of the flights that are compared, at early times
 _TOO_LARGE = 0.01  # relative to the state: with such an error, what comes next cannot be told
 _PERTURBED = 30.0  # times its error is what a start is moved by, so that the errors on its way are less
 
@@ -187,10 +188,12 @@ def trusted(
         off = max((float(abs(e.t - event.t)) for e in twins), default=np.inf)
         if len(twins) < len(others) or off > 0.05 * float(min(event.t - times[k], times[k + 2] - event.t)):
             break
+        # A height is known to eps·t, and so the instants of a flight of length T to a multiple of eps·t/T.
+        if event.t - times[k] < _SHORTEST * (1 + abs(event.t) / 100):
+            break
         dt.append(3 * off + floor)
-        dx.append(
-            3 * max(float(np.abs(np.concatenate([e.x - event.x, e.after - event.after])).max()) for e in twins) + floor
-        )
+        changes = (np.abs(np.concatenate([e.x - event.x, e.after - event.after])).max() for e in twins)
+        dx.append(3 * max(map(float, changes)) + floor)
     told = len(dt)
     if told < len(base.events) or base.why or any(o.why or len(o.events) > told for o in others):
         last = base.events[told - 1] if told else None
