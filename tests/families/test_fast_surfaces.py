@@ -124,7 +124,10 @@ def straight(rng: np.random.Generator, kind: str) -> Case:
     x0 = (-2.5, float(rng.uniform(0.5, 2.0)))
     t_end = float(rng.uniform(3.0, 9.0))
     fastest = rate(max(x0[1], 1.0) + pull, **p)
-    exact = Hybrid(accelerated({-1: a["am"], 1: a["ap"]}), lambda t, x: height(t, x, **q), 0.1 / max(fastest, 1.0))
+    spacing = 0.1 / max(fastest, 1.0)
+    if kind == "polynomial":  # the oracle looks between any two of its roots
+        spacing = min(spacing, np.diff(sorted(p.values())).min() / (3.0 * (x0[1] + pull * t_end)))
+    exact = Hybrid(accelerated({-1: a["am"], 1: a["ap"]}), lambda t, x: height(t, x, **q), spacing)
     return Case(_straight_system(kind).with_parameters(**p, **slopes), exact, x0, t_end, max(fastest, 1.0))
 
 
