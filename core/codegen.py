@@ -22,7 +22,7 @@ from core import (
     signatures,
     solving,
 )
-from core.elimination import least_change, row_lines
+from core.elimination import least_change, row_lines, size_line
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, doubled_assignments, magnitude, named
@@ -150,7 +150,7 @@ def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
     lines += [*names.doubled([f"r{m}"], [laws.g], quick=True), f"r{m} += r{m}_low"]
     gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
     rows, worked_out = row_lines(gradients, names.temporaries)
-    lines += [*worked_out, *least_change(rows, moves, names.temporaries)]
+    lines += [*worked_out, size_line(names.x), *least_change(rows, moves, names.temporaries)]
     lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)
     size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
     lines += [f"size, speed = {size}, {speed}", f"w[{signatures.DELAY}] = 0.0"]

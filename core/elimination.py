@@ -15,10 +15,13 @@ __all__ = [
     "KEPT",
     "LEAST",
     "MOST",
+    "NEARLY",
+    "SPARED",
     "WRITTEN_OUT",
     "by_cofactors",
     "least_change",
     "row_lines",
+    "size_line",
     "with_pivots",
 ]
 
@@ -27,12 +30,15 @@ FEW = 4
 #: Up to so many unknowns a solution that is written out takes less time than one in loops over arrays (`solving`).
 WRITTEN_OUT = 10
 
-#: A pivot of so many parts of its column is round-off.
+#: A pivot of so many parts of what it was before others were eliminated is round-off.
 DEPENDENT = 4 * 2.0**-52
+#: A gradient is nearly dependent on others where the square of its sine to them is below this.
+NEARLY = 1e-4
 #: Outside these bounds products of gradients are scaled first.
 LEAST, MOST = 1e-250, 1e250
-#: And so many parts of gradient times state are what ψ may change by when its multiplier has none.
-KEPT = 16 * 2.0**-52
+#: And so many parts of gradient times state are what ψ may change by when its multiplier is left alone; so many, of
+#: what it changes by when others are kept, leave it alone.
+KEPT, SPARED = 64 * 2.0**-52, 4 * 2.0**-52
 
 
 def by_cofactors(matrix: sympy.Matrix, temporaries: Iterable[Symbol]) -> list[str]:
@@ -50,25 +56,40 @@ def by_cofactors(matrix: sympy.Matrix, temporaries: Iterable[Symbol]) -> list[st
 
 
 def with_pivots(n: int, d: int) -> list[str]:
-    """Lines that solve the n × n system j·e = r by Gaussian elimination with partial pivoting, e left in r.
+    """Lines that solve the n × n system j·e = r by Gaussian elimination, e left in r.
 
-    The unknowns from d on are multipliers of gradients. A pivot of zero leaves its unknown alone: gradients that
-    vanish, as at an equilibrium, bind nothing. So does one that depends on the others but for round-off: the pivot is
-    the square of its sine, and to that order its ψ is kept by keeping theirs.
+    The unknowns from d on are multipliers of gradients, and the rows from d on say that each ψ is kept. The first d
+    unknowns are eliminated with partial pivoting among the first d rows. What is left is close to the products of the
+    gradients with each other: definite, so that its pivots stay where they are, and row and multiplier of a ψ go
+    together. A pivot of zero leaves its unknown alone: gradients that vanish, as at an equilibrium, bind nothing.
+
+    A gradient that depends on those before it has the square of its sine to them as a pivot, and to that order its ψ is
+    kept by keeping theirs. Newton's method converges slowly to a state where the sine is zero, as on a circular orbit,
+    and the multiplier has no value there. So where the pivot is small it is left alone in the first correction
+    (`corrections` is 0), which keeps ψ to the order of the method; and afterwards where ψ is kept but for rounding, in
+    parts of the state (`state`), or the pivot is round-off.
     """
     several = n - d > 1
-    lines = []
+    lines = ["firm = True"] if several else []
     if several:
         lines += [f"s{k} = max({', '.join(f'abs(j{i}_{k})' for i in range(d))})" for k in range(d, n)]
-        lines.append(f"unit = {DEPENDENT} * min(1.0, {', '.join(f's{k}' for k in range(d, n))})")
         lines.append(f"excess = max({', '.join(f'abs(r{k})' for k in range(d, n))})")
     for k in range(n):
-        for i in range(k + 1, n):
+        for i in range(k + 1, d):
             row, pivot = ([f"j{m}_{c}" for c in range(k, n)] + [f"r{m}"] for m in (i, k))
             swap = f"{', '.join(row + pivot)} = {', '.join(pivot + row)}"
             lines += [f"if abs(j{i}_{k}) > abs(j{k}_{k}):", f"    {swap}"]
-        least = f"unit * s{k}" if several and k >= d else "0.0"
-        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if not abs(j{k}_{k}) <= {least} else 0.0")
+        if k == d and several:
+            lines += [f"whole{i} = abs(j{i}_{i})" for i in range(d, n)]
+        if several and k >= d:
+            lines += [
+                f"near = abs(j{k}_{k}) <= {NEARLY} * whole{k}",
+                "firm = firm and not near",
+                f"if near and (corrections == 0 or abs(r{k}) <= {SPARED} * s{k} * state "
+                f"or abs(j{k}_{k}) <= {DEPENDENT} * whole{k}):",
+                f"    j{k}_{k} = math.inf",
+            ]
+        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0")
         for i in range(k + 1, n):
             lines.append(f"q = j{i}_{k} * j{k}_{k}")
             lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, n)]
@@ -82,6 +103,11 @@ def _back_substitution(n: int) -> list[str]:
         known = "".join(f" - j{k}_{c} * r{c}" for c in range(k + 1, n))
         lines.append(f"r{k} = (r{k}{known}) * j{k}_{k}")
     return lines
+
+
+def size_line(x: Sequence[Symbol]) -> str:
+    """Line that leaves the largest coordinate's size in `state`, nan where one is nan."""
+    return f"state = max({', '.join(f'abs({v})' for v in x)}, 0.0)"
 
 
 def row_lines(rows: Sequence[Sequence[Expr]], temporaries: Iterable[Symbol]) -> tuple[list[list[Symbol]], list[str]]:
@@ -100,8 +126,9 @@ def least_change(
 ) -> list[str]:
     """Lines that give `changes` the v along the rows A with B·v = r0, r1, …: v = Aᵀ(BAᵀ)⁻¹r, B being `slopes`, or A.
 
-    With B = A the smallest such v. Rows that vanish, or depend on those before them but for round-off, bind nothing.
-    The entries of A are those of `row_lines`, and lost.
+    With B = A the smallest such v. Rows that vanish, or depend on those before them but for round-off, bind nothing;
+    nor do those that nearly depend on them where r is rounding beside the row and the state (`state`), see
+    `with_pivots`; of several rows `firm` tells whether none nearly depends on others. The entries of A are those of `row_lines`, and lost.
     """
     m, d = len(along), len(along[0])
     if m > FEW:
@@ -119,9 +146,17 @@ def least_change(
     lines.append(f"if not ({' and '.join(f'{LEAST} < abs(j{k}_{k}) < {MOST}' for k in range(m))}):")
     lines += [f"    {line}" for line in (*_rescale(along, against, m), *form)]
     lines += [f"s{i} = abs(j{i}_{i})" for i in range(1, m)]
+    lines += ["firm = True"] if m > 1 else []
     for k in range(m):
-        least = f"{DEPENDENT**0.5!r} * s{k}" if k else "0.0"
-        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if abs(j{k}_{k}) > {least} else 0.0")
+        if k > 0:
+            lines += [
+                f"near = abs(j{k}_{k}) <= {NEARLY} * s{k}",
+                "firm = firm and not near",
+                f"if near and (abs(r{k}) <= {SPARED} * math.sqrt(s{k}) * state "
+                f"or abs(j{k}_{k}) <= {DEPENDENT} * s{k}):",
+                f"    j{k}_{k} = math.inf",
+            ]
+        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0")
         for i in range(k + 1, m):
             lines.append(f"q = j{i}_{k} * j{k}_{k}")
             lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, m)]
@@ -148,7 +183,7 @@ def _change_in_loops(
     against = entries if slopes is None else [e for row in slopes for e in row]
     lines += assignments([f"slopes[{k}]" for k in range(m * d)], against, temporaries, thorough=False)
     lines += [f"excesses[{k}] = r{k}" for k in range(m)]
-    lines.append(f"change_along(rows, slopes, excesses, room, change, {m}, {d})")
+    lines.append(f"firm = change_along(rows, slopes, excesses, room, change, {m}, {d}, state)")
     return lines + [f"{e} = change[{k}]" for k, e in enumerate(changes)]
 
 

@@ -9,18 +9,18 @@ they run on arrays of numpy.
 
 from __future__ import annotations
 
-from core.elimination import DEPENDENT, LEAST, MOST
+import math
+
+from core.elimination import DEPENDENT, LEAST, MOST, NEARLY, SPARED
 
 __all__ = ["change_along", "solve_with_pivots"]
 
-_DEPENDENT_SINE = DEPENDENT**0.5
 
+def solve_with_pivots(a, r, s, n, d, first, state):
+    """Solve a·e = r of n unknowns by Gaussian elimination, as `elimination.with_pivots` does.
 
-def solve_with_pivots(a, r, s, n, d):
-    """Solve a·e = r of n unknowns by Gaussian elimination with partial pivoting, as `elimination.with_pivots` does.
-
-    The unknowns from d on are multipliers of gradients. A pivot of zero, or one that is round-off beside the others,
-    leaves its unknown alone.
+    The unknowns from d on are multipliers of gradients; those of gradients that vanish, or depend on others, may be
+    left alone.
 
     Parameters
     ----------
@@ -32,25 +32,34 @@ def solve_with_pivots(a, r, s, n, d):
         Room for n numbers.
     n, d
         How many unknowns there are, and how many of them are no multipliers.
+    first
+        Whether this is Newton's first correction.
+    state
+        Size of the state.
 
     Returns
     -------
     tuple
-        Whether every multiplier has been found; how much ψ was to change by, at most; the largest entry of a gradient.
+        Whether no gradient vanishes or is nearly dependent on others; how much ψ was to change by, at most; the largest entry of a gradient.
     """
-    least, excess, largest, bound = 1.0, 0.0, 0.0, True
+    excess, largest, firm, several = 0.0, 0.0, True, n - d > 1
     for k in range(d, n):
         s[k] = 0.0
         for i in range(d):
             s[k] = max(s[k], abs(a[i * n + k]))
-        least, largest, excess = min(least, s[k]), max(largest, s[k]), max(excess, abs(r[k]))
-    unit = DEPENDENT * least if n - d > 1 else 0.0
+        largest, excess = max(largest, s[k]), max(excess, abs(r[k]))
     for k in range(n):
-        pivot_up(a, r, n, k)
-        smallest = unit * s[k] if k >= d else 0.0
+        pivot_up(a, r, n, k, d)
+        if k == d:
+            for i in range(n - d):  # there are no more multipliers than other unknowns
+                s[i] = abs(a[(d + i) * n + d + i])
         pivot = a[k * n + k]
-        inverse = 1.0 / pivot if not abs(pivot) <= smallest else 0.0
-        bound = bound and (k < d or inverse != 0.0)
+        inverse = 1.0 / pivot if pivot != 0.0 else 0.0
+        if k >= d and several:
+            near = abs(pivot) <= NEARLY * s[k - d]
+            firm = firm and not near
+            if near and (first or abs(r[k]) <= SPARED * s[k] * state or abs(pivot) <= DEPENDENT * s[k - d]):
+                inverse = 0.0
         a[k * n + k] = inverse
         for i in range(k + 1, n):
             q = a[i * n + k] * inverse
@@ -59,13 +68,13 @@ def solve_with_pivots(a, r, s, n, d):
                     a[i * n + c] -= q * a[k * n + c]
                 r[i] -= q * r[k]
     substitute_back(a, r, n)
-    return bound, excess, largest
+    return firm, excess, largest
 
 
-def pivot_up(a, r, n, k):
-    """Exchange rows from k on so that the largest entry of column k comes first."""
+def pivot_up(a, r, n, k, d):
+    """Exchange rows from k on, of the first d, so that the largest entry of column k comes first."""
     best = k
-    for i in range(k + 1, n):
+    for i in range(k + 1, d):
         if abs(a[i * n + k]) > abs(a[best * n + k]):
             best = i
     if best != k:
@@ -83,10 +92,10 @@ def substitute_back(a, r, n):
         r[k] = known * a[k * n + k]
 
 
-def change_along(a, b, r, j, e, m, d):
+def change_along(a, b, r, j, e, m, d, state):
     """The v along the rows of a with b·v = r, v = aᵀ(b aᵀ)⁻¹r, as `elimination.least_change` does.
 
-    Rows that vanish, or depend on those before them but for round-off, bind nothing.
+    Rows that vanish, or depend on others, may bind nothing.
 
     Parameters
     ----------
@@ -100,6 +109,13 @@ def change_along(a, b, r, j, e, m, d):
         v, d numbers, is left here.
     m, d
         Rows and columns.
+    state
+        Size of the state.
+
+    Returns
+    -------
+    bool
+        Whether no row nearly depends on others.
     """
     multiply(a, b, j, m, d)
     usual = True
@@ -108,12 +124,16 @@ def change_along(a, b, r, j, e, m, d):
     if not usual:
         rescale(a, b, r, m, d)
         multiply(a, b, j, m, d)
+    firm = True
     for k in range(m):
         e[k] = abs(j[k * m + k])  # there are more columns than rows
     for k in range(m):
-        least = _DEPENDENT_SINE * e[k] if k > 0 else 0.0
         pivot = j[k * m + k]
-        inverse = 1.0 / pivot if abs(pivot) > least else 0.0
+        inverse = 1.0 / pivot if pivot != 0.0 else 0.0
+        if k > 0 and abs(pivot) <= NEARLY * e[k]:
+            firm = False
+            if abs(r[k]) <= SPARED * math.sqrt(e[k]) * state or abs(pivot) <= DEPENDENT * e[k]:
+                inverse = 0.0
         j[k * m + k] = inverse
         for i in range(k + 1, m):
             q = j[i * m + k] * inverse
@@ -125,6 +145,7 @@ def change_along(a, b, r, j, e, m, d):
         e[c] = 0.0
         for k in range(m):
             e[c] += a[k * d + c] * r[k]
+    return firm
 
 
 def multiply(a, b, j, m, d):

@@ -11,7 +11,7 @@ from sympy import Expr, Symbol
 from core import signatures
 from core.codegen import Names, excess_lines, function_text
 from core.derivatives import jacobian
-from core.elimination import FEW, KEPT, WRITTEN_OUT, by_cofactors, least_change, row_lines, with_pivots
+from core.elimination import FEW, KEPT, WRITTEN_OUT, by_cofactors, least_change, row_lines, size_line, with_pivots
 from core.expressions import TIME
 from core.laws import Laws, Side
 from core.printing import assignments, named, printed
@@ -153,6 +153,7 @@ class StepCode:
         start += [f"{u} = 0.0" for u in multipliers]
         inner += _verdict(len(unknowns), d, "scale > 0.0" if self._few and len(unknowns) == d <= _SMALL else "True")
         self._lines += ["full, parts, part, scale, before = h, 1, 1, 1.0, 1.0", "t1 = t + h", *start]
+        self._lines.append(size_line(self.x))
         self._lines += ["while True:", "    last, corrections, solved = math.inf, 0, False"]
         self._lines += ["    while True:", *(f"        {line}" for line in inner)]
         self._lines += [f"    {line}" for line in _continuation(unknowns, start)]
@@ -171,7 +172,10 @@ class StepCode:
         lines += [f"right[{i}] = {value}" for i, value in enumerate(values)]
         lines += [f"for entry in range({n * n}):", "    matrix[entry] = 0.0"]
         lines += [f"matrix[{i * n + k}] = {entry}" for (i, k), entry in entries.items()]
-        lines.append(f"bound, excess, largest = solve_with_pivots(matrix, right, sizes, {n}, {d})")
+        state = "state" if n - d > 1 else "0.0"
+        lines.append(
+            f"firm, excess, largest = solve_with_pivots(matrix, right, sizes, {n}, {d}, corrections == 0, {state})"
+        )
         return lines + [f"r{k} = right[{k}]" for k in range(n)]
 
     def _newton(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
@@ -244,10 +248,13 @@ class StepCode:
         self._lines += excess_lines(self._names, self._side, quick=True)
         # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
         gradients, lines = row_lines(self._gradients_at_end(), self._temporaries)
-        self._lines += [*lines, *least_change(gradients, changes, self._temporaries)]
+        self._lines += [*lines, size_line(self.x), *least_change(gradients, changes, self._temporaries)]
         size = f"max({', '.join(f'abs({e})' for e in changes)})"
         whole = f"max({', '.join(f'abs({d})' for d in given)}, 0.0)"
-        self._lines.append(f"if not {size} <= {_ROUNDING} * {whole}:")
+        bound = f"{_ROUNDING} * {whole}"
+        if m > 1:  # where gradients are nearly dependent, ψ tells the state to half the digits
+            bound = f"({bound} if firm else {_ROUNDING} * max({whole}, state))"
+        self._lines.append(f"if not {size} <= {bound}:")
         self._lines.append(f"    {' = '.join(map(str, changes))} = 0.0")
         return [d - e for d, e in zip(given, changes, strict=True)]
 
@@ -266,7 +273,7 @@ class StepCode:
         m = len(side.conserved)
         if m == 0:
             return list(increments)
-        lines = [*self._assign([f"d{k}" for k in range(d)], increments), "t1 = t + h"]
+        lines = [*self._assign([f"d{k}" for k in range(d)], increments), "t1 = t + h", size_line(self.x)]
         if prepared:
             lines += [f"o{j} = w[{self._names.frame.excess + j}]" for j in range(m)]
         else:
@@ -281,16 +288,16 @@ class StepCode:
         inner += least_change(rows, changes, self._temporaries, slopes)
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
-        whole, state = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in "dx")
+        whole = f"max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)"
         # A coordinate may be far smaller than others, and ψ hang on it all the same, as on its logarithm.
         each = " and ".join(f"abs(e{k}) <= {_SETTLED} * max(abs(d{k}), abs(x{k}))" for k in range(d))
-        inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * {state}) and {each}:")
+        inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * state) and {each}:")
         inner.append("    break")
         self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]
         # Near an equilibrium, where ψ hardly varies, a move may be large for the motion and nothing for the state.
         self._lines += [
             "else:",
-            f"    if not size <= {_SETTLED} * {state}:",
+            f"    if not size <= {_SETTLED} * state:",
             f"        return {signatures.NO_SOLUTION}",
         ]
         return list(self.increment)
@@ -315,16 +322,14 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
     The correction to come is foretold from the last two, as K·size² with K = size/last²; and with K = last/whole², of
     the two before, for one of them may be small by chance.
     """
-    state = ", ".join(f"abs(x{k})" for k in range(d))
     # Where the first correction is large, or the determinant changes much, the part is too far a way, unless linear.
     changed = f" or not {_NEAR} * before < scale < before / {_NEAR}" if on_branch != "True" else ""
     far = [f"if aside and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
     kept = ""
     check = []
     if n - d > 1:  # a ψ that has been left alone must be kept all the same
-        bound = " and ".join(f"j{k}_{k} != 0.0" for k in range(d, n)) if n <= WRITTEN_OUT else "bound"
         largest = f"max({', '.join(f's{k}' for k in range(d, n))})" if n <= WRITTEN_OUT else "largest"
-        check.append(f"kept = {bound} or excess <= {KEPT} * {largest} * max(whole, {state})")
+        check.append(f"kept = firm or excess <= {KEPT} * {largest} * max(whole, state)")
         kept = "kept and "
     return [
         f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
@@ -332,7 +337,7 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
         "corrections += 1",
         "if not size < math.inf:",
         "    break",
-        f"aside = corrections == 2 and last > {_STAGNATION} * max(whole, {state})",
+        f"aside = corrections == 2 and last > {_STAGNATION} * max(whole, state)",
         f"if aside and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
         "    break",
         *far,
@@ -344,7 +349,7 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
         f"    solved = {on_branch}",
         "    break",
         f"over = corrections >= {_MAX_CORRECTIONS}",
-        f"if {kept}(size >= last or over) and size <= {_STAGNATION} * max(whole, {state}):",
+        f"if {kept}(size >= last or over) and size <= {_STAGNATION} * max(whole, state):",
         f"    solved = {on_branch}",
         "    break",
         "if over:",

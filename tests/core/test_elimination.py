@@ -1,5 +1,6 @@
 """Small linear systems in generated lines, against numpy."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ EPS = np.finfo(float).eps
 
 def run(lines: list[str], values: dict[str, float]) -> dict[str, Any]:
     """The names after the lines have run, in Python's own floats."""
-    space: dict[str, Any] = dict(values)
+    space: dict[str, Any] = {"math": math, "state": 1.0} | values
     exec("\n".join(lines), space)  # noqa: S102 - text of our own
     return space
 
