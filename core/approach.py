@@ -85,10 +85,10 @@ def move_across(motion, t):
 
 
 @internal
-def is_at_surface(motion, t, h):
-    """Whether the state is as near to the surface as the rounding of a step of length h lets it come."""
+def is_at_surface(motion, t):
+    """Whether the state is as near to the surface as the rounding of time lets it come."""
     run, x = motion.run, motion.x
     for i in range(x.size):
         motion.place[i] = x[i]
     look(motion, t)
-    return run.height <= MARGIN * (motion.w[DOUBT] + _EPS * abs(run.own) * (abs(t) + abs(h)))
+    return run.height <= MARGIN * (motion.w[DOUBT] + _EPS * abs(run.own) * abs(t))
