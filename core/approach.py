@@ -47,17 +47,22 @@ def has_end(motion, t, h):
 
 @internal
 def cut_to_domain(motion, t, h):
-    """The longest of h/2, h/4 … that is a step, where the surface is ahead; 0 where there is none, or no need.
+    """The longest of h/2, h/4 … that is a step, where a shorter one may help; 0 where there is none.
 
     A field may have no value beyond the surface, as a spring that only pushes: the surface is then approached in ever
-    shorter steps, the last of which cannot be told from it.
+    shorter steps, the last of which cannot be told from it. And a variable-step method may have taken too long a step,
+    that does not lead back to the levels of ψ.
     """
     run = motion.run
-    if run.rate >= 0.0 or run.height + 2.0 * run.rate * abs(h) > 0.0:
+    ahead = run.rate < 0.0 and run.height + 2.0 * run.rate * abs(h) <= 0.0
+    if not ahead and run.adaptive == 0:
         return 0.0
     for _ in range(_HALVINGS):
         h *= 0.5
+        if not ahead and abs(h) <= 4.0 * _EPS * abs(t):
+            return 0.0
         if has_end(motion, t, h):
+            run.final = run.final if run.adaptive == 0 else 0
             return h
     return 0.0
 

@@ -339,7 +339,7 @@ def move(motion, log, h):
             if h == 0.0:
                 return _NO_CONVERGENCE
             height, rate = run.side * motion.w[G_END], climb(motion)
-            if is_at_surface(motion, t):
+            if run.leaving == 0 and is_at_surface(motion, t):
                 run.hit, found = 0.0, FOUND
             else:
                 found = first_crossing(motion, t, h, height, rate)

@@ -52,7 +52,7 @@ def forget_sample(run):
     """Drop the sample of this step, if there is one: a crossing has been found in it."""
     if run.samples > 0 and run.next_sample == run.steps + run.stride:
         run.samples -= 1
-        run.next_sample = run.steps + 1
+        run.next_sample = run.steps
 
 
 @internal

@@ -40,6 +40,9 @@ _MOST_PARTS = 1024
 #: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
 _SETTLED = 1e-8
 _MAX_MOVES = 8
+#: Nor does a variable-step method end a step with a move of so many parts of the state (where gradients nearly depend
+#: on each other, ψ tells it to half the digits), or of so many times the tolerance.
+_ASTRAY, _LOST, _FREEDOM = 2.0**-40, 2.0**-20, 2.0**10
 #: And one of so many parts of the state is of the size of its rounding.
 _NOTHING = 4 * 2.0**-52
 #: What rounding of a step can have taken from ψ moves the state by no more than this part of the increment.
@@ -291,6 +294,10 @@ class StepCode:
         whole = f"max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)"
         # A coordinate may be far smaller than others, and ψ hang on it all the same, as on its logarithm.
         each = " and ".join(f"abs(e{k}) <= {_SETTLED} * max(abs(d{k}), abs(x{k}))" for k in range(d))
+        if prepared:  # a solution that is as far off its levels has not been seen whole by its series
+            least = f"({_ASTRAY} if firm else {_LOST})" if m > 1 else str(_ASTRAY)
+            inner.append(f"if size > max({_FREEDOM} * w[{signatures.TOLERANCE}], {least}) * max({whole}, state):")
+            inner.append(f"    return {signatures.NO_SOLUTION}")
         inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * state) and {each}:")
         inner.append("    break")
         self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]

@@ -15,16 +15,18 @@ from core.trajectory import Crossings, Status
 
 __all__ = ["TaylorSolution"]
 
-_FINE, _COARSE = 1e-15, 1e-13
+#: The finer one is far below round-off for the sake of its steps, which are a sixth as long: where a field or g varies
+#: within a step of the other, and returns, the two differ.
+_FINE, _COARSE = 1e-34, 1e-13
 _STRIDE = 32  # steps between snapshots
-_MAX_STEPS = 50_000  # of a solution: where no crossing comes, the search ends
+_MAX_STEPS = 300_000  # of a solution: where no crossing comes, the search ends
 
 
 class TaylorSolution:
     """Piecewise smooth solution from (t0, x0) by the Taylor method, extended as it is asked for.
 
-    It is worked out at tolerances of 1e-15 and 1e-13. The difference of the two, which is some hundred times the error
-    of the better one, is its own estimate of its error.
+    It is worked out at tolerances of 1e-34 and 1e-13, with steps of different lengths. The difference of the two, which
+    is some hundred times the error of the better one, is its own estimate of its error.
 
     Parameters
     ----------
