@@ -48,11 +48,16 @@ def write_sample(run, x, samples):
 
 
 @internal
-def forget_sample(run):
-    """Drop the sample of this step, if there is one: a crossing has been found in it."""
-    if run.samples > 0 and run.next_sample == run.steps + run.stride:
+def end_sample(run, t, samples):
+    """A crossing has been found in a step: of its sample, if there is one, the part up to there is kept."""
+    if run.samples == 0 or run.next_sample != run.steps + run.stride or samples[run.samples - 1, 2] != 0.0:
+        return
+    length = t - samples[run.samples - 1, 0]
+    if length == 0.0 or run.shift != 0.0 or run.follow == 0:  # nothing, or no step of the scheme that ends at g = 0
         run.samples -= 1
         run.next_sample = run.steps
+    else:
+        samples[run.samples - 1, 2] = length
 
 
 @internal
@@ -142,12 +147,13 @@ def compiled_march() -> Callable[..., int]:
                 hits_before = run.hits
                 status = move(motion, log, h)
                 if run.hits != hits_before:
-                    forget_sample(run)
+                    end_sample(run, hits[run.hits - 1].t, samples)
                 if status != RUNNING:
                     return status
             if run.rest != 0.0:
                 continue
-            if run.next_sample == run.steps + run.stride and run.samples > 0:
+            sampled = run.samples > 0 and run.next_sample == run.steps + run.stride
+            if sampled and samples[run.samples - 1, 2] == 0.0:
                 samples[run.samples - 1, 2] = (run.t - samples[run.samples - 1, 0]) + run.t_carry
             run.steps += 1
             if run.final == 1:

@@ -1,6 +1,8 @@
-"""Whether g varies within a step more than its ends show: asked of steps in which no crossing was found."""
+"""Whether steps are short enough for what the field and g do within them: asked of some of a run's steps, afterwards."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,59 +14,147 @@ from core.trajectory import Trajectory
 
 __all__ = ["unresolved"]
 
-#: Where in a step g is looked at, in parts of it: at no equal distances, which a regular surface could hide behind.
-#: What is narrower than a thirtieth of a step may be hidden all the same.
-_PLACES = np.append(np.sort((np.arange(1, 48) * 0.6180339887498949) % 1.0), 1.0)
+Integers = NDArray[np.int64]
+
+#: How many times the field or g is looked at in all, and in a step: what is narrower than a thirtieth of a step may be
+#: hidden, and where few steps are looked at a seven hundredth.
+_LOOKS, _FEWEST, _MOST = 6144, 48, 1024
 #: What g may be off the cubic between the places that are looked at, in parts of what it is off there.
 _MARGIN = 3.0
+#: A step and the shorter ones that lead the same way may differ by this part of the way; those of a method that keeps
+#: a tolerance by that part, and by so many times the tolerance.
+_APART, _APART_KEPT, _TOLERANCES = 0.1, 1e-6, 1e3
+#: And by rounding, in parts of the state.
+_ROUNDING = 2.0**-44
+#: Steps from where the run has entered a side, besides those that the loop has kept.
+_MOST_ENTRIES = 64
 
 
 def unresolved(run: Trajectory) -> tuple[str, ...]:
-    """Say where a pair of crossings may lie unseen between the two ends of a step.
-
-    The time loop takes g within a step for the cubic that has its values and rates at both ends, and so finds no
-    crossing where that is positive. Here g is compared with this cubic, on the scheme itself: it is unresolved where it
-    is negative, where the cubic is no larger than three times what they differ by, and where g may dip below zero
-    between two places that are looked at.
+    """Say where steps are too long for g, so that crossings may have been missed, or for the field.
 
     Returns
     -------
     tuple of str
-        () where g is resolved, else one warning. A method that chooses its steps has a polynomial in place of the
-        cubic, and only what is seen between is told of.
+        () where all steps that are looked at are short enough, else warnings, the worse first.
     """
     samples = run.samples
-    if samples is None or not len(samples):
+    if samples is None:
         return ()
-    t, side, h = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2]
-    x = np.ascontiguousarray(samples[:, 3:])
-    places, times = np.append(0.0, _PLACES), t[:, None] + h[:, None] * np.append(0.0, _PLACES)
-    states = np.concatenate([x[:, None], _states(run, t, x, side, times[:, 1:])], axis=1)
-    with np.errstate(all="ignore"):
-        g = side[:, None] * run.system.switching(times, states)
-        rates = (run.system.switching_rate(s, times, states) for s in (1, -1))
-        rate: Floats = np.where(side[:, None] > 0, *rates) * (h * side)[:, None]
-        cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
-        hidden = (g <= 0.0)[:, 1:].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1)
-        if not METHODS[run.method].adaptive:
-            hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:].any(axis=1)
-        hidden &= (g[:, -1] > 0.0) & (h != 0.0)
-    if not hidden.any():
-        return ()
-    when, length = float(t[hidden][0]), float(np.abs(h[hidden][0]))
-    return (
-        f"A step of {length:.3g} is too long for this surface: from t = {when:.6g} on g varies by more than its values "
-        "and rates at both ends show, so crossings may have been missed; take a smaller tau",
-    )
+    samples = samples[samples[:, 2] != 0.0]
+    kept = _Steps(run, samples[:, 0], np.ascontiguousarray(samples[:, 3:]), samples[:, 1].astype(np.int64), samples[:, 2])
+    return (*kept.too_long_for_g(), *kept.too_long_for_the_field(), *_first_steps(run).too_long_for_the_field())
 
 
-def _states(run: Trajectory, t: Floats, x: Floats, side: NDArray[np.int64], times: Floats) -> Floats:
-    """States on the scheme, (k, places, d), at times after each of the k states; nan where a step has no solution."""
-    number = np.arange(len(t))
-    track = Track(t, x, side, number, t, x, side)
-    found = Stepper(run.system, METHODS[run.method], run.tolerance).find(track, times.ravel())
-    found.x[found.solved :] = np.nan
-    return found.x.reshape(*times.shape, x.shape[1])
+def _first_steps(run: Trajectory) -> _Steps:
+    """Steps of the run's size from where it has entered a side."""
+    crossings = run.crossings
+    if METHODS[run.method].adaptive or len(crossings) < 2:
+        return _Steps(run, np.empty(0), np.empty((0, run.system.dimension)), np.empty(0, dtype=np.int64), np.empty(0))
+    k = np.unique(np.linspace(0, len(crossings) - 2, _MOST_ENTRIES).astype(np.int64))
+    length = crossings.t[k + 1] - crossings.t[k]
+    h = np.sign(length) * np.minimum(run.tau, np.abs(length))
+    k, h = k[h != 0.0], h[h != 0.0]
+    return _Steps(run, crossings.t[k], np.ascontiguousarray(crossings.x_after[k]), crossings.side[k].astype(np.int64), h)
+
+
+class _Steps:
+    """Steps of a run's method, one after another: from times and states, on sides, of lengths."""
+
+    def __init__(self, run: Trajectory, t: Floats, x: Floats, side: Integers, h: Floats) -> None:
+        self.run, self.method = run, METHODS[run.method]
+        self.t, self.x, self.side, self.h = t, x, side, h
+        self.stepper = Stepper(run.system, self.method, run.tolerance)
+
+    def too_long_for_g(self) -> Iterator[str]:
+        """Tell of a step in which a pair of crossings may lie unseen.
+
+        The time loop takes g within a step for the cubic that has its values and rates at both ends, and so finds no
+        crossing where that is positive. Here g is compared with this cubic, on the scheme itself: it is unresolved
+        where it is negative before the end, where the cubic is no larger than three times what they differ by, and
+        where g may dip below zero between two places that are looked at. A method that chooses its steps has a polynomial in place of
+        the cubic, and only what is seen between is told of.
+        """
+        h, side = self.h[:, None], self.side[:, None]
+        places = _places(len(h))
+        times = self.t[:, None] + h * places
+        states = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.side, times[:, 1:])], axis=1)
+        with np.errstate(all="ignore"):
+            g = side * self.run.system.switching(times, states)
+            rates = (self.run.system.switching_rate(s, times, states) for s in (1, -1))
+            rate: Floats = np.where(side > 0, *rates) * (h * side)
+            cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
+            hidden = (g <= 0.0)[:, 1:-1].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1)
+            if not self.method.adaptive:
+                hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:-1].any(axis=1)
+        if hidden.any():
+            yield (
+                f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
+                f"{self.t[hidden][0]:.6g} on g varies by more than its values and rates at both ends show, so "
+                f"crossings may have been missed; {self._advice}"
+            )
+
+    def too_long_for_the_field(self) -> Iterator[str]:
+        """Tell of a step that does not lead where shorter ones do: two half as long, or many of a variable-step method.
+
+        Coordinates are compared in units of how far each moves in the steps looked at.
+        """
+        places = _places(3 * len(self.t)) if self.method.adaptive else np.array([0.0, 0.5, 1.0])
+        times = self.t[:, None] + self.h[:, None] * places
+        whole = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.side, times[:, 1:])], axis=1)
+        with np.errstate(all="ignore"):
+            apart = np.abs(self._again(times, whole) - whole[:, 2:]).max(axis=1)
+            way = np.abs(whole - whole[:, :1]).max(axis=1)
+            unit = np.nanmax(way, axis=0, initial=0.0)
+            unit = np.where(unit > 0.0, unit, 1.0)
+            least = self._least * np.abs(whole).max(axis=1)
+            part = np.where(apart > least, apart / unit, 0.0).max(axis=1) / (way / unit).max(axis=1)
+        if not len(part):
+            return
+        worst = int(np.argmax(np.nan_to_num(part, nan=0.0)))
+        if part[worst] > (_APART_KEPT if self.method.adaptive else _APART):
+            yield (
+                f"A step of {abs(self.h[worst]):.3g} is too long for this field: from t = {self.t[worst]:.6g} on it leads "
+                f"elsewhere than shorter ones, by {min(part[worst], 1.0):.1g} of the way; {self._advice}"
+            )
+
+    @property
+    def _advice(self) -> str:
+        return "give a tau, which no step is longer than" if self.method.adaptive else "take a smaller tau"
+
+    @property
+    def _least(self) -> float:
+        """What a step may be off by, in parts of the state."""
+        return max(_ROUNDING, _TOLERANCES * self.run.tolerance if self.method.adaptive else 0.0)
+
+    def _again(self, times: Floats, whole: Floats) -> Floats:
+        """States at all places but the first two, by a step from the place before."""
+        again = np.empty_like(whole[:, 2:])
+        pieces = again.shape[1]
+        for first in (0, 1):  # every other piece, so that each ends before the next one begins
+            here = np.arange(first, pieces, 2)
+            if len(here):
+                t, x = times[:, 1 + here], whole[:, 1 + here]
+                side = np.repeat(self.side, len(here))
+                found = self._states(t.ravel(), x.reshape(-1, x.shape[2]), side, times[:, 2 + here].reshape(-1, 1))
+                again[:, here] = found.reshape(x.shape)
+        return again
+
+    def _states(self, t: Floats, x: Floats, side: Integers, times: Floats) -> Floats:
+        """States on the scheme, (k, places, d), at times after each of k states; nan where a step has no solution."""
+        if not len(t):
+            return np.empty((*times.shape, x.shape[1]))
+        number, x = np.arange(len(t)), np.ascontiguousarray(x)
+        track = Track(t, x, side, number, t, x, side)
+        found = self.stepper.find(track, times.ravel())
+        found.x[found.solved :] = np.nan
+        return found.x.reshape(*times.shape, x.shape[1])
+
+
+def _places(steps: int) -> Floats:
+    """Where in each of so many steps to look, from 0 to 1: at no equal distances, behind which a wave could hide."""
+    count = min(max(_LOOKS // max(steps, 1), _FEWEST), _MOST)
+    return np.concatenate([[0.0], np.sort((np.arange(1, count) * 0.6180339887498949) % 1.0), [1.0]])
 
 
 def _hermite(s: Floats, start: Floats, end: Floats, rate: Floats, rate_end: Floats) -> Floats:
