@@ -128,7 +128,8 @@ def least_change(
 
     With B = A the smallest such v. Rows that vanish, or depend on those before them but for round-off, bind nothing;
     nor do those that nearly depend on them where r is rounding beside the row and the state (`state`), see
-    `with_pivots`; of several rows `firm` tells whether none nearly depends on others. The entries of A are those of `row_lines`, and lost.
+    `with_pivots`; of several rows `firm` tells whether none nearly depends on others. The entries of A are those of
+    `row_lines`, and lost.
     """
     m, d = len(along), len(along[0])
     if m > FEW:

@@ -40,7 +40,8 @@ def solve_with_pivots(a, r, s, n, d, first, state):
     Returns
     -------
     tuple
-        Whether no gradient vanishes or is nearly dependent on others; how much ψ was to change by, at most; the largest entry of a gradient.
+        Whether no gradient vanishes or nearly depends on others; how much ψ was to change by, at most; the largest
+        entry of a gradient.
     """
     excess, largest, firm, several = 0.0, 0.0, True, n - d > 1
     for k in range(d, n):

@@ -1,4 +1,4 @@
-"""Whether steps are short enough for what the field and g do within them: asked of some of a run's steps, afterwards."""
+"""Whether steps are short enough for what the field and g do in them: asked of some steps of a run, afterwards."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ Integers = NDArray[np.int64]
 #: How many times the field or g is looked at in all, and in a step: what is narrower than a thirtieth of a step may be
 #: hidden, and where few steps are looked at a seven hundredth.
 _LOOKS, _FEWEST, _MOST = 6144, 48, 1024
+#: Where in a step of fixed size the field is looked at, which that has been chosen for.
+_FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
 #: What g may be off the cubic between the places that are looked at, in parts of what it is off there.
 _MARGIN = 3.0
 #: A step and the shorter ones that lead the same way may differ by this part of the way; those of a method that keeps
@@ -42,7 +44,8 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     if samples is None:
         return ()
     samples = samples[samples[:, 2] != 0.0]
-    kept = _Steps(run, samples[:, 0], np.ascontiguousarray(samples[:, 3:]), samples[:, 1].astype(np.int64), samples[:, 2])
+    t, side, h, x = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2], samples[:, 3:]
+    kept = _Steps(run, t, x, side, h)
     return (*kept.too_long_for_g(), *kept.too_long_for_the_field(), *_first_steps(run).too_long_for_the_field())
 
 
@@ -55,7 +58,7 @@ def _first_steps(run: Trajectory) -> _Steps:
     length = crossings.t[k + 1] - crossings.t[k]
     h = np.sign(length) * np.minimum(run.tau, np.abs(length))
     k, h = k[h != 0.0], h[h != 0.0]
-    return _Steps(run, crossings.t[k], np.ascontiguousarray(crossings.x_after[k]), crossings.side[k].astype(np.int64), h)
+    return _Steps(run, crossings.t[k], crossings.x_after[k], crossings.side[k].astype(np.int64), h)
 
 
 class _Steps:
@@ -72,8 +75,8 @@ class _Steps:
         The time loop takes g within a step for the cubic that has its values and rates at both ends, and so finds no
         crossing where that is positive. Here g is compared with this cubic, on the scheme itself: it is unresolved
         where it is negative before the end, where the cubic is no larger than three times what they differ by, and
-        where g may dip below zero between two places that are looked at. A method that chooses its steps has a polynomial in place of
-        the cubic, and only what is seen between is told of.
+        where g may dip below zero between two places that are looked at. A method that chooses its steps has a
+        polynomial in place of the cubic, and only what is seen between is told of.
         """
         h, side = self.h[:, None], self.side[:, None]
         places = _places(len(h))
@@ -95,11 +98,11 @@ class _Steps:
             )
 
     def too_long_for_the_field(self) -> Iterator[str]:
-        """Tell of a step that does not lead where shorter ones do: two half as long, or many of a variable-step method.
+        """Tell of a step that does not lead where shorter ones do, each from where the step itself leads to by then.
 
         Coordinates are compared in units of how far each moves in the steps looked at.
         """
-        places = _places(3 * len(self.t)) if self.method.adaptive else np.array([0.0, 0.5, 1.0])
+        places = _places(3 * len(self.t)) if self.method.adaptive else _FEW
         times = self.t[:, None] + self.h[:, None] * places
         whole = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.side, times[:, 1:])], axis=1)
         with np.errstate(all="ignore"):
@@ -114,8 +117,8 @@ class _Steps:
         worst = int(np.argmax(np.nan_to_num(part, nan=0.0)))
         if part[worst] > (_APART_KEPT if self.method.adaptive else _APART):
             yield (
-                f"A step of {abs(self.h[worst]):.3g} is too long for this field: from t = {self.t[worst]:.6g} on it leads "
-                f"elsewhere than shorter ones, by {min(part[worst], 1.0):.1g} of the way; {self._advice}"
+                f"A step of {abs(self.h[worst]):.3g} is too long for this field: from t = {self.t[worst]:.6g} on it "
+                f"leads elsewhere than shorter ones, by {min(part[worst], 1.0):.1g} of the way; {self._advice}"
             )
 
     @property
