@@ -79,7 +79,7 @@ class Stepper:
     def __init__(self, system: PiecewiseSystem, method: Method, tolerance: float) -> None:
         d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
         self._compiled, self._along = compile_run(system.laws, method), _compiled()
-        self._p, self._w, self._memo = system.parameter_array, Frame(d, m).empty(), np.empty((1, 1))
+        self._p, self._w, self._memo = system.parameter_array.copy(), Frame(d, m).empty(), np.empty((1, 1))
         self._d, self._adaptive, self._conservative = d, method.adaptive, method.conservative
         if method.adaptive:
             self._w[ORDER], self._w[TOLERANCE] = order_of(tolerance), tolerance

@@ -54,7 +54,7 @@ def excess_along(
         functions = compile_run(system.laws, METHODS[method], levels=True)
         w, memo = Frame(d, m).empty(), np.empty((1, 1))
         rows = (np.ascontiguousarray(a) for a in (t, x, side, segment, entered_t, entered_x))
-        _compiled()(functions.addresses, system.parameter_array, w, memo, d, *rows, excess)
+        _compiled()(functions.addresses, system.parameter_array.copy(), w, memo, d, *rows, excess)
     return excess
 
 

@@ -250,14 +250,17 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
     t = _between(t0, rows.t, runner.t)
     x = _between(x0, rows.x, runner.x)
     side = _between(runner.first_side, rows.side, runner.side)
-    segment = _between(0, rows.segment, runner.segment)
-    if t[-1] == t[-2] and (x[-1] == x[-2]).all():  # it was recorded, or the run has not moved
-        t, x, side, segment = t[:-1], x[:-1], side[:-1], segment[:-1]
+    # The last state was recorded, or the run has not moved.
+    rest = slice(-1) if t[-1] == t[-2] and (x[-1] == x[-2]).all() else slice(None)
+    t, x, side = t[rest], x[rest], side[rest]
+    if record == "end" and sampler is None:
+        segment = np.arange(len(t))
+    else:
+        segment = _between(0, rows.segment, runner.segment)[rest]
     if record == "end":
         crossings = no_crossings(len(x0))
         last = runner.entry()
         if sampler is None:
-            segment = np.arange(len(t))
             entered_t, entered_x = np.array([t0, last[0]]), np.array([x0, last[1]])
         else:
             segment, entered_t, entered_x = _entered(segment, [*sampler.entered, (runner.segment, *last)], t0, x0)

@@ -89,7 +89,7 @@ class Runner:
         self.system, self.settings = system, settings
         self._march = compiled_march()
         self._compiled = compile_run(system.laws, method, levels=columns > 0)
-        self._p = system.parameter_array
+        self._p = system.parameter_array.copy()
         d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
         frame = Frame(d, m)
         self._w = frame.empty()

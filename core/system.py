@@ -160,10 +160,12 @@ class PiecewiseSystem:
         texts = (self.f_minus, self.f_plus, self.g, self.psi_minus, self.psi_plus, self.jump)
         return derive(self.variables, names, *texts)
 
-    @property
+    @cached_property
     def parameter_array(self) -> Floats:
-        """Values in the order of `parameters`: how the compiled functions take them."""
-        return np.array([self.values[q.name] for q in self.parameters], dtype=float)
+        """Values in the order of `parameters`, read-only."""
+        values = np.array([self.values[q.name] for q in self.parameters], dtype=float)
+        values.flags.writeable = False
+        return values
 
     def with_parameters(self, **values: float) -> PiecewiseSystem:
         """The same system with other parameter values.
