@@ -1,16 +1,16 @@
 """Conservative integrators for piecewise smooth systems: the public names, nothing else."""
 
-from core.compiled import compile_beside
+from core.compilation.compiled import compile_beside
 from core.diagnostics import Diagnosis, diagnose
 from core.integrate import integrate
-from core.methods import METHODS, Method
+from core.integration.trajectory import Crossing, Crossings, Status, Trajectory
+from core.methods.registry import METHODS, Method
 from core.reference import reference_solution
 from core.studies.cost import WorkPrecision, work_precision
 from core.studies.order import OrderStudy, order_study
 from core.studies.stability import StabilityStudy, stability_study
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE
-from core.trajectory import Crossing, Crossings, Status, Trajectory
 
 __all__ = [
     "CATALOGUE",

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.arguments import count, number, numbers
 from core.diagnostics import step_warning
-from core.laws import Floats
-from core.methods import METHODS, Method, method_named
-from core.recording import Sampler
-from core.runner import Runner, Settings, no_crossings
+from core.integration.recording import Sampler
+from core.integration.runner import Runner, Settings, no_crossings
+from core.integration.trajectory import Status, Trajectory
+from core.interface.arguments import count, number, numbers
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS, Method, method_named
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
-from core.trajectory import Status, Trajectory
 
 __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
 

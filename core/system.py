@@ -12,11 +12,12 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
-from core.arguments import listed, number
-from core.expressions import TIME, check_name, parse, to_text
-from core.identities import Domain, counterexample, has_values, independent, is_larger, tidied
-from core.laws import Floats, Laws, Side, derive
-from core.stream import stream_function
+from core.interface.arguments import listed, number
+from core.kernels.arrays import Floats
+from core.symbolic.expressions import TIME, check_name, parse, to_text
+from core.symbolic.laws import Laws, Side, derive
+from core.symbolic.stream_function import stream_function
+from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, tidied
 
 __all__ = ["Parameter", "PiecewiseSystem", "Start"]
 

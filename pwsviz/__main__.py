@@ -149,7 +149,7 @@ def _whole(text: str, most: int) -> int:
 
 
 def _serve(given: argparse.Namespace) -> int:
-    from pwsviz.serving import Unavailable, serve
+    from pwsviz.server.serving import Unavailable, serve
 
     try:
         serve(given.port, given.address, not given.no_show, given.num_procs, given.allow_websocket_origin, given.panel)

@@ -12,10 +12,11 @@ import sympy
 from numpy.typing import NDArray
 
 from core.diagnostics.scheme import Scheme, largest_component
-from core.expressions import TIME
-from core.laws import Floats, Laws
+from core.integration.trajectory import Crossings, Integers, Trajectory
+from core.kernels.arrays import Floats
+from core.symbolic.expressions import TIME
+from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
-from core.trajectory import Crossings, Integers, Trajectory
 
 __all__ = ["Branch", "Encounters", "discrete_constants", "encounters", "second_rate_bound", "wellposed_bound"]
 

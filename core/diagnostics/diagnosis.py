@@ -18,9 +18,9 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.resolution import unresolved
 from core.diagnostics.scheme import Scheme
-from core.laws import Floats
-from core.methods import METHODS
-from core.trajectory import Crossings, Status, Trajectory
+from core.integration.trajectory import Crossings, Status, Trajectory
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS
 
 __all__ = ["Diagnosis", "diagnose", "step_warning"]
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dense import Stepper, Track
-from core.laws import Floats
-from core.methods import METHODS
-from core.trajectory import Trajectory
+from core.integration.dense_output import Stepper, Track
+from core.integration.trajectory import Trajectory
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS
 
 __all__ = ["unresolved"]
 

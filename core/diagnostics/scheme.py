@@ -17,9 +17,10 @@ import numpy as np
 import sympy
 from sympy import Symbol
 
-from core import divided
-from core.laws import Floats, Laws
-from core.multiplier import DividedDifference
+from core.kernels import divided_differences
+from core.kernels.arrays import Floats
+from core.symbolic.laws import Laws
+from core.symbolic.multiplier import DividedDifference
 from core.system import PiecewiseSystem
 
 __all__ = ["Scheme", "largest_component"]
@@ -136,9 +137,9 @@ def _components(laws: Laws, side: int, expressions: list[Any]) -> DiscreteFuncti
 
 @lru_cache(maxsize=32)
 def _vectorised(name: str) -> Any:
-    """A divided difference of `core.divided`, for arrays."""
+    """A divided difference of `core.kernels.divided_differences`, for arrays."""
     make: Any = numba.vectorize  # untyped
-    return make(["float64(float64, float64)"], cache=True)(getattr(divided, name).py_func)
+    return make(["float64(float64, float64)"], cache=True)(getattr(divided_differences, name).py_func)
 
 
 def _solve_definite(a: Floats, b: Floats) -> Floats:

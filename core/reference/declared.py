@@ -6,7 +6,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from core.arguments import number
+from core.interface.arguments import number
 from core.reference.exact import exact_solution
 from core.reference.peer import peer_solution
 from core.reference.solution import Solution

@@ -15,13 +15,13 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike, NDArray
 
-from core.expressions import TIME
 from core.reference.arcs import ExactArc, Level
 from core.reference.powers import GUARD, Field
 from core.reference.program import Digits, Program
 from core.reference.recognition import exact_numbers, recognise
 from core.reference.solution import MAX_CROSSINGS, Motion, ReferenceSolution, State, Stop, first_arc
 from core.reference.surface import Surface
+from core.symbolic.expressions import TIME
 
 __all__ = ["ExactSolution", "exact_solution"]
 

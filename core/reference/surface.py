@@ -10,10 +10,10 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from core.expressions import TIME
 from core.reference.intervals import Interval, Intervals, around
 from core.reference.powers import Step
 from core.reference.program import Digits, Doubles, Program
+from core.symbolic.expressions import TIME
 
 __all__ = ["Enclosure", "Polynomial", "Surface"]
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.methods import METHODS
-from core.runner import Runner, Settings
+from core.integration.runner import Runner, Settings
+from core.integration.trajectory import Crossings, Status
+from core.methods.registry import METHODS
 from core.system import PiecewiseSystem
-from core.trajectory import Crossings, Status
 
 __all__ = ["TaylorSolution"]
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from core.arguments import count, listed, number
-from core.brief import Brief
 from core.integrate import checked_method, checked_settings, checked_start
-from core.laws import Floats
-from core.methods import METHODS, Method
+from core.interface.arguments import count, listed, number
+from core.interface.summary import Brief
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS, Method
 from core.reference import Solution, reference_solution
 from core.studies.measure import Measured, Problem, measure
 from core.studies.peers import PEERS

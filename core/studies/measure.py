@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.integrate import integrate
-from core.laws import Floats
-from core.methods import METHODS
+from core.integration.trajectory import Status, Trajectory
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS
 from core.studies.peers import PEERS, Arcs, Numbers, Stopped, peer_arcs
 from core.system import PiecewiseSystem
-from core.trajectory import Status, Trajectory
 
 __all__ = ["Measured", "Problem", "measure"]
 

@@ -10,15 +10,15 @@ from typing import TypeAlias
 
 import numpy as np
 
-from core.arguments import count, listed, number
 from core.integrate import checked_method, checked_settings, checked_start
-from core.laws import Floats
-from core.methods import Method
+from core.integration.runner import Runner, Settings
+from core.integration.trajectory import Status
+from core.interface.arguments import count, listed, number
+from core.kernels.arrays import Floats
+from core.methods.registry import Method
 from core.reference import Solution, reference_solution
-from core.runner import Runner, Settings
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
-from core.trajectory import Status
 
 __all__ = ["OrderStudy", "order_study"]
 

@@ -18,8 +18,8 @@ import sympy
 from scipy.integrate import solve_ivp
 from sympy import Expr
 
-from core.expressions import TIME
-from core.laws import Floats
+from core.kernels.arrays import Floats
+from core.symbolic.expressions import TIME
 from core.system import PiecewiseSystem
 
 __all__ = ["PEERS", "Arcs", "Peer", "Stopped", "peer_arcs"]

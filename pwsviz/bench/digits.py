@@ -20,9 +20,9 @@ from scipy.integrate._ivp import dop853_coefficients
 from sympy import Expr, Symbol
 
 import core
-from core.expressions import TIME
-from core.laws import Side
-from core.multiplier import DIFFERENCES
+from core.symbolic.expressions import TIME
+from core.symbolic.laws import Side
+from core.symbolic.multiplier import DIFFERENCES
 
 __all__ = ["Met", "crossings_in_digits", "slopes_in_digits"]
 

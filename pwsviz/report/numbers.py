@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import core
-from pwsviz.inputs import RunInputs
-from pwsviz.results import Summary
-from pwsviz.text import duration, rounded_up
-from pwsviz.views.order import Row
+from pwsviz.figures.order import Row
+from pwsviz.results.requests import RunInputs
+from pwsviz.results.results import Summary
+from pwsviz.text.words import duration, rounded_up
 
 __all__ = ["Numbers", "run_numbers", "slope_numbers"]
 

@@ -9,16 +9,16 @@ from typing import Any
 from bokeh.plotting import figure
 
 import core
-from pwsviz.inputs import RunInputs, beside_inputs, run_inputs, study_inputs
-from pwsviz.link import query
-from pwsviz.presets import Preset
+from pwsviz.export.tables import Table, order_table, runs_table
+from pwsviz.figures.conserved import ConservedView
+from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
+from pwsviz.figures.portrait import PortraitView, describe
 from pwsviz.report.numbers import Numbers, run_numbers, slope_numbers
-from pwsviz.results import PortraitInputs, Results
-from pwsviz.scene import Scene
-from pwsviz.takeaway import Table, order_table, runs_table
-from pwsviz.views.conserved import ConservedView
-from pwsviz.views.order import OrderView, Row, state_rows, time_rows
-from pwsviz.views.portrait import PortraitView, describe
+from pwsviz.results.requests import RunInputs, beside_inputs, run_inputs, study_inputs
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.permalink import query
+from pwsviz.scene.presets import Preset
+from pwsviz.scene.scene import Scene
 
 __all__ = ["Panel", "draw_panel"]
 

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import TextIO
 
 from pwsviz.bench.machine import machine_lines
-from pwsviz.presets import PRESETS, Preset
+from pwsviz.export.tables import Table, csv_bytes
 from pwsviz.report.benchmarks import bench_tables, run_bench
 from pwsviz.report.page import Bench, Figure, page_html
 from pwsviz.report.panels import draw_panel
-from pwsviz.results import Results
-from pwsviz.takeaway import Table, csv_bytes
+from pwsviz.results.results import Results
+from pwsviz.scene.presets import PRESETS, Preset
 
 __all__ = ["FIGURES", "PAGE", "Unwritable", "figures_of_paper", "write_report"]
 

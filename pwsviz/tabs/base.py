@@ -9,14 +9,14 @@ import panel as pn
 from bokeh.plotting import figure
 
 import core
-from pwsviz.panes import fade, plot_pane, text_pane
-from pwsviz.progress import Progress
-from pwsviz.results import Report, Results
-from pwsviz.scene import Scene
-from pwsviz.style import describe
-from pwsviz.takeaway import Table
-from pwsviz.text import as_text, complaint
-from pwsviz.worker import Cancel
+from pwsviz.export.tables import Table
+from pwsviz.figures.style import describe
+from pwsviz.results.results import Report, Results
+from pwsviz.scene.scene import Scene
+from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.text.words import as_text, complaint
+from pwsviz.widgets.panes import fade, plot_pane, text_pane
+from pwsviz.widgets.progress import Progress
 
 Outcome = Any
 """What a tab computes; each has its own type."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import core
-from pwsviz.frames import Landmarks
-from pwsviz.inputs import ErrorInputs, run_inputs
-from pwsviz.projection import conserved_note
-from pwsviz.results import ErrorCurve, Report
+from pwsviz.export.tables import Table, run_table
+from pwsviz.figures.conserved import ConservedView, conserved_text
+from pwsviz.geometry.projection import conserved_note
+from pwsviz.results.animation import Landmarks
+from pwsviz.results.requests import ErrorInputs, run_inputs
+from pwsviz.results.results import ErrorCurve, Report
 from pwsviz.tabs.base import Tab
-from pwsviz.takeaway import Table, run_table
-from pwsviz.views.conserved import ConservedView, conserved_text
-from pwsviz.worker import Cancel
+from pwsviz.tasks.latest_wins import Cancel
 
 
 class ErrorPicture(NamedTuple):

@@ -8,14 +8,14 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
-from pwsviz.choices import choice
-from pwsviz.inputs import CostInputs
-from pwsviz.results import Report
-from pwsviz.scene import COST_ACROSS, COST_UP, PEERS
+from pwsviz.export.tables import Table
+from pwsviz.figures.cost import CostView, cost_rows, cost_text
+from pwsviz.results.requests import CostInputs
+from pwsviz.results.results import Report
+from pwsviz.scene.scene import COST_ACROSS, COST_UP, PEERS
 from pwsviz.tabs.base import LongTab
-from pwsviz.takeaway import Table
-from pwsviz.views.cost import CostView, cost_rows, cost_text
-from pwsviz.worker import Cancel
+from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.widgets.setting_buttons import choice
 
 
 class CostTab(LongTab):

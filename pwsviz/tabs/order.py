@@ -7,14 +7,14 @@ from functools import partial
 from typing import Any
 
 import core
-from pwsviz.choices import choice
-from pwsviz.inputs import StudyInputs, study_inputs
-from pwsviz.results import Report
+from pwsviz.export.tables import Table, order_table
+from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
+from pwsviz.results.requests import StudyInputs, study_inputs
+from pwsviz.results.results import Report
 from pwsviz.tabs.base import LongTab
-from pwsviz.takeaway import Table, order_table
-from pwsviz.text import study_text
-from pwsviz.views.order import OrderView, Row, state_rows, time_rows
-from pwsviz.worker import Cancel
+from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.text.words import study_text
+from pwsviz.widgets.setting_buttons import choice
 
 
 class OrderTab(LongTab):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from pwsviz.choices import choice
-from pwsviz.inputs import RunInputs, run_inputs
-from pwsviz.panes import markup_pane
-from pwsviz.results import Report
+from pwsviz.export.tables import Table
+from pwsviz.figures.scheme import SCHEME_STYLE, scheme_markup
+from pwsviz.results.requests import RunInputs, run_inputs
+from pwsviz.results.results import Report
 from pwsviz.tabs.base import Tab
-from pwsviz.takeaway import Table
-from pwsviz.views.scheme import SCHEME_STYLE, scheme_markup
-from pwsviz.worker import Cancel
+from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.widgets.panes import markup_pane
+from pwsviz.widgets.setting_buttons import choice
 
 
 class SchemeTab(Tab):

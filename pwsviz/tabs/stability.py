@@ -7,14 +7,14 @@ from typing import Any
 import panel as pn
 
 import core
-from pwsviz.choices import choice
-from pwsviz.inputs import StabilityInputs
-from pwsviz.results import Report
-from pwsviz.scene import STABILITY_PARTS, STABILITY_SHOWN
+from pwsviz.export.tables import Table
+from pwsviz.figures.stability import StabilityView, stability_table, stability_text
+from pwsviz.results.requests import StabilityInputs
+from pwsviz.results.results import Report
+from pwsviz.scene.scene import STABILITY_PARTS, STABILITY_SHOWN
 from pwsviz.tabs.base import LongTab
-from pwsviz.takeaway import Table
-from pwsviz.views.stability import StabilityView, stability_table, stability_text
-from pwsviz.worker import Cancel
+from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.widgets.setting_buttons import choice
 
 
 class StabilityTab(LongTab):

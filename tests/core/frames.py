@@ -9,8 +9,8 @@ import mpmath as mp
 import numpy as np
 
 from core import METHODS, PiecewiseSystem
-from core.compiled import compile_run
-from core.signatures import FUNCTIONS, Frame
+from core.compilation.compiled import compile_run
+from core.kernels.abi import FUNCTIONS, Frame
 
 _double = ctypes.POINTER(ctypes.c_double)
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_double, _double, _double, _double)

@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import core
-from core.arguments import count, listed, number, numbers
+from core.interface.arguments import count, listed, number, numbers
 
 SYSTEM = core.CATALOGUE["harmonic_oscillator"]
 

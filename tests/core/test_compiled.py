@@ -7,9 +7,9 @@ import sys
 import numpy as np
 
 import core
-from core import compiled
-from core.march import compiled_march
-from core.signatures import STEP
+from core.compilation import compiled
+from core.integration.time_loop import compiled_march
+from core.kernels.abi import STEP
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 

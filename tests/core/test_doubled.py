@@ -18,8 +18,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numba import njit
 
-from core import doubled
-from core.doubled import dd_add, dd_div, dd_mul, dd_scale, dd_sqrt, dd_square, split, two_product
+from core.kernels.doubledouble import arithmetic
+from core.kernels.doubledouble.arithmetic import (
+    dd_add,
+    dd_div,
+    dd_mul,
+    dd_scale,
+    dd_sqrt,
+    dd_square,
+    split,
+    two_product,
+)
 
 ROOT = Path(__file__).parents[2]
 wide = pairs(sized(-200, 200))
@@ -27,7 +36,7 @@ wide = pairs(sized(-200, 200))
 
 @njit
 def fma(a: float, b: float, c: float) -> Any:
-    return doubled.fma(a, b, c)
+    return arithmetic.fma(a, b, c)
 
 
 @st.composite

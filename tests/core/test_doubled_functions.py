@@ -16,8 +16,8 @@ from doubles import DIGITS, FIXED, Pair, error, exact, pairs, relative_error, si
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core import doubled_functions, doubled_quick
-from core.doubled_functions import dd_cos, dd_log, dd_pow, dd_sin, dd_tan, quick_cos, quick_sin
+from core.kernels.doubledouble import elementary, quick
+from core.kernels.doubledouble.elementary import dd_cos, dd_log, dd_pow, dd_sin, dd_tan, quick_cos, quick_sin
 
 SMALL = sized(-100, 0)
 #: Arguments, by function: sizes of every order, what is usual, all up to where a result nears the ends of the range.
@@ -33,7 +33,7 @@ ANGLES = SMALL | st.floats(-7, 7) | st.floats(-1e5, 1e5) | sized(0, 45.9)
 
 
 def function(name: str, kind: str = "dd") -> Callable[..., Pair]:
-    home = doubled_functions if hasattr(doubled_functions, f"{kind}_{name}") else doubled_quick
+    home = elementary if hasattr(elementary, f"{kind}_{name}") else quick
     found: Callable[..., Pair] = getattr(home, f"{kind}_{name}")
     return found
 
@@ -72,7 +72,7 @@ def test_quick_functions_are_good_to_76_bits(name: str) -> None:
     def check(a: Pair) -> None:
         with mp.workdps(DIGITS):
             wanted = getattr(mp, name)(exact(a))
-            found = getattr(doubled_quick, f"quick_{name}")(*a)
+            found = getattr(quick, f"quick_{name}")(*a)
             assert error(found, wanted) <= 2.0**28 * max(1.0, abs(wanted))
 
     check()
@@ -83,7 +83,7 @@ def test_quick_functions_are_good_to_76_bits(name: str) -> None:
 def test_the_quick_tangent_is_good_to_76_bits(a: Pair) -> None:
     with mp.workdps(DIGITS):
         wanted = mp.tan(exact(a))
-        assert error(doubled_quick.quick_tan(*a), wanted) <= 2.0**28 * (1.0 + wanted**2)
+        assert error(quick.quick_tan(*a), wanted) <= 2.0**28 * (1.0 + wanted**2)
 
 
 @FIXED
@@ -92,7 +92,7 @@ def test_the_quick_power_is_good_to_76_bits(a: Pair, b: Pair) -> None:
     with mp.workdps(DIGITS):
         wanted = mp.exp(exact(b) * mp.log(exact(a)))
         bound = 2.0**28 * (1 + 100 * abs(exact(b)))
-        assert relative_error(doubled_quick.quick_pow(*a, *b), wanted) <= bound
+        assert relative_error(quick.quick_pow(*a, *b), wanted) <= bound
 
 
 @FIXED
@@ -197,6 +197,6 @@ def test_logarithm_undoes_the_exponential() -> None:
     unit: Any = mp.mpf(2) ** -104
     for k in range(-300, 301, 7):
         a = (k / 3.0, k * 1e-18)
-        back = dd_log(*doubled_functions.dd_exp(*a))
+        back = dd_log(*elementary.dd_exp(*a))
         # exp's relative error is an absolute one of the logarithm
         assert abs(exact(back) - exact(a)) <= (0.5 + 2.5 * abs(a[0])) * unit

@@ -6,7 +6,7 @@ import pytest
 from frames import levels
 
 import core
-from core.runner import Runner, Settings
+from core.integration.runner import Runner, Settings
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 EPS = np.finfo(float).eps

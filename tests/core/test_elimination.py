@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy
 
-from core.elimination import by_cofactors, least_change, with_pivots
+from core.codegen.linear_solve import by_cofactors, least_change, with_pivots
 
 EPS = np.finfo(float).eps
 

@@ -10,7 +10,7 @@ import sympy
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from core.expressions import FUNCTIONS, MAX_DIGITS, TIME, check_name, parse, to_text
+from core.symbolic.expressions import FUNCTIONS, MAX_DIGITS, TIME, check_name, parse, to_text
 
 X, Y, A = sympy.symbols("x y a")
 NAMES = ("x", "y", "a")

@@ -5,7 +5,16 @@ import time
 import pytest
 import sympy
 
-from core.identities import Domain, counterexample, has_values, independent, is_larger, is_zero, size_expanded, tidied
+from core.symbolic.zero_testing import (
+    Domain,
+    counterexample,
+    has_values,
+    independent,
+    is_larger,
+    is_zero,
+    size_expanded,
+    tidied,
+)
 
 X, Y, A = sympy.symbols("x y a")
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.isolation import DOUBLE, NARROW, NONE, ROOT, first_root, scratch_shape
+from core.kernels.root_isolation import DOUBLE, NARROW, NONE, ROOT, first_root, scratch_shape
 
 FIXED = settings(max_examples=150)
 

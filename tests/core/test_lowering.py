@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 import core
-from core import doubled, doubled_functions, lowering
-from core.codegen import module_text
-from core.compiled import _load, _texts
-from core.machine_operations import Unknown
-from core.methods import METHODS
-from core.recurrences import STRIDE
-from core.scratch import scratch
-from core.signatures import ORDER, PER_UNIT, TOLERANCE, Frame
+from core.codegen.functions import module_text
+from core.compilation.compiled import _load, _texts
+from core.kernels.abi import ORDER, PER_UNIT, TOLERANCE, Frame
+from core.kernels.doubledouble import arithmetic, elementary
+from core.kernels.scratch import scratch
+from core.kernels.taylor_coefficients import STRIDE
+from core.llvm import statements
+from core.llvm.operations import Unknown
+from core.methods.registry import METHODS
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 SIZE = 40
@@ -93,9 +94,9 @@ def test_fma_is_rounded_once(draws):
         assert w[0] == float(Fraction(p[0]) * Fraction(p[1]) + Fraction(p[2]))
 
 
-@pytest.mark.parametrize("name", [n for n in doubled_functions.__all__ if n != "dd_pow"] + ["dd_div", "dd_sqrt"])
+@pytest.mark.parametrize("name", [n for n in elementary.__all__ if n != "dd_pow"] + ["dd_div", "dd_sqrt"])
 def test_jitted_functions_come_out_to_the_same_bits_as_by_numba(name, draws):
-    jitted = getattr(doubled_functions, name, None) or getattr(doubled, name)
+    jitted = getattr(elementary, name, None) or getattr(arithmetic, name)
     pairs = 2 if name == "dd_div" else 1
     arguments = ", ".join(f"p[{k}]" for k in range(2 * pairs))
     made = module(f"w[0], w[1] = {name}({arguments})\nreturn 0").value
@@ -139,7 +140,7 @@ def test_what_is_not_in_the_language_is_told_so(body):
     space = {}
     exec(compile(source, name, "exec"), space)  # noqa: S102 - text of our own
     with pytest.raises(Unknown):
-        lowering.lowered(space["value"], "value")
+        statements.lowered(space["value"], "value")
 
 
 @pytest.mark.parametrize(("name", "method"), [("kepler", "dmm8"), ("pendulum", "taylor"), ("rigid_body", "prk8")])
@@ -147,5 +148,5 @@ def test_steps_are_compiled_without_numba(name, method, monkeypatch):
     def refuse(*_arguments, **_options):
         raise AssertionError("numba was asked")
 
-    monkeypatch.setattr("core.native.cfunc", refuse)
+    monkeypatch.setattr("core.llvm.native.cfunc", refuse)
     core.compiled.compile_run.__wrapped__(core.CATALOGUE[name].laws, METHODS[method], True)

@@ -5,11 +5,11 @@ import math
 import pytest
 
 import core
-from core import methods
+from core.methods import registry
 
 
 @pytest.mark.parametrize(
-    ("half", "order"), [(methods._SUZUKI4, 4), (methods._KAHAN_LI6, 6), (methods._KAHAN_LI8, 8)], ids=["4", "6", "8"]
+    ("half", "order"), [(registry._SUZUKI4, 4), (registry._KAHAN_LI6, 6), (registry._KAHAN_LI8, 8)], ids=["4", "6", "8"]
 )
 def test_weights_of_the_compositions_meet_the_order_conditions(half, order):
     # Necessary for a symmetric composition of a symmetric method (Hairer, Lubich, Wanner, Theorem V.3.1 and after):
@@ -26,4 +26,4 @@ def test_names_are_keys():
 
 def test_an_unknown_method_is_refused_with_the_known_ones():
     with pytest.raises(ValueError, match="known are dmm2"):
-        methods.method_named("euler")
+        registry.method_named("euler")

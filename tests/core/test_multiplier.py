@@ -11,10 +11,12 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 from systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
 
-from core import PiecewiseSystem, arithmetic, divided
-from core.codegen import assignments
-from core.expressions import parse
-from core.multiplier import DIFFERENCES, DiscreteField, Endpoints, slopes
+from core import PiecewiseSystem
+from core.codegen.functions import assignments
+from core.kernels import divided_differences
+from core.kernels.doubledouble import error_free
+from core.symbolic.expressions import parse
+from core.symbolic.multiplier import DIFFERENCES, DiscreteField, Endpoints, slopes
 
 X, Y, A, T = sympy.symbols("x y a t")
 ENDS = Endpoints.of((X, Y), {"x", "y", "a"})
@@ -52,7 +54,12 @@ def exactly(expression: sympy.Expr, at: dict[sympy.Symbol, float]) -> Any:
 def in_double_precision(expression: sympy.Expr, at: dict[sympy.Symbol, float]) -> float:
     """The very text that is compiled, run on floats."""
     lines = assignments(["result"], [expression], sympy.numbered_symbols("v"))
-    scope: dict[str, Any] = {"math": math, **vars(arithmetic), **vars(divided), **{str(s): v for s, v in at.items()}}
+    scope: dict[str, Any] = {
+        "math": math,
+        **vars(error_free),
+        **vars(divided_differences),
+        **{str(s): v for s, v in at.items()},
+    }
     exec("\n".join(lines), scope)  # noqa: S102 - text of our own making
     return float(scope["result"])
 

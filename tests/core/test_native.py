@@ -5,8 +5,8 @@ import gc
 import numpy as np
 
 import core
-from core import compiled
-from core.native import Native
+from core.compilation import compiled
+from core.llvm.native import Native
 
 
 def test_machine_code_is_freed_without_harm_to_other_code():

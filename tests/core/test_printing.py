@@ -6,9 +6,9 @@ import pytest
 import sympy
 from frames import pointer
 
-from core.codegen import function_text, module_text
-from core.compiled import _load
-from core.printing import doubled_assignments, printed
+from core.codegen.functions import function_text, module_text
+from core.codegen.printing import doubled_assignments, printed
+from core.compilation.compiled import _load
 
 X, Y, A = sympy.symbols("x y a")
 UNIT = mp.mpf(2) ** -104

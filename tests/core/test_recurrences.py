@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.recurrences import MAX_ORDER, order_of, power_near, power_of_two, reach
+from core.kernels.taylor_coefficients import MAX_ORDER, order_of, power_near, power_of_two, reach
 
 
 def rows(count: int = 4, length: int = 32) -> Any:

@@ -17,12 +17,12 @@ from frames import pointer
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.codegen import function_text, module_text
-from core.compiled import _load
-from core.laws import Laws, derive
-from core.series import series_code
-from core.signatures import ORDER as ORDER_SLOT
-from core.signatures import UNIT, Frame
+from core.codegen.functions import function_text, module_text
+from core.codegen.taylor_series import series_code
+from core.compilation.compiled import _load
+from core.kernels.abi import ORDER as ORDER_SLOT
+from core.kernels.abi import UNIT, Frame
+from core.symbolic.laws import Laws, derive
 
 ORDER, SPARE = 14, 3
 FIXED = settings(derandomize=True, deadline=None, max_examples=12, database=None)

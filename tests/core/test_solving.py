@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import sympy
 
-from core.elimination import KEPT, least_change, with_pivots
-from core.solving import change_along, solve_with_pivots
+from core.codegen.linear_solve import KEPT, least_change, with_pivots
+from core.codegen.linear_solve_loops import change_along, solve_with_pivots
 
 EPS = np.finfo(float).eps
 

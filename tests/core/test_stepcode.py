@@ -14,7 +14,7 @@ from frames import Framed
 from systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
 
 from core import METHODS, PiecewiseSystem, integrate
-from core.signatures import NO_SOLUTION
+from core.kernels.abi import NO_SOLUTION
 
 SIDES = [pytest.param(system, side, id=f"{system.name} {side:+d}") for system in ALL for side in (-1, 1)]
 #: Kepler's gradients are dependent on a circular orbit: kept away from, and tested apart.

@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import core
-from core.stream import stream_function
+from core.symbolic.stream_function import stream_function
 
 X, Y, K = sympy.symbols("x y k")
 

@@ -12,9 +12,9 @@ import pytest
 from exact import EPS
 from frames import pointer
 
-from core.codegen import function_text, module_text
-from core.compiled import _load
-from core.sums import Sums
+from core.codegen.convolutions import Sums
+from core.codegen.functions import function_text, module_text
+from core.compilation.compiled import _load
 
 LENGTH = 32
 

@@ -7,10 +7,10 @@ import time
 import pytest
 
 import core
-from core import compiled
-from core.identities import is_zero
-from core.practice import examples
-from core.workshop import Workshop
+from core.compilation import compiled
+from core.compilation.practice import examples
+from core.compilation.worker_pool import Workshop
+from core.symbolic.zero_testing import is_zero
 
 # Makes a file of the name it is given, with its own number in it.
 PROGRAM = """

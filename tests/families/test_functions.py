@@ -13,10 +13,10 @@ from drawn_functions import drawn_expression, evaluated
 from scipy.integrate import solve_ivp
 
 import core
-from core.codegen import jump_text, levels_texts, look_text, module_text, polish_text
-from core.expressions import parse, to_text
-from core.stepcode import StepCode
-from core.taylor import reach_text
+from core.codegen.functions import jump_text, levels_texts, look_text, module_text, polish_text
+from core.codegen.step import StepCode
+from core.methods.taylor_step import reach_text
+from core.symbolic.expressions import parse, to_text
 
 PARAMETERS = {"k": core.Parameter("k", 1.3, (0.5, 2.5))}
 K = {"k": 1.3}

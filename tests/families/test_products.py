@@ -9,12 +9,12 @@ import mpmath as mp
 import numpy as np
 import sympy
 
-from core.codegen import function_text, module_text
-from core.compiled import _load
-from core.laws import derive
-from core.series import series_code
-from core.signatures import ORDER as ORDER_SLOT
-from core.signatures import UNIT, Frame
+from core.codegen.functions import function_text, module_text
+from core.codegen.taylor_series import series_code
+from core.compilation.compiled import _load
+from core.kernels.abi import ORDER as ORDER_SLOT
+from core.kernels.abi import UNIT, Frame
+from core.symbolic.laws import derive
 
 EPS = 2.0**-52
 ORDER = 14

@@ -5,7 +5,7 @@ from threading import Barrier, Event, Thread
 import numpy as np
 import pytest
 
-from pwsviz.cache import Cache, Cancelled, nbytes
+from pwsviz.results.cache import Cache, Cancelled, nbytes
 
 
 def test_second_request_computes_nothing():

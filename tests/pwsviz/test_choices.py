@@ -1,7 +1,7 @@
 """A row of buttons and a setting of the scene agree."""
 
-from pwsviz.choices import choice
-from pwsviz.scene import COST_UP, Scene
+from pwsviz.scene.scene import COST_UP, Scene
+from pwsviz.widgets.setting_buttons import choice
 
 
 def test_buttons_and_setting_follow_each_other():

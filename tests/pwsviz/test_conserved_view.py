@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pwsviz.frames import landmarks
-from pwsviz.inputs import run_inputs
-from pwsviz.results import ErrorCurve, Results
-from pwsviz.scene import Scene
-from pwsviz.style import MACHINE_EPSILON
-from pwsviz.views.conserved import CEILING, FLOOR, NOWHERE, ConservedView, conserved_text, drawable
-from pwsviz.views.portrait import KIND_COLOURS, KIND_MARKERS
+from pwsviz.figures.conserved import CEILING, FLOOR, NOWHERE, ConservedView, conserved_text, drawable
+from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS
+from pwsviz.figures.style import MACHINE_EPSILON
+from pwsviz.results.animation import landmarks
+from pwsviz.results.requests import run_inputs
+from pwsviz.results.results import ErrorCurve, Results
+from pwsviz.scene.scene import Scene
 
 
 @cache

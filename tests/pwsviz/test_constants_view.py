@@ -7,8 +7,8 @@ import re
 import pytest
 
 import core
-from pwsviz.views.constants import constants_markup
-from pwsviz.views.scheme import scheme_markup
+from pwsviz.figures.constants import constants_markup
+from pwsviz.figures.scheme import scheme_markup
 
 
 def diagnosed(tau: float, method: str = "dmm2") -> tuple[core.Trajectory, core.Diagnosis]:

@@ -7,8 +7,8 @@ import pytest
 
 import core
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
-from pwsviz.style import LINES, line_of
-from pwsviz.views.cost import PEER_LINES, CostView, cost_rows, cost_text
+from pwsviz.figures.cost import PEER_LINES, CostView, cost_rows, cost_text
+from pwsviz.figures.style import LINES, line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
 

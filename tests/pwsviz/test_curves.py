@@ -8,7 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from pwsviz.curves import RESOLUTION, distinct_pixels, envelope, first_visits, screen_path, simplify, spliced
+from pwsviz.geometry.polyline_reduction import (
+    RESOLUTION,
+    distinct_pixels,
+    envelope,
+    first_visits,
+    screen_path,
+    simplify,
+    spliced,
+)
 
 coordinates = st.floats(-100, 100, width=32)
 polylines = hnp.arrays(float, st.tuples(st.integers(2, 60), st.just(2)), elements=coordinates)

@@ -10,7 +10,7 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
-from pwsviz.delivery import Delivery
+from pwsviz.tasks.event_loop import Delivery
 
 
 @pytest.fixture

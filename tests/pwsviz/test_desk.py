@@ -5,8 +5,8 @@ from time import sleep
 
 import pytest
 
-from pwsviz.cache import Cancelled
-from pwsviz.desk import Desk
+from pwsviz.results.cache import Cancelled
+from pwsviz.tasks.scheduler import Desk
 
 
 @pytest.fixture

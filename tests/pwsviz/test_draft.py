@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import core
-from pwsviz.draft import FIELDS, MAX_CHARACTERS, Draft, check, examples, split
+from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check, examples, split
 
 OSCILLATOR = Draft(
     name="Mine",

@@ -7,8 +7,8 @@ from threading import current_thread, main_thread
 import pytest
 
 import core
-from pwsviz.draft import FIELDS, Draft, examples
-from pwsviz.editor import CURRENT, SystemEditor
+from pwsviz.editor.form import CURRENT, SystemEditor
+from pwsviz.editor.validation import FIELDS, Draft, examples
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 

@@ -11,11 +11,11 @@ from panel.io.document import _cleanup_doc
 from panel.io.state import set_curdoc
 
 import core
-from pwsviz.explorer import Explorer
-from pwsviz.plane import Window
-from pwsviz.results import Results
-from pwsviz.scene import VIEWS, Scene
-from pwsviz.stage import at_point
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.page.explorer import Explorer
+from pwsviz.page.portrait_panel import at_point
+from pwsviz.results.results import Results
+from pwsviz.scene.scene import VIEWS, Scene
 
 
 @pytest.fixture

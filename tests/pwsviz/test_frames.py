@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.frames import ROUND_OFF, frames, landmarks, round_off
-from pwsviz.style import line_of
+from pwsviz.figures.style import line_of
+from pwsviz.results.animation import ROUND_OFF, frames, landmarks, round_off
 
 
 @pytest.fixture(scope="module")

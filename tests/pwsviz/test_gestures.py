@@ -4,7 +4,7 @@ from bokeh.events import MouseEnter
 from bokeh.models import ColumnDataSource
 from bokeh.plotting import figure
 
-from pwsviz.views.gestures import GESTURES, attach_gestures
+from pwsviz.figures.gestures import GESTURES, attach_gestures
 
 
 def test_gestures_are_attached_once_there_is_an_element_and_wherever_it_may_be_another():

@@ -3,8 +3,8 @@
 import pytest
 
 import core
-from pwsviz.history import MAX_STEPS_BACK, History
-from pwsviz.scene import Scene
+from pwsviz.scene.history import MAX_STEPS_BACK, History
+from pwsviz.scene.scene import Scene
 
 
 class Clock:

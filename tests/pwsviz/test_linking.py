@@ -2,9 +2,9 @@
 
 from bokeh.events import MouseLeave
 
-from pwsviz.views.conserved import ConservedView
-from pwsviz.views.linking import link_crossings
-from pwsviz.views.portrait import PortraitView
+from pwsviz.figures.conserved import ConservedView
+from pwsviz.figures.linking import link_crossings
+from pwsviz.figures.portrait import PortraitView
 
 
 def test_links_of_the_views_name_the_sources_of_both():

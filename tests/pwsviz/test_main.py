@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from pwsviz import serving
 from pwsviz.__main__ import main
 from pwsviz.report import figures_of_paper
+from pwsviz.server import serving
 
 ROOT = Path(__file__).parents[2]
 
@@ -129,9 +129,9 @@ def test_who_listens_for_others_is_told_of_their_names(told, capsys):
 
 
 def test_the_preloaded_scene_is_that_of_a_fresh_page():
-    from pwsviz import preload
-    from pwsviz.explorer import Explorer
-    from pwsviz.results import Results
+    from pwsviz.page.explorer import Explorer
+    from pwsviz.results.results import Results
+    from pwsviz.server import preload
 
     results = Results()
     preload.RESULTS, kept = results, preload.RESULTS

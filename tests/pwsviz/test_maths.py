@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from sympy import Add, Float, Integer, Mul, Pow, Rational, Symbol, exp, log, sin, sqrt
 
 import core
-from core.multiplier import DIFFERENCES
-from pwsviz.maths import _explicit, equation, formula, latex, markup, name_markup, names_of
+from core.symbolic.multiplier import DIFFERENCES
+from pwsviz.text.mathml import _explicit, equation, formula, latex, markup, name_markup, names_of
 
 x, y, z = sympy.symbols("x y z")
 KNOWN = {"mi", "mn", "mo", "mrow", "mfrac", "msub", "msup", "msubsup", "msqrt", "mroot", "mover", "mtext", "mspace"}

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from pwsviz.inputs import study_inputs
-from pwsviz.results import Results
-from pwsviz.scene import Scene
-from pwsviz.views.order import OrderView, Row, fitted_line, state_rows, time_rows
+from pwsviz.figures.order import OrderView, Row, fitted_line, state_rows, time_rows
+from pwsviz.results.requests import study_inputs
+from pwsviz.results.results import Results
+from pwsviz.scene.scene import Scene
 
 
 def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():

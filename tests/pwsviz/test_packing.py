@@ -6,7 +6,7 @@ import re
 import pytest
 
 import core
-from pwsviz.packing import packed, unpacked
+from pwsviz.scene.serialization import packed, unpacked
 
 TINY = {"name": "m", "variables": ["x", "y"], "f_minus": ["1", "0"], "f_plus": ["1", "0"], "g": "x"}
 

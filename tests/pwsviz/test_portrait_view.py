@@ -7,14 +7,14 @@ import pytest
 from bokeh.events import Tap
 
 import core
-from pwsviz.frames import frames
-from pwsviz.inputs import beside_inputs, run_inputs
-from pwsviz.plane import Window
-from pwsviz.player import Player
-from pwsviz.results import PortraitInputs, Results
-from pwsviz.scene import Scene
-from pwsviz.views.conserved import ConservedView
-from pwsviz.views.portrait import BESIDE, KIND_MARKERS, PortraitView, extent
+from pwsviz.figures.conserved import ConservedView
+from pwsviz.figures.portrait import BESIDE, KIND_MARKERS, PortraitView, extent
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.page.player import Player
+from pwsviz.results.animation import frames
+from pwsviz.results.requests import beside_inputs, run_inputs
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.scene import Scene
 
 TWO = ((-1.0, -1.0), (-0.5, 0.2))
 

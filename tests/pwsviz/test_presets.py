@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.checks import MAX_STEPS
-from pwsviz.presets import PRESETS
-from pwsviz.scene import Scene
+from pwsviz.scene.presets import PRESETS
+from pwsviz.scene.scene import Scene
+from pwsviz.scene.validation import MAX_STEPS
 
 FIGURES = {
     "fig:vftypes": 4, "fig:portraits": 2, "fig:harmonic_timeError": 1, "fig:harmonic_transition": 3,

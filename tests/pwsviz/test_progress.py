@@ -1,6 +1,6 @@
 """A long computation says how far it is."""
 
-from pwsviz.progress import Progress
+from pwsviz.widgets.progress import Progress
 
 
 def test_from_the_beginning_to_the_end():

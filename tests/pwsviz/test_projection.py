@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.plane import Window, backdrop, closed_surface
-from pwsviz.projection import (
+from pwsviz.geometry.phase_plane import Window, backdrop, closed_surface
+from pwsviz.geometry.projection import (
     axis_labels,
     conserved_note,
     in_plane,

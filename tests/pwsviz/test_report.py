@@ -14,11 +14,11 @@ import pytest
 
 import core
 from pwsviz.__main__ import main
-from pwsviz.presets import PRESETS
 from pwsviz.report import PAGE, figures_of_paper, write_report
 from pwsviz.report import write as writing
 from pwsviz.report.benchmarks import bench_tables, run_bench
-from pwsviz.results import STUDY_TAUS
+from pwsviz.results.results import STUDY_TAUS
+from pwsviz.scene.presets import PRESETS
 
 ROOT = Path(__file__).parents[2]
 FIGURES = ("fig:portraits", "fig:elliptic_time", "fig:CQ_elliptic")

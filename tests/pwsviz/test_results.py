@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.cache import Cancelled
-from pwsviz.curves import RESOLUTION
-from pwsviz.inputs import Scheme, beside_inputs, run_inputs, study_inputs
-from pwsviz.loss import accumulated_error
-from pwsviz.plane import Window
-from pwsviz.results import PortraitInputs, Results
-from pwsviz.scene import Scene
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.polyline_reduction import RESOLUTION
+from pwsviz.results.cache import Cancelled
+from pwsviz.results.invariant_error import accumulated_error
+from pwsviz.results.requests import Scheme, beside_inputs, run_inputs, study_inputs
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.scene import Scene
 
 
 @pytest.fixture

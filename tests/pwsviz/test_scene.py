@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
-from pwsviz.checks import MAX_STEPS, number, require_few_steps
-from pwsviz.names import short_name
-from pwsviz.scene import MAX_STARTS, Scene
+from pwsviz.scene.names import short_name
+from pwsviz.scene.scene import MAX_STARTS, Scene
+from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
 
 
 def test_starts_with_the_defaults_of_its_system():

@@ -14,7 +14,7 @@ import sympy
 from scipy.integrate import DOP853
 
 import core
-from pwsviz.views.scheme import scheme_markup
+from pwsviz.figures.scheme import scheme_markup
 
 VOID = {"br", "hr"}
 PAIRS = [

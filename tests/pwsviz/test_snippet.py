@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.inputs import beside_inputs, run_inputs, study_inputs
-from pwsviz.loss import accumulated_error
-from pwsviz.results import Results
-from pwsviz.scene import Scene
-from pwsviz.snippet import snippet
+from pwsviz.export.script import snippet
+from pwsviz.results.invariant_error import accumulated_error
+from pwsviz.results.requests import beside_inputs, run_inputs, study_inputs
+from pwsviz.results.results import Results
+from pwsviz.scene.scene import Scene
 
 HOSTILE = (
     "'", '"', '"""', "'''", "\\", "\n", "\r", "\0", "{1/0}", "%s", "\u202e", "\ud800", "\u2028", "#", "</script>", "🙂",

@@ -7,11 +7,11 @@ import pytest
 
 import core
 from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS
-from pwsviz.style import line_of
-from pwsviz.views.conserved import FLOOR
-from pwsviz.views.stability import StabilityView, stability_table, stability_text
-from pwsviz.views.stability_map import COLOURS
-from pwsviz.views.stability_text import cell_words
+from pwsviz.figures.conserved import FLOOR
+from pwsviz.figures.stability import StabilityView, stability_table, stability_text
+from pwsviz.figures.stability_map import COLOURS
+from pwsviz.figures.stability_text import cell_words
+from pwsviz.figures.style import line_of
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 METHODS = ("dmm2", "rk2")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.style import LEGEND_GLYPH, LINES, line_of
+from pwsviz.figures.style import LEGEND_GLYPH, LINES, line_of
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
 SIGHT = {

@@ -15,13 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
-from pwsviz.inputs import beside_inputs, run_inputs, study_inputs
-from pwsviz.link import query
-from pwsviz.loss import accumulated_error
-from pwsviz.results import PortraitInputs, Results
-from pwsviz.scene import Scene
-from pwsviz.style import plain_figure
-from pwsviz.takeaway import (
+from pwsviz.export.tables import (
     ROWS,
     conserved_table,
     csv_bytes,
@@ -33,6 +27,12 @@ from pwsviz.takeaway import (
     run_table,
     runs_table,
 )
+from pwsviz.figures.style import plain_figure
+from pwsviz.results.invariant_error import accumulated_error
+from pwsviz.results.requests import beside_inputs, run_inputs, study_inputs
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.permalink import query
+from pwsviz.scene.scene import Scene
 
 # Files ---------------------------------------------------------------------------------------------------------------
 

@@ -8,10 +8,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
-from pwsviz.names import short_name
-from pwsviz.results import Summary
-from pwsviz.scene import Scene
-from pwsviz.text import as_text, complaint, duration, listed, method_notes, plural, rounded_up, run_line, run_lines
+from pwsviz.results.results import Summary
+from pwsviz.scene.names import short_name
+from pwsviz.scene.scene import Scene
+from pwsviz.text.words import (
+    as_text,
+    complaint,
+    duration,
+    listed,
+    method_notes,
+    plural,
+    rounded_up,
+    run_line,
+    run_lines,
+)
 
 
 def summary(**changes):

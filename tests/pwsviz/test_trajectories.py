@@ -2,8 +2,8 @@
 
 import pytest
 
-from pwsviz.scene import MAX_STARTS, Scene
-from pwsviz.trajectories import Trajectories
+from pwsviz.page.initial_states import Trajectories
+from pwsviz.scene.scene import MAX_STARTS, Scene
 
 
 @pytest.fixture

@@ -2,8 +2,8 @@
 
 from threading import Event
 
-from pwsviz.cache import Cancelled
-from pwsviz.worker import Job, Lane
+from pwsviz.results.cache import Cancelled
+from pwsviz.tasks.latest_wins import Job, Lane
 
 
 def test_requests_that_were_overtaken_are_never_started():

@@ -10,14 +10,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from core.brief import Brief
 from core.integrate import integrate
-from core.laws import Floats
-from core.methods import METHODS
+from core.integration.trajectory import Status, Trajectory
+from core.interface.summary import Brief
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS
 from core.studies.stability.plan import Plan
 from core.studies.tasks import as_completed
 from core.system import PiecewiseSystem
-from core.trajectory import Status, Trajectory
 
 __all__ = ["Drift", "count", "run"]
 

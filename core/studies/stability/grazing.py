@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.brief import Brief
 from core.integrate import integrate
-from core.laws import Floats
+from core.interface.summary import Brief
+from core.kernels.arrays import Floats
 from core.reference import Solution
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency

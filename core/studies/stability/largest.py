@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.brief import Brief
-from core.laws import Floats
-from core.methods import METHODS
+from core.integration.trajectory import Status
+from core.interface.summary import Brief
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
 from core.studies.tasks import as_completed
 from core.system import PiecewiseSystem
-from core.trajectory import Status
 
 __all__ = ["LargestTau", "count", "run"]
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.brief import Brief
-from core.laws import Floats
+from core.interface.summary import Brief
+from core.kernels.arrays import Floats
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, NO_START, Verdict, expected_of, judge, start_at
 from core.studies.tasks import as_completed

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from core.arguments import count, listed, number
 from core.integrate import checked_method, checked_settings, checked_start
-from core.laws import Floats
-from core.methods import Method
+from core.interface.arguments import count, listed, number
+from core.kernels.arrays import Floats
+from core.methods.registry import Method
 from core.studies.stability.verdict import reference_run
 from core.system import PiecewiseSystem, Start
 

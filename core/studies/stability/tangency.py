@@ -9,13 +9,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from core.brief import Brief
-from core.laws import Floats
+from core.integration.trajectory import Trajectory
+from core.interface.summary import Brief
+from core.kernels.arrays import Floats
 from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
 from core.studies.stability.verdict import ENDINGS, reference_run, start_at
 from core.system import PiecewiseSystem
-from core.trajectory import Trajectory
 
 Cancel = Callable[[], bool]
 

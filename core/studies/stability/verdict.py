@@ -8,8 +8,8 @@ import numpy as np
 import sympy
 
 from core.integrate import integrate
+from core.integration.trajectory import Status, Trajectory
 from core.system import PiecewiseSystem
-from core.trajectory import Status, Trajectory
 
 __all__ = [
     "ENDINGS",

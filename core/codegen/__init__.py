@@ -1,0 +1,1 @@
+"""Expressions → text of the functions that are compiled."""

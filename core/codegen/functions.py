@@ -1,0 +1,166 @@
+"""The text of compiled functions: straight lines over a frame, all of one signature (`signatures`)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import sympy
+from sympy import Expr, Symbol
+
+from core.codegen import linear_solve_loops
+from core.codegen.linear_solve import least_change, row_lines, size_line
+from core.codegen.printing import assignments, doubled_assignments, magnitude, named
+from core.codegen.rounding import rounding_bound
+from core.kernels import abi, divided_differences, scratch, taylor_coefficients
+from core.kernels.doubledouble import arithmetic, elementary, error_free, pair_arithmetic, quick, tables
+from core.symbolic.expressions import TIME
+from core.symbolic.laws import Laws, Side
+
+__all__ = [
+    "Names", "excess_lines", "function_text", "jump_text", "levels_texts", "look_text", "module_text",
+    "polish_text",
+]  # fmt: skip
+
+_EPS = 2.0**-52
+#: A place on the surface is moved by this part of the state at most: by more than round-off it cannot be wrong.
+_POLISH = 1e-12
+
+#: Modules of jitted functions that generated text calls, and of the tables that these use.
+_JITTED = (
+    abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, pair_arithmetic, quick, scratch,
+    tables, taylor_coefficients,
+)  # fmt: skip
+_HOME = {name: module.__name__ for module in _JITTED for name in getattr(module, "__all__", ())}
+
+
+def function_text(name: str, lines: Sequence[str]) -> str:
+    """Text of one compiled function, which is kept on disk."""
+    body = "\n".join(f"    {line}" for line in lines)
+    return f"@native\ndef {name}(t, h, p, w, memo):\n{body}\n"
+
+
+def module_text(functions: Iterable[str]) -> str:
+    """Text of a module of such functions, which imports what they call and nothing else."""
+    body = "\n\n".join(functions)
+    called = sorted(set(re.findall(r"\b[A-Za-z]\w*\b", body)) & set(_HOME))
+    imports = [f"from {_HOME[name]} import {name}" for name in called]
+    return "\n".join(
+        [
+            "import math",
+            "",
+            "from numba import carray",
+            "",
+            "from core.llvm.native import native",
+            *imports,
+            "",
+            "",
+            body,
+        ]
+    )
+
+
+class Names:
+    """Names of ours for a system's symbols (state x0, x1, …; parameters p0, p1, …; time t), and where they stand."""
+
+    def __init__(self, laws: Laws) -> None:
+        d, m = len(laws.x), max(len(side.conserved) for side in laws.sides.values())
+        self.frame = abi.Frame(d, m)
+        self.x, self.carry, self.p = named("x", d), named("c", d), named("p", len(laws.p))
+        self.parameters = dict(zip(laws.p, self.p, strict=True))
+        self.symbols = {**dict(zip(laws.x, self.x, strict=True)), **self.parameters, TIME: Symbol("t")}
+        self.temporaries = sympy.numbered_symbols("v")
+        self.unpack_parameters = [f"{q} = p[{k}]" for k, q in enumerate(self.p)]
+
+    @cached_property
+    def unpack(self) -> list[str]:
+        """Lines that read state, carry and parameters."""
+        lines = [f"{v} = w[{self.frame.x + k}]" for k, v in enumerate(self.x)]
+        lines += [f"{c} = w[{self.frame.carry + k}]" for k, c in enumerate(self.carry)]
+        return lines + self.unpack_parameters
+
+    def own(self, expressions: Iterable[Expr]) -> list[Expr]:
+        """A system's expressions in these names."""
+        return [e.xreplace(self.symbols) for e in expressions]
+
+    def doubled(self, targets: Sequence[str], expressions: Iterable[Expr], quick: bool = False) -> list[str]:
+        """Lines that work a system's expressions out in double-double, at state + carry."""
+        known = {x: (str(x), str(c)) for x, c in zip(self.x, self.carry, strict=True)}
+        exact = {s: (str(s), None) for s in (*self.p, Symbol("t"))}
+        return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries, quick)
+
+
+def look_text(laws: Laws) -> str:
+    """Text of `look`: g and its rates at a place."""
+    names = Names(laws)
+    lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
+    slack = sympy.Add(*(magnitude(u * v) for u, v in zip(laws.gradient, laws.x, strict=True))) * sympy.Float(_EPS)
+    doubt = rounding_bound(laws.g) * sympy.Float(_EPS)
+    values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, slack, doubt])
+    places = (abi.G, abi.RATES, abi.RATES + 1, abi.SLACK, abi.DOUBT)
+    targets = [f"w[{k}]" for k in places]
+    return function_text("look", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
+
+
+def jump_text(laws: Laws) -> str:
+    """Text of `jump`: the identity where there is none."""
+    names = Names(laws)
+    after = names.own(laws.jump if laws.jump is not None else laws.x)
+    targets = [f"w[{names.frame.place + k}]" for k in range(len(after))]
+    return function_text("jump", [*names.unpack, *assignments(targets, after, names.temporaries), "return 0"])
+
+
+def excess_lines(names: Names, side: Side, quick: bool = False) -> list[str]:
+    """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double.
+
+    In a step, or on the surface, it may be `quick`: what is wrong with one excess is not added to the next.
+    """
+    m, level = len(side.conserved), names.frame.level
+    lines = names.doubled([f"u{j}" for j in range(m)], side.conserved, quick)
+    for j in range(m):
+        lines.append(f"r{j}, q = pair_add(u{j}, u{j}_low, -w[{level + j}], -w[{level + names.frame.m + j}])")
+        lines.append(f"r{j} += q")
+    return lines
+
+
+def levels_texts(laws: Laws, side: Side) -> list[str]:
+    """Texts of `settle` and `excess` of a side."""
+    names = Names(laws)
+    m, level = len(side.conserved), names.frame.level
+    settle = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], side.conserved)]
+    for j in range(m):
+        settle += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
+    settle.append(f"w[{abi.SETTLED}] = 1.0")
+    excess = [*names.unpack, *excess_lines(names, side)]
+    excess += [f"w[{names.frame.excess + j}] = {f'r{j}' if j < m else 'math.nan'}" for j in range(names.frame.m)]
+    return [function_text(name, [*lines, "return 0"]) for name, lines in (("settle", settle), ("excess", excess))]
+
+
+def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
+    """Text of `polish`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
+
+    Where the surface and the orbit are nearly tangent no place is well determined, and it is left as it is.
+    """
+    names = Names(laws)
+    conserved = side.conserved if conservative else ()
+    m, d = len(conserved), len(laws.x)
+    moves = named("a", d)
+    lines = [*names.unpack, *(excess_lines(names, side, quick=True) if conservative else [])]
+    lines += [*names.doubled([f"r{m}"], [laws.g], quick=True), f"r{m} += r{m}_low"]
+    gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
+    rows, worked_out = row_lines(gradients, names.temporaries)
+    lines += [*worked_out, size_line(names.x), *least_change(rows, moves, names.temporaries)]
+    lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)
+    size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
+    lines += [f"size, speed = {size}, {speed}", f"w[{abi.DELAY}] = 0.0"]
+    lines.append(f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {_POLISH} * size or not speed > 0.0:")
+    lines.append("    return 0")
+    along = " + ".join(f"a{k} * (f{k} / speed)" for k in range(d))
+    square = " + ".join(f"(f{k} / speed)**2" for k in range(d))
+    lines.append(f"delay = -({along}) / ({square}) / speed")
+    lines += ["if not abs(delay) < math.inf:", "    return 0", f"w[{abi.DELAY}] = delay"]
+    for k in range(d):
+        x, c = (f"w[{start + k}]" for start in (names.frame.x, names.frame.carry))
+        lines.append(f"{x}, {c} = two_sum(x{k}, c{k} - a{k})")
+    return function_text("polish", [*lines, "return 0"])

@@ -1,0 +1,172 @@
+"""Linear systems solved in loops over arrays: what `elimination` writes out for a few unknowns, for many.
+
+Matrices are flat, row after row, and lost. `native` compiles these functions with the steps that call them; in Python
+they run on arrays of numpy.
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# jitted: the types are found out
+
+from __future__ import annotations
+
+import math
+
+from core.codegen.linear_solve import DEPENDENT, LEAST, MOST, NEARLY, SPARED
+
+__all__ = ["change_along", "solve_with_pivots"]
+
+
+def solve_with_pivots(a, r, s, n, d, first, state):
+    """Solve a·e = r of n unknowns by Gaussian elimination, as `elimination.with_pivots` does.
+
+    The unknowns from d on are multipliers of gradients; those of gradients that vanish, or depend on others, may be
+    left alone.
+
+    Parameters
+    ----------
+    a
+        n² numbers.
+    r
+        n numbers; the solution e is left in them.
+    s
+        Room for n numbers.
+    n, d
+        How many unknowns there are, and how many of them are no multipliers.
+    first
+        Whether this is Newton's first correction.
+    state
+        Size of the state.
+
+    Returns
+    -------
+    tuple
+        Whether no gradient vanishes or nearly depends on others; how much ψ was to change by, at most; the largest
+        entry of a gradient.
+    """
+    excess, largest, firm, several = 0.0, 0.0, True, n - d > 1
+    for k in range(d, n):
+        s[k] = 0.0
+        for i in range(d):
+            s[k] = max(s[k], abs(a[i * n + k]))
+        largest, excess = max(largest, s[k]), max(excess, abs(r[k]))
+    for k in range(n):
+        pivot_up(a, r, n, k, d)
+        if k == d:
+            for i in range(n - d):  # there are no more multipliers than other unknowns
+                s[i] = abs(a[(d + i) * n + d + i])
+        pivot = a[k * n + k]
+        inverse = 1.0 / pivot if pivot != 0.0 else 0.0
+        if k >= d and several:
+            near = abs(pivot) <= NEARLY * s[k - d]
+            firm = firm and not near
+            if near and (first or abs(r[k]) <= SPARED * s[k] * state or abs(pivot) <= DEPENDENT * s[k - d]):
+                inverse = 0.0
+        a[k * n + k] = inverse
+        for i in range(k + 1, n):
+            q = a[i * n + k] * inverse
+            if q != 0.0:
+                for c in range(k + 1, n):
+                    a[i * n + c] -= q * a[k * n + c]
+                r[i] -= q * r[k]
+    substitute_back(a, r, n)
+    return firm, excess, largest
+
+
+def pivot_up(a, r, n, k, d):
+    """Exchange rows from k on, of the first d, so that the largest entry of column k comes first."""
+    best = k
+    for i in range(k + 1, d):
+        if abs(a[i * n + k]) > abs(a[best * n + k]):
+            best = i
+    if best != k:
+        for c in range(k, n):
+            a[best * n + c], a[k * n + c] = a[k * n + c], a[best * n + c]
+        r[best], r[k] = r[k], r[best]
+
+
+def substitute_back(a, r, n):
+    """Solve the triangular system that is left; the inverses of the pivots are in the diagonal."""
+    for k in range(n - 1, -1, -1):
+        known = r[k]
+        for c in range(k + 1, n):
+            known -= a[k * n + c] * r[c]
+        r[k] = known * a[k * n + k]
+
+
+def change_along(a, b, r, j, e, m, d, state):
+    """The v along the rows of a with b·v = r, v = aᵀ(b aᵀ)⁻¹r, as `elimination.least_change` does.
+
+    Rows that vanish, or depend on others, may bind nothing.
+
+    Parameters
+    ----------
+    a, b
+        m rows of d numbers.
+    r
+        m numbers, lost.
+    j
+        Room for m² numbers.
+    e
+        v, d numbers, is left here.
+    m, d
+        Rows and columns.
+    state
+        Size of the state.
+
+    Returns
+    -------
+    bool
+        Whether no row nearly depends on others.
+    """
+    multiply(a, b, j, m, d)
+    usual = True
+    for k in range(m):
+        usual = usual and LEAST < abs(j[k * m + k]) < MOST
+    if not usual:
+        rescale(a, b, r, m, d)
+        multiply(a, b, j, m, d)
+    firm = True
+    for k in range(m):
+        e[k] = abs(j[k * m + k])  # there are more columns than rows
+    for k in range(m):
+        pivot = j[k * m + k]
+        inverse = 1.0 / pivot if pivot != 0.0 else 0.0
+        if k > 0 and abs(pivot) <= NEARLY * e[k]:
+            firm = False
+            if abs(r[k]) <= SPARED * math.sqrt(e[k]) * state or abs(pivot) <= DEPENDENT * e[k]:
+                inverse = 0.0
+        j[k * m + k] = inverse
+        for i in range(k + 1, m):
+            q = j[i * m + k] * inverse
+            for c in range(k + 1, m):
+                j[i * m + c] -= q * j[k * m + c]
+            r[i] -= q * r[k]
+    substitute_back(j, r, m)
+    for c in range(d):
+        e[c] = 0.0
+        for k in range(m):
+            e[c] += a[k * d + c] * r[k]
+    return firm
+
+
+def multiply(a, b, j, m, d):
+    """Leave b·aᵀ in j."""
+    for i in range(m):
+        for k in range(m):
+            total = 0.0
+            for c in range(d):
+                total += b[i * d + c] * a[k * d + c]
+            j[i * m + k] = total
+
+
+def rescale(a, b, r, m, d):
+    """Divide rows, and their r, by their largest entry: their squares may be beyond floating point."""
+    for k in range(m):
+        q = 0.0
+        for c in range(d):
+            q = max(q, abs(a[k * d + c]))
+        q = 1.0 / q if q > 0.0 else 0.0
+        r[k] *= q
+        for c in range(d):
+            a[k * d + c] *= q
+            b[k * d + c] *= q

@@ -1,0 +1,37 @@
+"""How far rounding can move the value of an expression: a running error bound, to first order."""
+
+from __future__ import annotations
+
+import sympy
+from sympy import Expr
+
+from core.codegen.printing import magnitude
+
+__all__ = ["rounding_bound"]
+
+
+def rounding_bound(expression: Expr) -> Expr:
+    """Bound the error of an expression's value in floating point, in units of the machine epsilon.
+
+    Every symbol (a coordinate, a parameter, the time) and every constant that is no whole number is taken to be
+    rounded, and so is the result of every operation (Higham, Accuracy and Stability of Numerical Algorithms, 3.3).
+    """
+    if expression.is_Integer:
+        return sympy.S.Zero
+    if expression.is_Atom:
+        return magnitude(expression)
+    if expression.is_Add:
+        return sympy.Add(*(rounding_bound(u) + magnitude(u) for u in expression.args))
+    return _of_arguments(expression) + len(expression.args) * magnitude(expression)
+
+
+def _of_arguments(expression: Expr) -> Expr:
+    """What the errors of its arguments do to the value of an operation: Σ |∂/∂u| times the error of u."""
+    names = [sympy.Dummy() for _ in expression.args]
+    value, at = expression.func(*names), dict(zip(names, expression.args, strict=True))
+    if expression.is_Pow and expression.exp.is_number:  # whose rounding is that of the result, or nearly so
+        del at[names[1]]
+        value = names[0] ** expression.exp
+    errors = {name: rounding_bound(u) for name, u in at.items()}
+    moved = [magnitude(value.diff(u).xreplace(at)) * error for u, error in errors.items() if error != 0]
+    return sympy.Add(*moved)

@@ -1,0 +1,401 @@
+"""The text of one step, which a method's builder writes in terms of symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
+
+import sympy
+from sympy import Expr, Symbol
+
+from core.codegen.derivatives import jacobian
+from core.codegen.functions import Names, excess_lines, function_text
+from core.codegen.linear_solve import (
+    FEW,
+    KEPT,
+    WRITTEN_OUT,
+    by_cofactors,
+    least_change,
+    row_lines,
+    size_line,
+    with_pivots,
+)
+from core.codegen.printing import assignments, named, printed
+from core.kernels import abi
+from core.kernels.taylor_coefficients import STRIDE
+from core.symbolic.expressions import TIME
+from core.symbolic.laws import Laws, Side
+
+__all__ = ["StepCode"]
+
+#: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
+_MAX_CORRECTIONS = 30
+_STAGNATION = 16 * 2.0**-52
+#: Corrections converge quadratically where one is that small (relative to the increment) and the next (relative to it).
+_CLOSE, _CLOSING = 0.1, 1e-2
+#: The second correction is below this part of the first where the solution is the one near by: Kantorovich's theorem
+#: asks for a quarter.
+_CONTRACTION = 0.1
+#: Nor need it be asked where the first is that small (relative to the increment).
+_NEARBY = 1e-3
+#: Equations are linear whose second correction is this part of the first.
+_LINEAR = 1e-6
+#: A part of a step is too far a way where the first correction is more than this part of the increment.
+_FAR = 0.05
+#: The determinant of the equations, 1 at h = 0, may change by this factor in a part of a step.
+_NEAR = 0.6
+#: Parts at most in which a solution is followed from h = 0.
+_MOST_PARTS = 1024
+#: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
+_SETTLED = 1e-8
+_MAX_MOVES = 8
+#: Nor does a variable-step method end a step with a move of so many parts of the state (where gradients nearly depend
+#: on each other, ψ tells it to half the digits), or of so many times the tolerance.
+_ASTRAY, _LOST, _FREEDOM = 2.0**-40, 2.0**-20, 2.0**10
+#: And one of so many parts of the state is of the size of its rounding.
+_NOTHING = 4 * 2.0**-52
+#: What rounding of a step can have taken from ψ moves the state by no more than this part of the increment.
+_ROUNDING = 1e-6
+#: Up to so many unknowns a system is solved by cofactors.
+_SMALL = 3
+#: From so many characters on, f is a function that is called: beside its own time that of a call is nothing.
+_LONG = 2500
+
+
+class StepCode:
+    """The text of one step, written by a method's builder.
+
+    Attributes
+    ----------
+    t, h
+        Start and length of the step.
+    x
+        The d coordinates of the state at its start.
+    """
+
+    def __init__(self, laws: Laws, side: Side) -> None:
+        self._names = Names(laws)
+        self._laws, self._side = laws, side
+        self._temporaries = self._names.temporaries
+        self._few = len(self._names.x) <= FEW
+        self._called = ""
+        self._lines = list(self._names.unpack)
+        self._evaluations: list[str] = []
+        self.t, self.h = Symbol("t"), Symbol("h")
+        self.x = self._names.x
+
+    def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
+        """Work expressions out here; returns the names of their values."""
+        names = [next(self._temporaries) for _ in expressions]
+        self._lines += self._assign([str(n) for n in names], expressions)
+        return names
+
+    def _assign(self, targets: Sequence[str], expressions: Sequence[Expr]) -> list[str]:
+        return assignments(targets, expressions, self._temporaries, thorough=self._few)
+
+    def field(self, t: Expr, increment: Sequence[Expr] | None = None) -> list[Symbol]:
+        """Work out f here, at time t and the start of the step moved by an increment; returns its d values."""
+        x = self.x
+        if increment is not None:
+            x = tuple(next(self._temporaries) for _ in x)
+            moved = self._assign([f"{y}_moved" for y in x], increment)
+            ends = zip(x, self.x, self._names.carry, strict=True)
+            self._lines += moved + [f"{y} = {a} + ({c} + {y}_moved)" for y, a, c in ends]
+        self._evaluations.append("1")
+        if self._apart:
+            return self._field_apart(t, x)
+        at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
+        return self.let([f.xreplace(at) for f in self._side.field])
+
+    @cached_property
+    def _apart(self) -> str:
+        """Text of f as a function of its own, for a step that needs it at several stages; empty where f is short."""
+        d, names = len(self.x), self._names
+        if self._few:
+            return ""
+        lines = [f"{x} = place[{k}]" for k, x in enumerate(self.x)] + names.unpack_parameters
+        lines += self._assign([f"f[{k}]" for k in range(d)], names.own(self._side.field))
+        body = "\n".join(f"    {line}" for line in lines)
+        return f"def field(t, place, p, f):\n{body}\n\n\n" if len(body) > _LONG else ""
+
+    def _field_apart(self, t: Expr, x: Sequence[Symbol]) -> list[Symbol]:
+        values = [next(self._temporaries) for _ in x]
+        if not self._called:
+            self._called = self._apart
+            self._lines.append(f"place, rates = scratch({len(x)}), scratch({len(x)})")
+        self._lines += [f"place[{k}] = {y}" for k, y in enumerate(x)]
+        self._lines.append(f"field({printed(t)}, place, p, rates)")
+        self._lines += [f"{value} = rates[{k}]" for k, value in enumerate(values)]
+        return values
+
+    def at_ends(self, expressions: Iterable[Expr]) -> list[Expr]:
+        """Discrete expressions in this step's symbols: x at its start, ``y`` = x + increment at its end."""
+        ends = self._side.discrete.ends
+        names = {**dict(zip(ends.start, self.x, strict=True)), **dict(zip(ends.end, self.end, strict=True))}
+        names |= {**self._names.parameters, ends.times[0]: self.t, ends.times[1]: Symbol("t1")}
+        return [e.xreplace(names) for e in expressions]
+
+    @property
+    def end(self) -> tuple[Symbol, ...]:
+        """The state at the end of the step, where `solve` is after its current increment."""
+        return named("y", len(self.x))
+
+    @property
+    def increment(self) -> tuple[Symbol, ...]:
+        """The unknown increment of `solve`."""
+        return named("d", len(self.x))
+
+    @property
+    def _arrive(self) -> list[str]:
+        """Lines that take the state to the end of the step."""
+        return [f"y{k} = x{k} + (c{k} + d{k})" for k in range(len(self.x))]
+
+    def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = ()) -> list[Symbol]:
+        """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from Euler's step.
+
+        In increment form, so that what is iterated is small and its round-off too; the last correction is the one
+        after which quadratic convergence leaves less than half an ulp, or the one that no longer shrinks.
+        """
+        d = len(self.x)
+        unknowns = [*self.increment, *multipliers]
+        inner = self._arrive + (self._newton if self._few else self._newton_of_many)(residuals, unknowns)
+        inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
+        slopes = self.field(self.t)
+        start = [f"{u} = h*{f}" for u, f in zip(unknowns, slopes, strict=False)]
+        start += [f"{u} = 0.0" for u in multipliers]
+        inner += _verdict(len(unknowns), d, "scale > 0.0" if self._few and len(unknowns) == d <= _SMALL else "True")
+        self._lines += ["full, parts, part, scale, before = h, 1, 1, 1.0, 1.0", "t1 = t + h", *start]
+        self._lines.append(size_line(self.x))
+        self._lines += ["while True:", "    last, corrections, solved = math.inf, 0, False"]
+        self._lines += ["    while True:", *(f"        {line}" for line in inner)]
+        self._lines += [f"    {line}" for line in _continuation(unknowns, start)]
+        self._evaluations.append("corrections")
+        return list(self.increment)
+
+    def _newton_of_many(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
+        """Lines that leave the next correction in r0, r1 and so on; where there are many unknowns, by way of arrays."""
+        n, d = len(residuals), len(self.x)
+        moves = dict(zip(self.end, unknowns, strict=False))
+        lines, values, entries = jacobian(residuals, unknowns, moves, self._temporaries)
+        if n <= WRITTEN_OUT:
+            lines += [f"j{i}_{k} = {entries.get((i, k), '0.0')}" for i in range(n) for k in range(n)]
+            return [*lines, *(f"r{i} = {value}" for i, value in enumerate(values)), *with_pivots(n, d)]
+        lines = [f"matrix, right, sizes = scratch({n * n}), scratch({n}), scratch({n})", *lines]
+        lines += [f"right[{i}] = {value}" for i, value in enumerate(values)]
+        lines += [f"for entry in range({n * n}):", "    matrix[entry] = 0.0"]
+        lines += [f"matrix[{i * n + k}] = {entry}" for (i, k), entry in entries.items()]
+        state = "state" if n - d > 1 else "0.0"
+        lines.append(
+            f"firm, excess, largest = solve_with_pivots(matrix, right, sizes, {n}, {d}, corrections == 0, {state})"
+        )
+        return lines + [f"r{k} = right[{k}]" for k in range(n)]
+
+    def _newton(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
+        """Lines that leave the next correction in r0, r1 and so on."""
+        d = len(self.x)
+        # The end of the step moves with the increment: y = x + d.
+        jacobian = [
+            [r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals
+        ]
+        n = len(residuals)
+        targets = [f"r{i}" for i in range(n)]
+        if n == d <= _SMALL:
+            entries = {(i, k): e for i, row in enumerate(jacobian) for k, e in enumerate(row) if not e.is_number}
+            names = [f"j{i}_{k}" for i, k in entries]
+            matrix = sympy.Matrix(n, n, lambda i, k: Symbol(f"j{i}_{k}") if (i, k) in entries else jacobian[i][k])
+            lines = assignments([*targets, *names], [*residuals, *entries.values()], self._temporaries)
+            return lines + by_cofactors(matrix, self._temporaries)
+        names = [f"j{i}_{k}" for i in range(n) for k in range(n)]
+        values = [*residuals, *(e for row in jacobian for e in row)]
+        return assignments([*targets, *names], values, self._temporaries) + with_pivots(n, d)
+
+    def compose(self, weights: Sequence[float], build: Callable[[], Sequence[Expr]]) -> list[Symbol]:
+        """Steps of length weight·h one after another, in a loop of the compiled step; returns the whole increment.
+
+        Between the steps, state and increment are kept with what rounding loses of them.
+        """
+        d, frame = range(len(self.x)), self._names.frame
+        outer, self._lines, self._evaluations = self._lines, [], []
+        part = build()
+        inner = ["h = whole_h * weight", "t = whole_t + whole_h * passed", "passed += weight"]
+        inner += [f"x{k}, c{k} = two_sum(w[{frame.x + k}], w[{frame.carry + k}] + (w{k} + z{k}))" for k in d]
+        inner += self._lines + self._assign([f"a{k}" for k in d], part)
+        for k in d:
+            inner += [f"w{k}, q = two_sum(w{k}, a{k})", f"z{k} += q"]
+        inner.append(f"count += {' + '.join(self._evaluations)}")
+        self._lines = [*outer, "whole_t, whole_h, passed, count = t, h, 0.0, 0", *(f"w{k} = z{k} = 0.0" for k in d)]
+        self._lines += [f"for weight in {tuple(weights)!r}:", *(f"    {line}" for line in inner)]
+        self._lines += ["t, h = whole_t, whole_h", *self._names.unpack]
+        self._evaluations = ["count"]
+        return self.let([Symbol(f"w{k}") + Symbol(f"z{k}") for k in d])
+
+    def polynomial(self) -> list[Symbol]:
+        """The increment at h of the Taylor polynomial that `reach` has left in memo.
+
+        Even and odd powers apart: two chains of half the length (Horner in h²), and those of all rows overlap.
+        """
+        d = range(len(self.x))
+        inner = [
+            line
+            for k in d
+            for line in (f"d{k} = fma(d{k}, square, c[{k}, j])", f"z{k} = fma(z{k}, square, c[{k}, j + 1])")
+        ]
+        self._lines += [f"order = int(w[{abi.ORDER}])", f"c = carray(memo, ({len(d)}, {STRIDE}))"]
+        self._lines += [f"part = h * w[{abi.PER_UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
+        self._lines += [f"d{k}, z{k} = c[{k}, top], 0.0 if top == order else c[{k}, order]" for k in d]
+        self._lines += ["for j in range(top - 2, 0, -2):", *(f"    {line}" for line in inner)]
+        self._lines += [f"d{k} = d{k}*part + z{k}*square" for k in d]
+        return list(self.increment)
+
+    def hold(self, increments: Sequence[Expr]) -> list[Expr]:
+        """Give back with this step what rounding has taken from ψ before it, worked out in double-double.
+
+        So the round-off of a conservative method does not add up: ψ stays at its level for ever.
+        """
+        m = len(self._side.conserved)
+        if m == 0:
+            return list(increments)
+        changes = named("e", len(self.x))
+        given = self.let(increments)
+        self._lines += excess_lines(self._names, self._side, quick=True)
+        # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
+        gradients, lines = row_lines(self._gradients_at_end(), self._temporaries)
+        self._lines += [*lines, size_line(self.x), *least_change(gradients, changes, self._temporaries)]
+        size = f"max({', '.join(f'abs({e})' for e in changes)})"
+        whole = f"max({', '.join(f'abs({d})' for d in given)}, 0.0)"
+        bound = f"{_ROUNDING} * {whole}"
+        if m > 1:  # where gradients are nearly dependent, ψ tells the state to half the digits
+            bound = f"({bound} if firm else {_ROUNDING} * max({whole}, state))"
+        self._lines.append(f"if not {size} <= {bound}:")
+        self._lines.append(f"    {' = '.join(map(str, changes))} = 0.0")
+        return [d - e for d, e in zip(given, changes, strict=True)]
+
+    def _gradients_at_end(self) -> list[list[Expr]]:
+        """∇ψ at the end of the step."""
+        at = {**self._names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
+        return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._side.conserved]
+
+    def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> list[Expr]:
+        """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(excess at the start).
+
+        With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The excess is
+        worked out here, or has been by `reach` where the step is `prepared`.
+        """
+        side, d = self._side, len(self.x)
+        m = len(side.conserved)
+        if m == 0:
+            return list(increments)
+        lines = [*self._assign([f"d{k}" for k in range(d)], increments), "t1 = t + h", size_line(self.x)]
+        if prepared:
+            lines += [f"o{j} = w[{self._names.frame.excess + j}]" for j in range(m)]
+        else:
+            lines += [*excess_lines(self._names, side, quick=True), *(f"o{j} = r{j}" for j in range(m))]
+        gradient = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
+        rows, inner = row_lines(gradient.tolist(), self._temporaries)
+        slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))
+        left = sympy.Matrix(rows) * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
+        changes = named("e", d)
+        slopes = self._gradients_at_end()
+        inner = [*self._arrive, *inner, *self._assign([f"r{j}" for j in range(m)], list(left))]
+        inner += least_change(rows, changes, self._temporaries, slopes)
+        inner += [f"d{k} -= e{k}" for k in range(d)]
+        inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
+        whole = f"max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)"
+        # A coordinate may be far smaller than others, and ψ hang on it all the same, as on its logarithm.
+        each = " and ".join(f"abs(e{k}) <= {_SETTLED} * max(abs(d{k}), abs(x{k}))" for k in range(d))
+        if prepared:  # a solution that is as far off its levels has not been seen whole by its series
+            least = f"({_ASTRAY} if firm else {_LOST})" if m > 1 else str(_ASTRAY)
+            inner.append(f"if size > max({_FREEDOM} * w[{abi.TOLERANCE}], {least}) * max({whole}, state):")
+            inner.append(f"    return {abi.NO_SOLUTION}")
+        inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * state) and {each}:")
+        inner.append("    break")
+        self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]
+        # Near an equilibrium, where ψ hardly varies, a move may be large for the motion and nothing for the state.
+        self._lines += [
+            "else:",
+            f"    if not size <= {_SETTLED} * state:",
+            f"        return {abi.NO_SOLUTION}",
+        ]
+        return list(self.increment)
+
+    def text(self, increments: Sequence[Expr]) -> str:
+        """The whole function, its increments being as given: it looks at the end of the step, too."""
+        names, d = self._names, len(self.x)
+        lines = self._lines + self._assign([f"i{k}" for k in range(d)], increments)
+        lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
+        lines += [f"y{k} = x{k} + (c{k} + i{k})" for k in range(d)]
+        at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
+        values = [e.xreplace(at_end) for e in (self._laws.g, self._side.g_dot)]
+        targets = [f"w[{k}]" for k in (abi.G_END, abi.RATE_END)]
+        lines += ["t1 = t + h", *self._assign(targets, values)]
+        lines.append(f"return {' + '.join(self._evaluations) or '0'}")
+        return self._called + function_text("step", lines)
+
+
+def _verdict(n: int, d: int, on_branch: str) -> list[str]:
+    """Lines that end Newton's loop: solved, on the branch that is looked for, or not.
+
+    The correction to come is foretold from the last two, as K·size² with K = size/last²; and with K = last/whole², of
+    the two before, for one of them may be small by chance.
+    """
+    # Where the first correction is large, or the determinant changes much, the part is too far a way, unless linear.
+    changed = f" or not {_NEAR} * before < scale < before / {_NEAR}" if on_branch != "True" else ""
+    far = [f"if aside and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
+    kept = ""
+    check = []
+    if n - d > 1:  # a ψ that has been left alone must be kept all the same
+        largest = f"max({', '.join(f's{k}' for k in range(d, n))})" if n <= WRITTEN_OUT else "largest"
+        check.append(f"kept = firm or excess <= {KEPT} * {largest} * max(whole, state)")
+        kept = "kept and "
+    return [
+        f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
+        f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
+        "corrections += 1",
+        "if not size < math.inf:",
+        "    break",
+        f"aside = corrections == 2 and last > {_STAGNATION} * max(whole, state)",
+        f"if aside and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
+        "    break",
+        *far,
+        *check,
+        f"fast = last <= {_CLOSE} * whole and size <= {_CLOSING} * last",
+        "fast = fast and size * size * size < 1e-17 * whole * last * last",
+        "fast = fast and size * size * last < 1e-16 * whole * whole * whole",
+        f"if {kept}(size == 0.0 or fast):",
+        f"    solved = {on_branch}",
+        "    break",
+        f"over = corrections >= {_MAX_CORRECTIONS}",
+        f"if {kept}(size >= last or over) and size <= {_STAGNATION} * max(whole, state):",
+        f"    solved = {on_branch}",
+        "    break",
+        "if over:",
+        "    break",
+        "last = size",
+    ]
+
+
+def _continuation(unknowns: Sequence[Symbol], start: Sequence[str]) -> list[str]:
+    """Lines that go to the next part of the step, or begin anew in more parts; they end the loop over parts.
+
+    Which of several solutions is that of the method is told by continuity from h = 0. Newton's method has found it
+    where Euler's step is near, where it converges from there at once (Kantorovich: the second correction well below the
+    first), and where the determinant of the equations is near 1, as at h = 0. Elsewhere the solution is followed: from
+    a part of the step to a larger one, in proportion, by as much as keeps this so.
+    """
+    further = [f"{u} *= part / (part - 1.0)" for u in unknowns]
+    return [
+        "if solved:",
+        "    if part == parts:",
+        "        break",
+        "    part, before = part + 1, scale",
+        "    h = full * (part / parts)",
+        "    t1 = t + h",
+        *(f"    {line}" for line in further),
+        "else:",
+        f"    if parts == {_MOST_PARTS}:",
+        f"        return {abi.NO_SOLUTION}",
+        "    part, parts, before = 1, 4 * parts, 1.0",
+        "    h = full / parts",
+        "    t1 = t + h",
+        *(f"    {line}" for line in start),
+    ]

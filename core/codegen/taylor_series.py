@@ -1,0 +1,254 @@
+"""Fields → text that works out the Taylor coefficients in time of their solutions, by recurrences.
+
+Every quantity u(t, x) has coefficients u₀, u₁, … along the solution: u(t + s, x(t + s)) = Σ uₖ sᵏ. The expressions are
+taken apart into operations, each of which gives its coefficient k from those of its operands up to k and its own up to
+k − 1; then x' = f gives xₖ₊₁ = fₖ / (k + 1). One loop over k serves every order.
+
+The recurrences are those of `operations`.
+
+References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, Integer, Symbol
+
+from core.codegen.functions import Names
+from core.codegen.printing import printed
+from core.codegen.taylor_operations import Bag, Linear, Operations, single
+from core.symbolic.expressions import TIME
+from core.symbolic.laws import Laws, Side
+
+__all__ = ["SeriesCode", "series_code"]
+
+
+@dataclass(frozen=True)
+class SeriesCode:
+    """Lines that read the frame and the parameters, and use t, order, c and `shrink`, a power of two.
+
+    They write `unit`, a length of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in time over
+    unit, for i = d those of the height ±g over the surface; the rows from d + 1 on are scratch. In units of its own no
+    system's coefficients leave floating point.
+    """
+
+    lines: list[str]
+    rows: int
+    """How many rows c has at least."""
+
+
+def series_code(laws: Laws, side: Side) -> SeriesCode:
+    """Write the recurrences of one side's field, and of the height ±g along its solution.
+
+    Parameters
+    ----------
+    laws, side
+        The system, and the side whose field is followed.
+
+    Raises
+    ------
+    ValueError
+        On a function that is not one of `expressions.FUNCTIONS`.
+    """
+    names = Names(laws)
+    given = [e.xreplace(names.symbols) for e in (*side.field, side.sign * laws.g)]
+    writer = _Writer(names)
+    shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")
+    for symbol, value in shared:
+        writer.share(symbol, value)
+    *field, g = [writer.of(e) for e in final]
+    return writer.code(field, g)
+
+
+class _Writer(Operations):
+    """Expressions taken apart into operations."""
+
+    def __init__(self, names: Names) -> None:
+        super().__init__(len(names.x))
+        self.unpack = names.unpack
+        self.series = {v: single(i) for i, v in enumerate(names.x)}  # symbol -> its series
+        self.inverted: dict[Expr, Expr] = {}  # symbols that stand for 1 over a power
+        self.fixed: dict[Symbol, Expr] = {}  # symbols that stand for constants
+
+    # Expressions → sums of nodes -------------------------------------------------------------------------------------
+
+    def share(self, symbol: Symbol, value: Expr) -> None:
+        """Let `symbol` stand for an expression that is used more than once."""
+        if _taken_apart(value)[1] < 0 and not self.is_constant(value):  # to divide takes no longer than to multiply
+            self.inverted[symbol] = value
+            return
+        series = self.of(value)
+        if not series.terms:
+            self.fixed[symbol] = series.constant
+        elif len(series.terms) == 1:
+            self.series[symbol] = series
+        else:  # added up once
+            self.series[symbol] = Linear({self.node(series): Integer(1)})
+
+    def of(self, u: Expr) -> Linear:
+        """An expression as a sum of nodes; operations that are not linear become nodes."""
+        if self.is_constant(u):
+            return Linear({}, u.xreplace(self.fixed))
+        if u == TIME:
+            return Linear({self.time(): Integer(1)})
+        if u in self.inverted:
+            return self.product_of([u])
+        if u.is_Symbol:
+            return self.series[u]
+        if u.is_Add:
+            total = Linear({})
+            for term in u.args:
+                total = total.plus(self.of(term))
+            return total
+        if u.is_Mul:
+            return self.product_of(u.args)
+        if u.is_Pow:
+            return self.power_of(u.base, u.exp)
+        return self.function_of(u)
+
+    def is_constant(self, u: Expr) -> bool:
+        """Whether u holds numbers and parameters only."""
+        return not any(s in self.series or s in self.inverted or s == TIME for s in u.free_symbols)
+
+    def product_of(self, factors: Iterable[Expr]) -> Linear:
+        """Products of powers, taken apart into factors and put together from products and quotients that are there."""
+        scale: Expr = Integer(1)
+        bag: Bag = Counter()
+        for factor in factors:
+            base, n = _taken_apart(self.inverted.get(factor, factor))
+            series = self.of(base)
+            if not series.terms:
+                scale *= series.constant**n
+                continue
+            a, node = self.factored(series)
+            whole = Integer(int(n))  # towards zero; what is left is a root
+            scale *= a**whole
+            for part, times in self.bag_of(node).items():
+                bag[part] += times * int(whole)
+            if n != whole:
+                bag[self.root(series)] += 1 if n > 0 else -1
+        return self.put_together(bag).scaled(scale)
+
+    def power_of(self, base: Expr, exponent: Expr) -> Linear:
+        if self.is_constant(base) or not self.is_constant(exponent):
+            return self.of(sympy.exp(exponent * sympy.log(base)))
+        n = exponent.xreplace(self.fixed)
+        if n.is_Rational and n.q <= 2:
+            return self.product_of([sympy.Pow(base, n, evaluate=False)])
+        return single(self.real_power(self.node(self.of(base)), n))
+
+    def function_of(self, u: Expr) -> Linear:
+        name = type(u).__name__
+        if name not in _FUNCTIONS:
+            raise ValueError(f"{u}: there is no recurrence for {name}; there are those of {', '.join(_FUNCTIONS)}")
+        return single(_FUNCTIONS[name](self, self.of(u.args[0])))
+
+    # Products and quotients of sums ----------------------------------------------------------------------------------
+
+    def put_together(self, bag: Bag) -> Linear:
+        """The product of nodes to powers: of what is there, what covers most first, then of as little as can be."""
+        found: Bag = Counter()
+        while known := {node: self.covered(bag, part) for node, part in self.bags.items()}:
+            node = max(known, key=lambda n: (known[n][0], -n))
+            _, times = known[node]
+            if times == 0:
+                break
+            bag.subtract({n: e * times for n, e in self.bags[node].items()})
+            found[node] += times
+        for m, n in itertools.combinations(sorted(bag), 2):  # squares of a product, or of a quotient
+            several = min(abs(bag[m]), abs(bag[n]))
+            if several < 2:
+                continue
+            signs = [1 if bag[node] > 0 else -1 for node in (m, n)]
+            above, below = (m, n) if signs[0] > 0 else (n, m)
+            both = self.product(m, n) if signs[0] == signs[1] else self.quotient(single(above), below)
+            found[both] += several * (signs[0] if signs[0] == signs[1] else 1)
+            bag.subtract({m: several * signs[0], n: several * signs[1]})
+        found.update(bag)
+        top, bottom = (self.powers((node, e * sign) for node, e in sorted(found.items())) for sign in (1, -1))
+        return self.over(top, bottom)
+
+    def covered(self, bag: Bag, part: Bag) -> tuple[int, int]:
+        """How many factors of a product a part of it makes up, and how many times it is in it; or 1 over it is, < 0."""
+        for sign in (1, -1):
+            times = min((sign * bag[n] // e if sign * bag[n] * e > 0 else 0 for n, e in part.items()), default=0)
+            if times > 0:
+                return times * sum(map(abs, part.values())), sign * times
+        return 0, 0
+
+    def powers(self, factors: Iterable[tuple[int, int]]) -> Linear:
+        """The product of the powers that are positive."""
+        total = Linear({}, Integer(1))
+        for node, n in factors:
+            if n > 0:
+                total = self.times(total, self.whole_power(node, n))
+        return total
+
+    def times(self, u: Linear, v: Linear) -> Linear:
+        if not u.terms or not v.terms:
+            return v.scaled(u.constant) if not u.terms else u.scaled(v.constant)
+        (a, m), (b, n) = self.factored(u), self.factored(v)
+        return Linear({self.product(m, n): a * b})
+
+    def whole_power(self, node: int, n: int) -> Linear:
+        if n == 1:
+            return single(node)
+        half = self.whole_power(node, n // 2)
+        square = self.times(half, half)
+        return self.times(square, single(node)) if n % 2 else square
+
+    def over(self, u: Linear, v: Linear) -> Linear:
+        if not v.terms:
+            return u.scaled(1 / v.constant)
+        (below,) = v.terms
+        if len(u.terms) == 1 and u.constant == 0:
+            factor, above = self.factored(u)
+            return Linear({self.quotient(single(above), below): factor})
+        return Linear({self.quotient(u, below): Integer(1)})
+
+    def code(self, field: list[Linear], g: Linear) -> SeriesCode:
+        """The whole body."""
+        rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
+        heights = f"c[{self.d}, 0] = {self.start(g)}", f"c[{self.d}, k] = {self.newest(g)}"
+        needed, sums = self.needed([heights[1], *(rate for _, rate in rates)])
+        needed |= set(range(self.d))
+        before = [f"{name} = {printed(a)}" for a, name in self.constants.items()]
+        loop = [*self.sums.lines(sums), "inverse = 1.0 / k", "pace = unit*inverse"]
+        loop += [f"y{i} = pace*f{i}" for i in range(self.d)]
+        for n, node in enumerate(self.nodes):
+            before += [f"{node.start} = {node.first}"] if n >= self.d else []
+            before += [line for m, line in self.setup if m == n]
+            if n not in needed:
+                continue
+            loop += [f"{node.newest} = {node.recurrence}"] if n >= self.d else []
+            if node.row is not None:
+                before.append(f"c[{node.row}, 0] = {node.start}")
+                loop.append(f"c[{node.row}, k] = {node.newest}")
+        before += [*(first for first, _ in rates), heights[0], *self.unit()]
+        newest = {node.row: node.newest for node in self.nodes if node.row is not None}
+        loop += [*(rate for _, rate in rates), heights[1], *self.sums.after(newest, sums)]
+        before += self.sums.before(sums)
+        lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
+        return SeriesCode(lines, self.rows)
+
+
+def _taken_apart(u: Expr) -> tuple[Expr, sympy.Rational]:
+    """Base and exponent of a power that takes products and a root at most; else u itself, and 1."""
+    return (u.base, u.exp) if u.is_Pow and u.exp.is_Rational and u.exp.q <= 2 else (u, Integer(1))
+
+
+_FUNCTIONS: dict[str, Callable[[_Writer, Linear], int]] = {
+    "exp": _Writer.exponential,
+    "log": _Writer.logarithm,
+    "sin": lambda writer, u: writer.pair(u, 0, ("sin", "cos"), "-"),
+    "cos": lambda writer, u: writer.pair(u, 1, ("sin", "cos"), "-"),
+    "sinh": lambda writer, u: writer.pair(u, 0, ("sinh", "cosh"), ""),
+    "cosh": lambda writer, u: writer.pair(u, 1, ("sinh", "cosh"), ""),
+    "tan": lambda writer, u: writer.tangent(u, "tan", "1.0 + {w}*{w}", 1),
+    "tanh": lambda writer, u: writer.tangent(u, "tanh", "1.0/math.cosh({u})**2", -1),
+}

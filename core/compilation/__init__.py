@@ -1,0 +1,1 @@
+"""Laws and methods → compiled functions, in memory and on disk; processes that compile beside this one."""

@@ -1,0 +1,118 @@
+"""What a run has made of ψ: at every recorded state, worked out in double-double by compiled functions."""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# numba takes the types from the signature below.
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numba import njit, types
+from numpy.typing import NDArray
+
+from core.compilation.compiled import compile_run
+from core.kernels.abi import EXCESS, SETTLE, Frame, call
+from core.kernels.arrays import Floats
+from core.kernels.digest import source_digest
+from core.kernels.jit import OPTIONS
+from core.methods.registry import METHODS
+from core.system import PiecewiseSystem
+
+__all__ = ["excess_along", "with_exits"]
+
+
+def excess_along(
+    system: PiecewiseSystem,
+    method: str,
+    t: Floats,
+    x: Floats,
+    side: NDArray[np.int64],
+    segment: NDArray[np.int64],
+    entered_t: Floats,
+    entered_x: Floats,
+) -> Floats:
+    """ψ of the side occupied, less its value where that side was entered.
+
+    Parameters
+    ----------
+    method
+        Of the run; what is compiled for it already serves here.
+    t, x, side, segment
+        (n,), (n, d), (n,), (n,) as in `Trajectory`.
+    entered_t, entered_x
+        (s,), (s, d) as there.
+
+    Returns
+    -------
+    (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
+    """
+    d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
+    excess = np.full((len(t), m), np.nan)
+    if m and len(t):
+        functions = compile_run(system.laws, METHODS[method], levels=True)
+        w, memo = Frame(d, m).empty(), np.empty((1, 1))
+        rows = (np.ascontiguousarray(a) for a in (t, x, side, segment, entered_t, entered_x))
+        _compiled()(functions.addresses, system.parameter_array.copy(), w, memo, d, *rows, excess)
+    return excess
+
+
+def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floats:
+    """The error at each row, or that with which the side is left before the next row, where that is larger in size.
+
+    An exit from a segment without rows, between two crossings in one step, counts for the row that follows.
+
+    Parameters
+    ----------
+    error
+        (n, m) at the rows; changed in place.
+    segment
+        (n,) which of the segments between crossings each row lies in.
+    exits
+        (k, m) where the k-th segment was left.
+    """
+    numbers = np.arange(len(exits))
+    after = np.searchsorted(segment, numbers, side="right")  # the first row that lies in a later segment
+    has_rows = np.searchsorted(segment, numbers, side="left") < after
+    row = np.where(has_rows, after - 1, after)
+    row = row[row < len(error)]
+    for j in range(error.shape[1]):
+        found = exits[: len(row), j]
+        larger = np.flatnonzero(np.abs(found) > np.nan_to_num(np.abs(error[row, j])))
+        larger = larger[np.argsort(np.abs(found[larger]))]  # of several for one row the last, the largest, stays
+        error[row[larger], j] = found[larger]
+    return error
+
+
+@lru_cache(maxsize=1)
+def _compiled() -> Callable[..., None]:
+    """Compile the loop over rows, or load it from numba's cache."""
+    vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
+    signature: Any = types.void(
+        whole, vector, vector, matrix, types.int64, vector, matrix, whole, whole, vector, matrix, matrix
+    )
+    sources, head = source_digest(__name__), Frame(0, 0).x
+
+    @njit(signature, cache=True, nogil=True, **OPTIONS)
+    def along(functions, p, w, memo, d, t, x, side, segment, entered_t, entered_x, excess):
+        sources  # noqa: B018 - part of the key that numba caches under
+        place, found = w[head : head + d], w[w.size - excess.shape[1] :]
+        now = -1
+        for row in range(t.size):
+            if side[row] == 0:  # it could not leave the surface it started on
+                continue
+            plus = side[row] > 0
+            if segment[row] != now:
+                now = segment[row]
+                for i in range(d):
+                    place[i] = entered_x[now, i]
+                call(functions[SETTLE + plus], entered_t[now], 0.0, p, w, memo)
+            for i in range(d):
+                place[i] = x[row, i]
+            call(functions[EXCESS + plus], t[row], 0.0, p, w, memo)
+            for j in range(found.size):
+                excess[row, j] = found[j]
+
+    return along  # type: ignore[no-any-return]

@@ -1,0 +1,224 @@
+"""Dense output: states between those a run has recorded, by steps of its own method.
+
+One step of the method leads to a time from the last state recorded before it, or from where the last crossing before it
+led: a step of any length will do (`signatures`). So ψ is kept there as well as along the run, the order is that of the
+method, and no step reaches across a crossing.
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# numba takes the types from the signature below.
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numpy.typing import NDArray
+
+from core.compilation.compiled import compile_run
+from core.kernels.abi import ORDER, REACH, SETTLE, SETTLED, STEP, TOLERANCE, Frame, call
+from core.kernels.arrays import Floats
+from core.kernels.digest import source_digest
+from core.kernels.doubledouble.error_free import two_sum
+from core.kernels.jit import OPTIONS, internal
+from core.kernels.taylor_coefficients import STRIDE, order_of
+from core.methods.registry import Method
+from core.methods.taylor_step import memo_rows
+from core.system import PiecewiseSystem
+
+__all__ = ["Found", "Stepper", "Track"]
+
+Integers = NDArray[np.int64]
+
+#: A step that has no solution is made of up to 2**10 shorter ones; by then 2,000 have been tried.
+_HALVINGS = 10
+
+
+class Track(NamedTuple):
+    """What is known of a run: states at the ends of steps, and where it entered each segment between crossings."""
+
+    t: Floats
+    """(n,) in the order of the run, which may go back in time."""
+    x: Floats
+    """(n, d)"""
+    side: Integers
+    """(n,)"""
+    segment: Integers
+    """(n,) which segment each lies in."""
+    entered_t: Floats
+    """(s,) when each segment was entered, from number `first` on."""
+    entered_x: Floats
+    """(s, d)"""
+    entered_side: Integers
+    """(s,)"""
+    first: int = 0
+
+
+class Found(NamedTuple):
+    """States at k times."""
+
+    x: Floats
+    """(k, d)"""
+    side: Integers
+    """(k,) side occupied."""
+    segment: Integers
+    """(k,) which segment each lies in."""
+    solved: int
+    """How many could be worked out: those after have no solution that can be found."""
+
+
+class Stepper:
+    """Steps of a method from states that a run has recorded."""
+
+    def __init__(self, system: PiecewiseSystem, method: Method, tolerance: float) -> None:
+        d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
+        self._compiled, self._along = compile_run(system.laws, method), _compiled()
+        self._p, self._w, self._memo = system.parameter_array.copy(), Frame(d, m).empty(), np.empty((1, 1))
+        self._d, self._adaptive, self._conservative = d, method.adaptive, method.conservative
+        if method.adaptive:
+            self._w[ORDER], self._w[TOLERANCE] = order_of(tolerance), tolerance
+            self._memo = np.empty((memo_rows(system.laws), STRIDE))
+
+    def find(self, track: Track, times: Floats) -> Found:
+        """States at times within the track, in the order of the run.
+
+        At the instant of a crossing it is the state that the run went on from.
+        """
+        n = len(times)
+        x, side, segment = np.empty((n, self._d)), np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        sign = 1.0 if track.t[-1] >= track.t[0] else -1.0
+        arrays = (np.ascontiguousarray(a) for a in track[:-1])
+        solved = self._along(
+            self._compiled.addresses, self._p, self._w, self._memo, self._d, self._adaptive, self._conservative, sign,
+            *arrays, track.first, times, x, side, segment,
+        )  # fmt: skip
+        return Found(x, side, segment, int(solved))
+
+
+@internal
+def expand(functions, t, h, plus, p, w, memo):
+    """Let a variable-step method expand the solution at the state in the frame."""
+    w[SETTLED] = 0.0  # its levels may have been settled at another state
+    call(functions[REACH + plus], t, h, p, w, memo)
+
+
+@internal
+def is_solved(functions, t, h, plus, p, w, memo, increment):
+    """Try a step from the state in the frame; returns whether it leads anywhere."""
+    solved = call(functions[STEP + plus], t, h, p, w, memo) >= 0
+    for i in range(increment.size):
+        solved = solved and abs(increment[i]) < math.inf
+    return solved
+
+
+@internal
+def is_solved_in_parts(functions, t, h, plus, adaptive, p, w, memo, x, carry, increment, start):
+    """Go the way of a step in 2, 4, 8 … shorter ones; returns whether that leads anywhere, and then x has it."""
+    parts = 1
+    for _ in range(_HALVINGS):
+        parts *= 2
+        for i in range(x.size):
+            x[i], carry[i] = start[i], 0.0
+        solved = True
+        for k in range(parts):
+            now = t + h * (k / parts)
+            if adaptive:
+                expand(functions, now, h / parts, plus, p, w, memo)
+            if not is_solved(functions, now, h / parts, plus, p, w, memo, increment):
+                solved = False
+                break
+            for i in range(x.size):
+                x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
+        if solved:
+            return True
+    return False
+
+
+@internal
+def last_row(t, sign, row, time):
+    """The last row from `row` on that is not after a time."""
+    stride = 1
+    while row + stride < t.size and sign * t[row + stride] <= sign * time:
+        row += stride
+        stride *= 2
+    while stride > 0:
+        if row + stride < t.size and sign * t[row + stride] <= sign * time:
+            row += stride
+        stride //= 2
+    return row
+
+
+def _signature() -> Any:
+    vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
+    times, states = types.Array(types.float64, 1, "C", readonly=True), types.Array(types.float64, 2, "C", readonly=True)
+    numbers = types.Array(types.int64, 1, "C", readonly=True)
+    track = (times, states, numbers, numbers, times, states, numbers)
+    return types.int64(
+        numbers, vector, vector, matrix, types.int64, types.boolean, types.boolean, types.float64,
+        *track, types.int64, times, matrix, whole, whole,
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def _compiled() -> Callable[..., int]:
+    """Compile the loop over times, or load it from numba's cache."""
+    sources, head = source_digest(__name__), Frame(0, 0).x
+
+    @njit(_signature(), cache=True, nogil=True, **OPTIONS)
+    def along(
+        functions, p, w, memo, d, adaptive, conservative, sign,
+        t, x, side, segment, entered_t, entered_x, entered_side, first, times, found, sides, segments,
+    ):  # fmt: skip
+        sources  # noqa: B018 - part of the key that numba caches under
+        place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
+        row, now = -1, -1  # the row before, and the segment whose levels are settled
+        here, start, begin, plus, fresh = 0, x[0], t[0], 0, True
+        for k in range(times.size):
+            time = times[k]
+            before = row
+            row = last_row(t, sign, max(row, 0), time)
+            if row != before:
+                here, start, begin, fresh = segment[row], x[row], t[row], True
+                plus = 1 if side[row] > 0 else 0
+            # A crossing that a perturbation has moved counts from its time on, and within its step.
+            while row + 1 < t.size and here < segment[row + 1]:
+                entry = here + 1 - first
+                ahead = sign * (entered_t[entry] - time) > 0.0
+                if ahead or (time == t[row] and entered_t[entry] != time):
+                    break
+                here, start, begin, fresh = here + 1, entered_x[entry], entered_t[entry], True
+                plus = 1 if entered_side[entry] > 0 else 0
+            segments[k] = here
+            sides[k] = side[row] if here == segment[row] else entered_side[here - first]
+            h = time - begin
+            if h == 0.0:
+                for i in range(d):
+                    found[k, i] = start[i]
+                continue
+            if fresh:
+                if conservative and now != here:
+                    now = here
+                    for i in range(d):
+                        place[i], carry[i] = entered_x[here - first, i], 0.0
+                    call(functions[SETTLE + plus], entered_t[here - first], 0.0, p, w, memo)
+                for i in range(d):
+                    place[i], carry[i] = start[i], 0.0
+                if adaptive:
+                    expand(functions, begin, h, plus, p, w, memo)
+                fresh = False
+            if is_solved(functions, begin, h, plus, p, w, memo, increment):
+                for i in range(d):
+                    found[k, i] = place[i] + increment[i]
+                continue
+            fresh = True
+            if not is_solved_in_parts(functions, begin, h, plus, adaptive, p, w, memo, place, carry, increment, start):
+                return k
+            for i in range(d):
+                found[k, i] = place[i]
+        return times.size
+
+    return along  # type: ignore[no-any-return]

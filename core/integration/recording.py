@@ -1,0 +1,120 @@
+"""The states of a run at times asked for, taken while it goes on: its steps are not kept."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.integration.dense_output import Stepper, Track
+from core.integration.runner import Rows, Runner
+from core.integration.trajectory import Status
+from core.kernels.arrays import Floats
+from core.methods.registry import Method
+
+__all__ = ["Sampler"]
+
+
+class Sampler:
+    """Puts states at given times in the place of the rows that a run's loop has written.
+
+    Kept are the last row, and the crossings since the segment that it lies in was entered.
+
+    Parameters
+    ----------
+    times
+        (k,) in the order of the run, after its start.
+
+    Attributes
+    ----------
+    rows
+        States at the times that the run has passed.
+    entered
+        Number, time and state of entry of each segment in which one of them lies.
+    """
+
+    def __init__(self, runner: Runner, method: Method, times: Floats) -> None:
+        self._runner, self._times, self._done = runner, times, 0
+        self._stepper = Stepper(runner.system, method, runner.settings.tolerance)
+        self._crossings = 0
+        self._track = _point(runner.t, runner.x, 0, 0)
+        self.rows = Rows([], [], [], [])
+        self.entered: list[tuple[int, float, Floats]] = []
+
+    def take(self, final: bool = False) -> None:
+        """Work out the states at times that the loop has passed; at the end also those up to where it stopped."""
+        runner, track = self._runner, self._go_on()
+        if final:
+            track = _joined(track, _point(runner.t, runner.x, runner.side, runner.segment))
+        along = 1.0 if self._times[-1] >= self._track.t[0] else -1.0
+        # A crossing may follow at the very time of the last row: that time waits for the next call.
+        end = int(np.searchsorted(along * self._times, along * track.t[-1], "right" if final else "left"))
+        if end > self._done:
+            self._put(track, self._times[self._done : end])
+        self._track = _tail(track)
+
+    def _go_on(self) -> Track:
+        """What is known of the run since the last row of the call before; the rows written since are taken away."""
+        runner, known = self._runner, self._track
+        if known.side[0] == 0:
+            first = np.array([runner.first_side])
+            known = known._replace(side=first, entered_side=first)
+        rows, runner.rows = runner.rows, Rows([], [], [], [])
+        new = runner.latest(runner.crossing_count - self._crossings)
+        self._crossings = runner.crossing_count
+        return Track(
+            np.concatenate([known.t, *rows.t]),
+            np.concatenate([known.x, *rows.x]),
+            np.concatenate([known.side, *rows.side]),
+            np.concatenate([known.segment, *rows.segment]),
+            np.concatenate([known.entered_t, new.t]),
+            np.concatenate([known.entered_x, new.x_after]),
+            np.concatenate([known.entered_side, new.side]),
+            known.first,
+        )
+
+    def _put(self, track: Track, times: Floats) -> None:
+        found = self._stepper.find(track, times)
+        n, rows = found.solved, self.rows
+        rows.t.append(times[:n])
+        rows.x.append(found.x[:n])
+        rows.side.append(found.side[:n])
+        rows.segment.append(found.segment[:n])
+        for k in np.unique(found.segment[:n]).tolist():
+            if not self.entered or self.entered[-1][0] != k:
+                entry = k - track.first
+                self.entered.append((k, float(track.entered_t[entry]), track.entered_x[entry]))
+        self._done += n
+        if n < len(times):
+            self._runner.status = Status.NO_CONVERGENCE
+
+
+def _point(t: float, x: Floats, side: int, segment: int) -> Track:
+    """One state, where its segment is entered."""
+    times, states = np.array([t]), x[None].copy()
+    sides, segments = np.array([side]), np.array([segment])
+    return Track(times, states, sides, segments, times, states, sides, segment)
+
+
+def _joined(track: Track, last: Track) -> Track:
+    """A track and one more row."""
+    return track._replace(
+        t=np.concatenate([track.t, last.t]),
+        x=np.concatenate([track.x, last.x]),
+        side=np.concatenate([track.side, last.side]),
+        segment=np.concatenate([track.segment, last.segment]),
+    )
+
+
+def _tail(track: Track) -> Track:
+    """The last row, and the entries from that of its segment on: copies, beside which the rest can be forgotten."""
+    first = int(track.segment[-1])
+    entry = first - track.first
+    return Track(
+        track.t[-1:].copy(),
+        track.x[-1:].copy(),
+        track.side[-1:].copy(),
+        track.segment[-1:].copy(),
+        track.entered_t[entry:].copy(),
+        track.entered_x[entry:].copy(),
+        track.entered_side[entry:].copy(),
+        first,
+    )

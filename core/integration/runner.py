@@ -1,0 +1,314 @@
+"""A run in progress: the compiled loop, called in chunks, with what it has written collected between them."""
+
+from __future__ import annotations
+
+import copy
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compilation.compiled import compile_run
+from core.integration.failure import GROWTH, ends_beyond, runs_away
+from core.integration.tangency import sides_entered
+from core.integration.time_loop import compiled_march
+from core.integration.trajectory import Crossings
+from core.kernels.abi import ORDER, TOLERANCE, Frame
+from core.kernels.arrays import Floats
+from core.kernels.root_isolation import scratch_shape
+from core.kernels.taylor_coefficients import STRIDE, order_of
+from core.methods.registry import Method
+from core.methods.taylor_step import memo_rows
+from core.system import MAX_DIMENSION, PiecewiseSystem
+from core.transition.event_location import MAX_LOOKS
+from core.transition.records import HIT, JUMP_ANYWHERE, JUMP_TO_SURFACE, ROW, RUN
+from core.transition.status import CROSSING_KINDS, Status
+
+__all__ = ["Rows", "Runner", "Settings", "no_crossings"]
+
+#: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
+_CHUNK = 131072
+_HITS, _FEW = 4096, 1024  #: crossings to a call of the loop; where they are not kept, few enough to stay in the cache
+_SAMPLES = 128  #: steps that are looked into once a run is over (`diagnostics.resolution`), out of all its steps
+_KINDS = np.array(CROSSING_KINDS)
+_UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)  #: to first order, of a start on the surface
+_MARGIN = 0.1  #: of the time that a solution is followed, by which its pole may be misplaced
+_AHEAD = 16.0  #: steps from a failed one within which a solution that runs away does so
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to step, apart from the method."""
+
+    tau: float
+    """Step size; infinite where the method chooses it."""
+    tolerance: float = math.nan
+    """Of a method that chooses its step size."""
+    transition: bool = True
+    shift: float = 0.0
+    """What is added to every crossing time: c·τᵖ."""
+    max_crossings: int = 5_000_000
+    max_steps: int = 10**9
+    cancel: Callable[[], bool] | None = None
+
+
+@dataclass
+class Rows:
+    """What the loop has written so far."""
+
+    t: list[Floats]
+    x: list[Floats]
+    side: list[NDArray[np.int64]]
+    segment: list[NDArray[np.int64]]
+
+
+class Runner:
+    """Integrates one initial value; may be told to go on to later and later times.
+
+    Attributes
+    ----------
+    status, t, x, side, first_side
+        Where the run is now, and the side it started on (0 if it could not leave the surface).
+    rows
+        States recorded at every step, where asked for.
+    envelope
+        (columns, m, 2) least and greatest excess of ψ over its level in each part of the time.
+    seconds
+        Processor time of the compiled loop: what else the process does at the same time does not count.
+    """
+
+    def __init__(
+        self, system: PiecewiseSystem, method: Method, t0: float, x0: tuple[float, ...], settings: Settings,
+        columns: int = 0,
+    ) -> None:  # fmt: skip
+        self.system, self.settings = system, settings
+        self._march = compiled_march()
+        self._compiled = compile_run(system.laws, method, levels=columns > 0)
+        self._p = system.parameter_array.copy()
+        d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
+        frame = Frame(d, m)
+        self._w = frame.empty()
+        self._x = self._w[frame.x : frame.x + d]
+        self._x[:] = x0
+        self._hit_chunks: list[tuple[NDArray[Any], Floats]] = []
+        self._t0, self._x0 = t0, x0
+        self.rows = Rows([], [], [], [])
+        self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
+        self.status, self.seconds = Status.RUNNING, 0.0
+        self.first_side = 0
+        self._run = np.zeros(1, dtype=RUN)
+        self._run["t"] = self._run["met"] = self._run["t_start"] = t0
+        self._run["max_crossings"] = settings.max_crossings
+        self._run["follow"] = settings.transition
+        self._run["edged"] = system.laws.edged
+        if system.jump is not None:
+            self._run["jump"] = JUMP_TO_SURFACE if system.laws.jump_stays else JUMP_ANYWHERE
+        self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
+        self._run["stride"], self._samples = 1, np.empty((_SAMPLES, 3 + d))
+        self._memo = np.empty((1, 1))
+        self._scratch: tuple[Floats, ...] = (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))
+        if method.adaptive:
+            self._prepare_series()
+
+    def _prepare_series(self) -> None:
+        order = order_of(self.settings.tolerance)
+        self._run["adaptive"] = 1
+        self._w[ORDER], self._w[TOLERANCE] = order, self.settings.tolerance
+        self._memo = np.empty((memo_rows(self.system.laws), STRIDE))
+        self._scratch = (self._scratch[0], np.empty(scratch_shape(order)))
+
+    @property
+    def t(self) -> float:
+        """Time."""
+        return float(self._run["t"][0])
+
+    @property
+    def x(self) -> Floats:
+        """State (d,), a copy."""
+        return self._x.copy()
+
+    @property
+    def side(self) -> int:
+        """Side occupied; 0 before the first step."""
+        return int(self._run["side"][0])
+
+    @property
+    def samples(self) -> Floats:
+        """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
+        return self._samples[: int(self._run["samples"][0])]
+
+    @property
+    def longest(self) -> float:
+        """The longest step that a method has chosen."""
+        return float(self._run["longest"][0])
+
+    @property
+    def steps(self) -> int:
+        """Steps taken."""
+        return int(self._run["steps"][0])
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the (discrete) field."""
+        return int(self._run["evaluations"][0])
+
+    @property
+    def crossing_count(self) -> int:
+        """Crossings made, kept or not."""
+        return int(self._run["crossings"][0])
+
+    @property
+    def segment(self) -> int:
+        """Index of the segment between crossings that the run is in.
+
+        A crossing it stopped at opens no other, unless the state has jumped there: its ψ is not that from before.
+        """
+        stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING) and self.system.jump is None
+        return max(self.crossing_count - stopped, 0)
+
+    def advance(
+        self, t_end: float, record: bool = False, keep_hits: bool = True, after: Callable[[], object] | None = None
+    ) -> Status:
+        """Go on to `t_end`, or to where the run stops before it; `after` is called whenever the loop returns."""
+        run = self._run
+        sign = 1.0 if t_end >= self.t else -1.0
+        run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
+        run["shift"] = sign * self.settings.shift
+        self.status = Status.COMPLETED if t_end == self.t else Status.RUNNING
+        while self.status is Status.RUNNING:
+            if self.steps >= self.settings.max_steps:
+                self.status = Status.STEP_LIMIT
+            elif self.settings.cancel is not None and self.settings.cancel():
+                self.status = Status.CANCELLED
+            else:
+                self.status = self._chunk(record, keep_hits)
+                if after is not None:
+                    after()
+        if self.status in _UNDECIDED and self.side == 0 and self.first_side == 0:
+            sides = sides_entered(self.system, self.t, self.x, sign)
+            if len(sides) == 1:
+                self._run["first_side"] = self.first_side = sides[0]
+                return self.advance(t_end, record, keep_hits, after)
+            self.status = Status.REPELLING if sides else self.status
+        if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
+            self.status = self._judged()
+        return self.status
+
+    def twin(self) -> Runner:
+        """A copy that goes on by itself."""
+        other = copy.copy(self)
+        other._run, other._w = self._run.copy(), self._w.copy()
+        frame = Frame(self.system.dimension, 0)
+        other._x = other._w[frame.x : frame.carry]
+        other._samples = self._samples.copy()
+        other._memo, other._scratch = self._memo.copy(), tuple(a.copy() for a in self._scratch)
+        return other
+
+    def glance(self, t: float) -> Floats | None:
+        """State at time t, of a copy that goes on to there: this run itself stays on its grid. None if it stops."""
+        ahead = self.twin()
+        return ahead.x if ahead.advance(t) is Status.COMPLETED else None
+
+    def entry(self) -> tuple[float, Floats]:
+        """Time and state at which the segment was entered that the run is in; of the crossings, the last two serve."""
+        if self.segment == 0:
+            return self._t0, np.array(self._x0)
+        back = 1 + self.crossing_count - self.segment  # a crossing it stopped at has opened no segment
+        hits, places = self._hit_chunks[-1]
+        if back > len(hits):
+            back -= len(hits)
+            hits, places = self._hit_chunks[-2]
+        return float(hits["t"][-back]), places[-back, 2].copy()
+
+    def crossings(self) -> Crossings:
+        """Every crossing kept so far."""
+        if not self._hit_chunks:
+            return no_crossings(self.system.dimension)
+        hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
+        return _crossings(hits, places)
+
+    @property
+    def advice(self) -> str:
+        """What to do about the status: that of the status, or where a field has no value, to write it otherwise."""
+        failed = self.status is Status.NO_CONVERGENCE and self.side != 0
+        if failed and ends_beyond(self.system, self.side, self.t, self.x, self._a_step()):
+            word = "f_minus" if self.side < 0 else "f_plus"
+            return (
+                f"{word} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
+                "there too: (u**2)**0.75 for u**1.5."
+            )
+        return self.status.advice_without_tau if self._run["adaptive"][0] else self.status.advice
+
+    def _a_step(self) -> float:
+        """Length of a step, signed."""
+        length = self.settings.tau if math.isfinite(self.settings.tau) else self.longest
+        return math.copysign(length, float(self._run["tau"][0]))
+
+    def latest(self, count: int) -> Crossings:
+        """The last crossings, `count` of them: as many at most as there were since the loop was last called."""
+        if not count:
+            return no_crossings(self.system.dimension)
+        hits, places = self._hit_chunks[-1]
+        return _crossings(hits[-count:], places[-count:])
+
+    def _chunk(self, record: bool, keep_hits: bool) -> Status:
+        budget = min(_CHUNK, self.settings.max_steps - self.steps)
+        size, d = (budget if record else 1), self.system.dimension  # without recording, a buffer never full
+        rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
+        crossings = _HITS if keep_hits else _FEW
+        hits = (np.empty(crossings, dtype=HIT), np.empty((crossings, 3, d)))
+        entered = self.side == 0
+        started = time.thread_time()
+        status = self._march(
+            self._compiled.addresses, self._run, self._p, self._w, d, self._memo, *self._scratch, budget,
+            rows, rows_x, *hits, self.envelope, self._samples,
+        )  # fmt: skip
+        self.seconds += time.thread_time() - started
+        self._collect(int(self._run["rows"][0]), rows, rows_x)
+        if n := int(self._run["hits"][0]):
+            chunk = (hits[0][:n], hits[1][:n])
+            self._hit_chunks = [*self._hit_chunks, chunk] if keep_hits else [*self._hit_chunks[-1:], chunk]
+        if entered:
+            self.first_side = int(self._run["first_side"][0])
+        return Status(status)
+
+    def _collect(self, n: int, rows: NDArray[Any], rows_x: Floats) -> None:
+        if n:
+            self.rows.t.append(rows["t"][:n])
+            self.rows.x.append(rows_x[:n])
+            self.rows.side.append(rows["side"][:n])
+            self.rows.segment.append(rows["segment"][:n])
+
+    def _judged(self) -> Status:
+        """Tell a solution that runs away from a step that fails, and from a scheme that alone runs away.
+
+        A scheme that has run away, or has failed on the way: did the solution from where the side was entered? A step
+        that fails elsewhere: does the solution run away within some steps from here?
+        """
+        size = float(np.abs(self._x0).max())
+        if self.side == 0:
+            return self.status
+        if self.status is Status.ESCAPED or float(np.abs(self._x).max()) > GROWTH * size > 0.0:
+            t, x = self.entry()
+            away = runs_away(self.system, self.side, t, x, self.t + _MARGIN * (self.t - t), size)
+            return self.status if away is None else Status.ESCAPED if away else Status.UNSTABLE
+        ahead = self.t + _AHEAD * self._a_step()
+        away = ahead != self.t and runs_away(self.system, self.side, self.t, self.x, ahead, size)
+        return Status.ESCAPED if away else self.status
+
+
+def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
+    surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
+    columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "side", "rate_before", "rate_after")}
+    return Crossings(x=x, x_after=after, surface=surface, kind=_KINDS[hits["kind"]], **columns)
+
+
+@lru_cache(maxsize=MAX_DIMENSION)
+def no_crossings(d: int) -> Crossings:
+    """None, in d dimensions."""
+    return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, d)))

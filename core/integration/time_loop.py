@@ -1,0 +1,161 @@
+"""The time loop: compiled once for all systems and methods, which it calls by their addresses."""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# numba takes the types from the signature below.
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numba
+from numba import njit, types
+
+from core.kernels.abi import G_END, RATE_END, STEP, Frame, call
+from core.kernels.digest import source_digest
+from core.kernels.doubledouble.error_free import two_sum
+from core.kernels.jit import OPTIONS, internal
+from core.transition.event_location import BOUND, Motion
+from core.transition.mannshardt import RUNNING, enter, is_plain, move
+from core.transition.records import HIT, ROW, RUN
+from core.transition.status import Status
+from core.transition.surface import Log, contradicts, widen_envelope
+
+__all__ = ["compiled_march"]
+
+_COMPLETED, _CONTRADICTION = int(Status.COMPLETED), int(Status.CONTRADICTION)
+
+#: The last step may be this much longer than τ (relatively), so that rounding leaves no sliver of a step at the end.
+_STRETCH = 1.0 + 1e-9
+
+
+@internal
+def write_sample(run, x, samples):
+    """Keep the start of a step; where there is no room, keep every second of those kept, and of those to come."""
+    if run.samples == samples.shape[0]:
+        run.samples //= 2
+        run.stride *= 2
+        for k in range(run.samples):
+            for i in range(samples.shape[1]):
+                samples[k, i] = samples[2 * k, i]
+    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.side, 0.0
+    for i in range(x.size):
+        samples[run.samples, 3 + i] = x[i]
+    run.samples += 1
+    run.next_sample = run.steps + run.stride
+
+
+@internal
+def end_sample(run, t, samples):
+    """A crossing has been found in a step: of its sample, if there is one, the part up to there is kept."""
+    if run.samples == 0 or run.next_sample != run.steps + run.stride or samples[run.samples - 1, 2] != 0.0:
+        return
+    length = t - samples[run.samples - 1, 0]
+    if length == 0.0 or run.shift != 0.0 or run.follow == 0:  # nothing, or no step of the scheme that ends at g = 0
+        run.samples -= 1
+        run.next_sample = run.steps
+    else:
+        samples[run.samples - 1, 2] = length
+
+
+@internal
+def write_row(run, x, rows, rows_x):
+    """Record a step."""
+    row = rows[run.rows]
+    row.t, row.side, row.segment = run.t, run.side, run.crossings
+    for i in range(x.size):
+        rows_x[run.rows, i] = x[i]
+    run.rows += 1
+
+
+def _signature() -> Any:
+    vector, run, row, hit = (types.float64[::1], *(numba.from_dtype(d)[::1] for d in (RUN, ROW, HIT)))
+    matrix, places = types.float64[:, ::1], types.float64[:, :, ::1]
+    whole = types.int64
+    return whole(
+        whole[::1], run, vector, vector, whole, matrix, matrix, matrix, whole, row, matrix, hit, places, places, matrix
+    )
+
+
+@lru_cache(maxsize=1)
+def compiled_march() -> Callable[..., int]:
+    """Compile the loop, or load it from numba's cache.
+
+    Returns
+    -------
+    march(functions, run, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope, samples) -> int
+        A Status. Makes up to `budget` moves from the state it is given, and leaves that state ready to go on: RUNNING
+        means that the budget or a buffer is used up. See `signatures` for functions, p, the frame w and memo, `state`
+        for the records.
+    """
+    sources, head = source_digest(__name__), Frame(0, 0).x
+
+    @njit(_signature(), cache=True, nogil=True, **OPTIONS)
+    def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope, samples):
+        sources  # noqa: B018 - part of the key that numba caches under
+        run = records[0]
+        x, carry = w[head : head + d], w[head + d : head + 2 * d]
+        increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
+        excess = w[w.size - envelope.shape[1] :]
+        motion = Motion(functions, run, p, w, memo, x, carry, increment, place, nodes, pieces)
+        log = Log(hits, places, excess, envelope)
+        run.rows = 0
+        run.hits = 0
+        if run.side == 0:
+            status = enter(motion)
+            if status != RUNNING:
+                return status
+        for _ in range(budget):
+            if run.rows == rows.size or run.hits == hits.size:
+                return RUNNING
+            h = run.rest
+            if h == 0.0:
+                run.final = 0
+                if run.steps >= run.next_sample:
+                    write_sample(run, x, samples)
+                h = (run.t_end - run.t) - run.t_carry
+                if h == 0.0:
+                    return _CONTRADICTION if contradicts(motion, 0.0) else _COMPLETED
+                if abs(h) <= abs(run.tau) * _STRETCH:
+                    run.final = 1
+                else:
+                    h = run.tau
+            # Nearly every step is plain, and taken right here: passing so many arrays costs more than the step.
+            t, plain = run.t + run.t_carry, False
+            if run.adaptive == 0:
+                count = call(functions[STEP + (run.side > 0)], t, h, p, w, memo)
+                plain = count >= 0
+                for i in range(d):
+                    plain = plain and abs(x[i] + increment[i]) < BOUND
+                plain = plain and is_plain(run, h, run.side * w[G_END], run.side * w[RATE_END])
+            if plain:
+                run.evaluations += count
+                for i in range(d):
+                    x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
+                run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
+                run.rest = 0.0
+            else:
+                hits_before = run.hits
+                status = move(motion, log, h)
+                if run.hits != hits_before:
+                    end_sample(run, hits[run.hits - 1].t, samples)
+                if status != RUNNING:
+                    return status
+            if run.rest != 0.0:
+                continue
+            sampled = run.samples > 0 and run.next_sample == run.steps + run.stride
+            if sampled and samples[run.samples - 1, 2] == 0.0:
+                samples[run.samples - 1, 2] = (run.t - samples[run.samples - 1, 0]) + run.t_carry
+            run.steps += 1
+            if run.final == 1:
+                run.t, run.t_carry = run.t_end, 0.0
+            if run.record == 1:
+                write_row(run, x, rows, rows_x)
+            if run.watched > 0:
+                widen_envelope(motion, log)
+            if run.final == 1:
+                return _CONTRADICTION if contradicts(motion, h) else _COMPLETED
+        return RUNNING
+
+    return march  # type: ignore[no-any-return]

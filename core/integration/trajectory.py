@@ -1,0 +1,361 @@
+"""What a run returns: Trajectory, Crossings, Status."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.integration.conserved_error import excess_along, with_exits
+from core.integration.dense_output import Stepper, Track
+from core.interface.arguments import listed, numbers
+from core.kernels.arrays import Floats
+from core.methods.registry import METHODS
+from core.system import PiecewiseSystem
+from core.transition.status import CROSSING_KINDS, Status
+
+__all__ = ["CROSSING_KINDS", "Crossing", "Crossings", "Status", "Trajectory"]
+
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """One of `Crossings`."""
+
+    t: float
+    """Time t̂."""
+    x: Floats
+    """(d,) state x̂ on the surface (beside it, if moved by a perturbation)."""
+    x_after: Floats
+    """(d,) state it went on from: x, or what the jump made of it."""
+    surface: Floats
+    """(d,) state where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
+    side: int
+    """Side entered, −1 or +1; 0 where the run could not go on."""
+    g: float
+    """Residual of the switching function at x."""
+    kind: str
+    """One of CROSSING_KINDS."""
+    rate_before: float
+    """∇g·f + g_t of the side left, at the surface."""
+    rate_after: float
+    """The same of the side entered."""
+
+
+@dataclass(frozen=True, eq=False)
+class Crossings:
+    """Where a run met the switching surface: a sequence of `Crossing`, kept as one array a field.
+
+    ``crossings[k]`` is the k-th from 0 (−1: the last), ``crossings[10:20]`` and ``crossings[crossings.side == 1]`` are
+    some of them; ``for crossing in crossings`` goes through all.
+    """
+
+    t: Floats
+    """(k,) times t̂."""
+    x: Floats
+    """(k, d) states x̂ on the surface (beside it, if moved by a perturbation)."""
+    x_after: Floats
+    """(k, d) states it went on from: x, or what the jump made of it."""
+    surface: Floats
+    """(k, d) states where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
+    side: Integers
+    """(k,) side entered, −1 or +1; 0 where the run could not go on."""
+    g: Floats
+    """(k,) residual of the switching function at x."""
+    kind: NDArray[np.str_]
+    """(k,) one of CROSSING_KINDS."""
+    rate_before: Floats
+    """(k,) ∇g·f + g_t of the side left, at the surface."""
+    rate_after: Floats
+    """(k,) the same of the side entered."""
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "<Crossings: none>"
+        kinds = ", ".join(f"{n} {kind}" for kind, n in zip(*np.unique(self.kind, return_counts=True), strict=True))
+        return f"<Crossings: {len(self)}, t = {self.t[0]:.6g} … {self.t[-1]:.6g}; {kinds}>"
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __iter__(self) -> Iterator[Crossing]:
+        return (self[k] for k in range(len(self)))
+
+    @overload
+    def __getitem__(self, which: int) -> Crossing: ...
+
+    @overload
+    def __getitem__(self, which: slice | Integers | NDArray[np.bool_]) -> Crossings: ...
+
+    def __getitem__(self, which: Any) -> Crossing | Crossings:
+        parts = [getattr(self, f.name)[which] for f in fields(self)]
+        if np.ndim(parts[0]):
+            return Crossings(*parts)
+        return Crossing(*(part.item() if np.ndim(part) == 0 else part for part in parts))
+
+    def first(self, count: int) -> Crossings:
+        """The first `count` of them."""
+        return self[:count]
+
+    def columns(self, variables: tuple[str, ...] | None = None) -> dict[str, NDArray[Any]]:
+        """One (k,) array a column, as data frames take them: ``pandas.DataFrame(run.crossings.columns())``.
+
+        Parameters
+        ----------
+        variables
+            Names of the d coordinates; x0, x1, … where not given.
+        """
+        d = self.x.shape[1]
+        usual = [f"x{i}" for i in range(d)]
+        names = listed(usual if variables is None else variables, "variables", f"{d} names are needed")
+        if len(names) != d or not all(isinstance(name, str) for name in names):
+            raise ValueError(f"variables = {variables!r}: {d} names are needed")
+        columns: dict[str, NDArray[Any]] = {"t": self.t}
+        for part, ending in ((self.x, ""), (self.x_after, " after")):
+            columns |= {f"{name}{ending}": part[:, i] for i, name in enumerate(names)}
+        return _beside(columns, {n: getattr(self, n) for n in ("side", "g", "kind", "rate_before", "rate_after")})
+
+
+def _beside(columns: dict[str, NDArray[Any]], more: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Columns and more of them; where a variable has taken a name, an underscore is added."""
+    for name, column in more.items():
+        while name in columns:
+            name += "_"
+        columns[name] = column
+    return columns
+
+
+def _nothing(_run: Trajectory) -> str:
+    return ""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A run: what was recorded, where it crossed, how it ended."""
+
+    system: PiecewiseSystem
+    method: str
+    tau: float
+    """Step size; of a method that chooses its own, the longest it took."""
+    t: Floats
+    """(n,) times recorded; the first and the last state are always among them."""
+    x: Floats
+    """(n, d) states."""
+    side: Integers
+    """(n,) side occupied, −1 or +1 (0 if the run started on the surface and could not leave it)."""
+    segment: Integers
+    """(n,) which segment between crossings each row lies in: an index into `entered_t`."""
+    entered_t: Floats
+    """(s,) when each segment was entered: the start, then every crossing (of ``record="end"`` only the last)."""
+    entered_x: Floats
+    """(s, d) the states there."""
+    crossings: Crossings
+    crossing_count: int
+    """How many crossings there were; with ``record="end"`` they are counted but not kept."""
+    status: Status
+    outcome: str
+    """Where it stopped, why, and what to do about it."""
+    steps: int
+    """Steps taken."""
+    evaluations: int
+    """Evaluations of the (discrete) field."""
+    seconds: float
+    """Processor time inside the compiled loop."""
+    envelope: Floats | None = None
+    """(columns, m, 2) least and greatest error of ψ in equal parts of the time asked for, where `integrate` was asked
+    to keep it: ψ of the side occupied less its value where that side was entered, worked out in double-double."""
+    warn: Callable[[Trajectory], str] = field(default=_nothing, repr=False, compare=False)
+    """What the theory has to say against the step size of such a run, worked out when `message` is asked for."""
+    record: str = "steps"
+    """Which states are recorded: "steps", "crossings", "end", or "t_eval" for those at times asked for."""
+    tolerance: float = math.nan
+    """Of a method that chooses its own step size; else nan."""
+    samples: Floats | None = field(default=None, repr=False)
+    """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
+
+    def __repr__(self) -> str:
+        step = f"tolerance = {self.tolerance:g}" if METHODS[self.method].adaptive else f"tau = {self.tau:g}"
+        return (
+            f"<Trajectory of {self.system.name!r} by {self.method}, {step}: t = {self.t[0]:.6g} … {self.t[-1]:.6g}, "
+            f"states: {len(self.t)}, crossings: {self.crossing_count}, {self.status.name}>"
+        )
+
+    @cached_property
+    def message(self) -> str:
+        """The outcome, and a warning where the step size exceeds a bound of the theory (see `diagnose`)."""
+        return f"{self.outcome} {self.warn(self)}".strip()
+
+    def conserved_error(self, exits: bool = True) -> Floats:
+        """ψ of the side occupied, less its value where that side was entered, worked out in double-double.
+
+        Parameters
+        ----------
+        exits
+            Whether the last row before a crossing tells of the error with which its side is left there, where that is
+            larger (see `exit_error`).
+
+        Returns
+        -------
+        (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
+        """
+        error = excess_along(
+            self.system, self.method, self.t, self.x, self.side, self.segment, self.entered_t, self.entered_x
+        )
+        return with_exits(error, self.segment, self.exit_error()) if exits else error
+
+    def exit_error(self) -> Floats:
+        """ψ of the side left at each crossing, before any jump, less its value where that side was entered.
+
+        Returns
+        -------
+        (k, m), nan where the side has fewer conserved quantities. With ``record="end"`` no crossing is kept: an
+        `envelope` sees them all the same.
+        """
+        met = self.crossings
+        left = np.concatenate([self.side[:1], met.side])[: len(met)]
+        visits = np.arange(len(met))
+        return excess_along(self.system, self.method, met.t, met.x, left, visits, self.entered_t, self.entered_x)
+
+    def carried_error(self) -> Floats:
+        """Change of ψ that the integrator has made by the time each segment between crossings begins, in all.
+
+        At a crossing ψ changes its meaning and its value, which is no error, and a jump is part of the system. What is
+        added up is what every visit to a side has lost by its end, and what going on from beside the surface loses.
+
+        Returns
+        -------
+        (s, m) beside `entered_t`, the first row 0.
+        """
+        met = self.crossings
+        beside = excess_along(
+            self.system, self.method, met.t, met.x_after, met.side, np.arange(len(met)), met.t, met.surface
+        )
+        beside[met.kind == "jump"] = 0.0
+        lost = np.nan_to_num(self.exit_error()) + np.nan_to_num(beside)
+        total = np.zeros((len(self.entered_t), lost.shape[1]))
+        if len(lost):
+            total[1:] = np.cumsum(lost, axis=0)[: len(total) - 1]
+        return total
+
+    def accumulated_error(self) -> Floats:
+        """Change of ψ that the integrator has made since the start: within the visit, and in those before.
+
+        Returns
+        -------
+        (n, m); nan where the side occupied has fewer conserved quantities.
+        """
+        return self.conserved_error(exits=False) + self.carried_error()[self.segment]
+
+    def at(self, t: ArrayLike, before: bool = False) -> Floats:
+        """States at any times within the run (dense output).
+
+        Each is reached by one step of the method itself, from the last state recorded before it or from where the last
+        crossing before it led; for "taylor" that is its Taylor polynomial. So the order is that of the method, a
+        conservative method keeps ψ there to round-off, and a recorded time gives the state recorded.
+
+        With a perturbation the times of crossings are those they were moved to, within the step in which they happened.
+        Without a transition the side changes at the ends of steps only, as in the run.
+
+        Parameters
+        ----------
+        t
+            Times of any shape and in any order, from the first to the last of the run.
+        before
+            Which state to give at the very instant of a crossing: the one that arrived there; else the one after it
+            (after its jump, if there is one). They differ at jumps only.
+
+        Returns
+        -------
+        (..., d)
+
+        Raises
+        ------
+        ValueError
+            Where a time is outside the run or no number; where the run has not recorded its steps, and a time is none
+            of those kept; where the equations of a step have no solution.
+        """
+        times = numbers(t, "t")
+        flat = self._checked_times(times.ravel())
+        x = self._kept(flat) if self.record != "steps" else self._between(flat)
+        if len(self.crossings) and (before or self.record != "steps"):
+            found, k = _matches(self.crossings.t, flat, first=before)
+            x[found] = (self.crossings.x if before else self.crossings.x_after)[k]
+        if (missing := np.isnan(x).any(axis=1)).any():
+            raise ValueError(self._missing(float(flat[missing][0])))
+        return x.reshape(*times.shape, x.shape[1])
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """One (n,) array a column, as data frames take them: ``pandas.DataFrame(run.columns())``.
+
+        Returns
+        -------
+        dict
+            "t", the variables by name, "side", and for each conserved quantity "psi error" (with a number from 1 where
+            there are several): see `conserved_error`.
+        """
+        columns: dict[str, NDArray[Any]] = {"t": self.t}
+        columns |= {name: self.x[:, i] for i, name in enumerate(self.system.variables)}
+        error = self.conserved_error()
+        names = ["psi error"] if error.shape[1] == 1 else [f"psi error {j + 1}" for j in range(error.shape[1])]
+        return _beside(columns, {"side": self.side, **{name: error[:, j] for j, name in enumerate(names)}})
+
+    def _checked_times(self, times: Floats) -> Floats:
+        ends = [float(t) for t in (self.t[0], *self.t[-2:])]
+        outside = (times < min(ends)) | (times > max(ends))
+        if outside.any():
+            span = f"{ends[0]!r} … {ends[-1]!r}"
+            raise ValueError(f"t = {float(times[outside][0])!r} is outside the run, which goes over t = {span}")
+        return times
+
+    def _kept(self, times: Floats) -> Floats:
+        """States at times that were recorded, nan at others."""
+        x = np.full((len(times), self.x.shape[1]), np.nan)
+        found, k = _matches(self.t, times)
+        x[found] = self.x[k]
+        return x
+
+    def _between(self, times: Floats) -> Floats:
+        """States at times between recorded steps, nan where there is no solution."""
+        entered = np.concatenate([self.side[:1], self.crossings.side])
+        # A crossing at which a run has stopped may have been moved back beyond the last step.
+        back = len(self.t) > 2 and (self.t[-1] - self.t[-2]) * (self.t[-2] - self.t[0]) < 0.0
+        n = len(self.t) - back
+        rows = self.t[:n], self.x[:n], self.side[:n], self.segment[:n]
+        track = Track(*rows, self.entered_t, self.entered_x, entered)
+        along = times if track.t[-1] >= track.t[0] else -times
+        order = None if (along[1:] >= along[:-1]).all() else np.argsort(along)
+        found = Stepper(self.system, METHODS[self.method], self.tolerance).find(
+            track, times if order is None else times[order]
+        )
+        found.x[found.solved :] = np.nan
+        states = found.x
+        if order is not None:
+            states = np.empty_like(found.x)
+            states[order] = found.x
+        if back:
+            states[times == self.t[-1]] = self.x[-1]
+        return states
+
+    def _missing(self, t: float) -> str:
+        if self.record == "steps":
+            return f"t = {t!r}: the equations of the step to there have no real solution; take a smaller step size tau"
+        return (
+            f"t = {t!r}: the run has not recorded its steps (record={self.record!r}), so it has none between those it "
+            'has kept; integrate with record="steps", or with t_eval at the times wanted'
+        )
+
+
+def _matches(known: Floats, times: Floats, first: bool = False) -> tuple[NDArray[np.bool_], Integers]:
+    """Which times are among known ones, and where those stand there: the last of equal ones, or the first."""
+    order = np.argsort(known, kind="stable")
+    ordered = known[order]
+    k = np.searchsorted(ordered, times, "left") if first else np.searchsorted(ordered, times, "right") - 1
+    k = np.clip(k, 0, len(known) - 1)
+    found = ordered[k] == times
+    return found, order[k[found]]

@@ -1,0 +1,1 @@
+"""How the public functions take what a person gives, and how their results show themselves."""

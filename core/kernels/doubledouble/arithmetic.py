@@ -1,0 +1,146 @@
+"""Double-double arithmetic: a number is the unevaluated sum hi + lo of two doubles, about 106 bits.
+
+Every function takes and returns such pairs as plain floats, |lo| ≤ ulp(hi)/2, and none has a branch where a polynomial
+needs it. With u = 2⁻⁵³ the relative errors are at most 3 u² for a sum (whatever cancels), 5 u² for a product, 2 u²
+for a product with a double, 15 u² for a quotient, 4 u² for a square root.
+Joldes, Muller, Popescu: Tight and rigorous error bounds for basic building blocks of double-word arithmetic,
+ACM Trans. Math. Softw. 44 (2017); the square root: Lefèvre, Louvet, Muller, Picot, Rideau, ibid. 49 (2023).
+
+The bounds hold as long as the products of high parts stay between 2⁻⁹⁶⁸, below which what rounding lost of them is no
+double any more, and the largest double. What overflows in a sum or a product is nan or inf: never a finite number.
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# jitted: numba infers the types
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import sympy
+from numba import njit, types
+from numba.extending import intrinsic
+
+from core.kernels.doubledouble.error_free import two_sum
+
+__all__ = [
+    "dd_add", "dd_div", "dd_mul", "dd_scale", "dd_sqrt", "dd_square", "fast_two_sum", "fma",
+    "split", "two_product",
+]  # fmt: skip
+
+_inline = njit(error_model="numpy")
+
+#: Digits to which `split` works out what is no ratio of whole numbers; a pair holds 32.
+_DIGITS = 50
+
+
+def _fma(typing_context, a, b, c):
+    """a b + c, rounded once.
+
+    A processor that has the instruction does it in one. For one that has not, LLVM calls the C library's ``fma``,
+    which is rounded once too, but is a call, and slow where it has to work in software.
+    """
+
+    def generate(context, builder, signature, arguments):
+        return builder.fma(*arguments)
+
+    return types.float64(types.float64, types.float64, types.float64), generate
+
+
+fma: Any = intrinsic(_fma)
+
+
+@_inline
+def fast_two_sum(a, b):
+    """a + b and what rounding lost of it, exactly, where |a| ≥ |b| or a = 0 (Dekker)."""
+    total = a + b
+    return total, b - (total - a)
+
+
+@_inline
+def two_product(a, b):
+    """a b and what rounding lost of it, exactly."""
+    product = a * b
+    return product, fma(a, b, -product)
+
+
+@_inline
+def dd_add(ah, al, bh, bl):
+    """a + b."""
+    high, high_lost = two_sum(ah, bh)
+    low, low_lost = two_sum(al, bl)
+    high, rest = fast_two_sum(high, high_lost + low)
+    return fast_two_sum(high, low_lost + rest)
+
+
+@_inline
+def dd_mul(ah, al, bh, bl):
+    """a b."""
+    high, lost = two_product(ah, bh)
+    return fast_two_sum(high, lost + fma(al, bh, fma(ah, bl, al * bl)))
+
+
+@_inline
+def dd_square(ah, al):
+    """a²."""
+    high, lost = two_product(ah, ah)
+    return fast_two_sum(high, lost + fma(2.0 * ah, al, al * al))
+
+
+@_inline
+def dd_scale(ah, al, b):
+    """a b of a double b."""
+    high, lost = two_product(ah, b)
+    return fast_two_sum(high, fma(al, b, lost))
+
+
+@_inline
+def dd_div(ah, al, bh, bl):
+    """a / b; where it is 0 or not finite, as in double precision."""
+    quotient = ah / bh
+    if quotient == 0.0 or not math.isfinite(quotient):
+        return quotient, 0.0
+    high, low = dd_scale(bh, bl, quotient)
+    return fast_two_sum(quotient, ((ah - high) + (al - low)) / bh)
+
+
+@_inline
+def dd_sqrt(ah, al):
+    """√a; where it is 0 or not finite, as in double precision."""
+    root = math.sqrt(ah)
+    if root == 0.0 or not math.isfinite(root):
+        return root, 0.0
+    return fast_two_sum(root, (al + fma(-root, root, ah)) / (2.0 * root))
+
+
+def split(value: sympy.Expr | Fraction) -> tuple[float, float]:
+    """Split an exact constant into hi and lo.
+
+    Parameters
+    ----------
+    value
+        A number: a ratio, or an expression such as ``sqrt(2)`` or ``pi/3``.
+
+    Returns
+    -------
+    tuple of float
+        hi, the double nearest to it, and lo, the double nearest to what is left.
+
+    Raises
+    ------
+    ValueError
+        If it is no real number, or none that a double can hold.
+    """
+    exact = sympy.sympify(value)
+    number = exact if exact.is_Rational else sympy.N(exact, _DIGITS)
+    if not (number.is_Rational or (number.is_Float and number.is_finite)):
+        raise ValueError(f"{value} is no real number: a constant such as 1/3 or sqrt(2) is needed")
+    ratio = sympy.Rational(number)
+    whole = Fraction(int(ratio.p), int(ratio.q))
+    try:
+        high = float(whole)
+    except OverflowError:
+        raise ValueError(f"{value} is too large for a double: at most 1.8e308 is possible") from None
+    return high, float(whole - Fraction(high))

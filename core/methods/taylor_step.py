@@ -1,0 +1,104 @@
+"""How a variable-step method prepares a step: the Taylor coefficients of the solution, and the length they allow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import lru_cache
+
+from sympy import Expr, Symbol
+
+from core.codegen.functions import Names, excess_lines, function_text
+from core.codegen.taylor_series import SeriesCode, series_code
+from core.kernels.abi import LENGTH, ORDER, PER_UNIT, SETTLED, TOLERANCE, UNIT
+from core.kernels.taylor_coefficients import LEAST_ORDER, STRIDE
+from core.symbolic.expressions import TIME
+from core.symbolic.laws import Laws, Side
+
+__all__ = ["memo_rows", "reach_text"]
+
+#: Steps are at most so many units of the system's own time long: powers of more could leave floating point.
+_LONGEST = 2.0**20
+#: A step shorter than this needs another unit: with 24 coefficients, powers of less could leave floating point.
+_SHORTEST = 2.0**-24
+#: To work coefficients out: beside the state, at the state, and in three other units of time.
+_ATTEMPTS = 6
+#: How far beside the state, in parts of it; of each coordinate another part.
+_BESIDE, _PRIME = 0.5, 7
+
+
+@lru_cache(maxsize=64)
+def _series(laws: Laws, sign: int) -> SeriesCode:
+    return series_code(laws, laws.sides[sign])
+
+
+def memo_rows(laws: Laws) -> int:
+    """Rows of coefficients that a step of either side needs."""
+    return max(_series(laws, sign).rows for sign in laws.sides)
+
+
+def reach_text(laws: Laws, side: Side) -> str:
+    """Text of `reach`: coefficients to memo, those of the height over the surface in row d; the length to w[LENGTH]."""
+    code = _series(laws, side.sign)
+    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, {STRIDE}))"]
+    lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
+    lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, side, code))]
+    lines += _excess_lines(laws, side)
+    lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", "length = limit if limit < length else length"]
+    lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
+    return function_text("reach", lines)
+
+
+def _attempt(laws: Laws, side: Side, code: SeriesCode) -> list[str]:
+    """Lines that work the coefficients out, and end the loop around them unless they have to be worked out again.
+
+    That is so in another unit of time; and where high coefficients vanish though no polynomial is followed, as those of
+    x' = 1, y' = x**30 do at x = 0. How long the step may be is then seen from a state beside it.
+    """
+    names, d = Names(laws), len(laws.x)
+    state, height = (f"{name}(c, {d}, order, w[{TOLERANCE}])" for name in ("reach", "reach_of_height"))
+    lines = [*code.lines, f"state, height = {state}, {height}"]
+    lines += ["length = min(state, height) if state + height == state + height else math.nan"]
+    if _degree_in_time(laws, side) > LEAST_ORDER:
+        moved = [f"{x} += away*{1 + k % _PRIME / _PRIME}" for k, x in enumerate(names.x)]
+        lines[len(names.unpack) : len(names.unpack)] = moved
+        lines += ["if away != 0.0:", "    limit, away = length if length == length else 1.0, 0.0", "    continue"]
+        lines += ["if limit != limit and max(state, height) == math.inf:"]
+        lines += [f"    away = {_BESIDE}*(size + unit*speed if size + speed > 0.0 else 1.0)", "    continue"]
+    return [*lines, f"if length >= {_SHORTEST}:", "    break", "shrink *= correction_of_unit(length)"]
+
+
+def _degree_in_time(laws: Laws, side: Side) -> float:
+    """Bound the degree of the solution, and of g along it, as polynomials in time; inf where they are none."""
+    degrees: dict[Symbol, float] = {TIME: 1, **dict.fromkeys(laws.x, 0)}
+    for _ in range(len(laws.x) + 1):
+        found = {v: _degree(f, degrees) + float(f != 0) for v, f in zip(laws.x, side.field, strict=True)}
+        if all(degrees[v] == n for v, n in found.items()):
+            return max(*found.values(), _degree(laws.g, degrees))
+        degrees |= found
+    return math.inf  # some coordinate depends on itself
+
+
+def _degree(u: Expr, degrees: Mapping[Symbol, float]) -> float:
+    """Bound the degree in time of an expression in symbols of these degrees."""
+    if u.is_Symbol:
+        return degrees.get(u, 0)
+    parts = [_degree(v, degrees) for v in u.args]
+    if not any(parts):
+        return 0
+    if u.is_Add:
+        return max(parts)
+    if u.is_Mul:
+        return sum(parts)
+    return parts[0] * float(u.exp) if u.is_Pow and u.exp.is_Integer and u.exp > 0 else math.inf
+
+
+def _excess_lines(laws: Laws, side: Side) -> list[str]:
+    """Lines that write what ψ is above its levels here to the frame, once for all steps from here that are tried."""
+    names = Names(laws)
+    targets = [f"w[{names.frame.excess + j}]" for j in range(len(side.conserved))]
+    if not targets:
+        return []
+    lines = [f"if w[{SETTLED}] == 1.0:", f"    {' = '.join(targets)} = w[{SETTLED}] = 0.0", "else:"]
+    lines += [f"    {line}" for line in excess_lines(names, side, quick=True)]
+    return [*lines, *(f"    {target} = r{j}" for j, target in enumerate(targets))]

@@ -1,0 +1,272 @@
+"""Points at which expressions are looked at: in every orthant, near zero and far out, on both sides of every fold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice, zip_longest
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import Expr, Symbol
+
+from core.symbolic.folds import folds, near_folds, signs_at_folds
+from core.symbolic.tape import Floats, Tape, digits, growing_argument
+
+__all__ = ["Domain", "Samples"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+Point = dict[Symbol, float]
+
+#: Sizes of a coordinate, each as a range in which its logarithm is drawn.
+_ORDINARY, _NEAR, _FAR, _FARTHEST = (0.3, 2.0), (1e-6, 0.3), (2.0, 50.0), (50.0, 1e6)
+_SIZES = np.log([_ORDINARY, _NEAR, _FAR, _FARTHEST])
+_SHARES = (0.5, 0.25, 0.2, 0.05)  #: of these sizes in points whose coordinates are of different ones
+
+
+#: Decimal digits of a value, and of the one that confirms it: only what both agree on is no round-off.
+_DIGITS, _MORE_DIGITS = 120, 480
+#: Arguments of exp, tanh, … up to which 1 − tanh(u) is more than round-off; where there is no such point, larger ones.
+_TELLING, _LARGEST = 60.0, 1e6
+
+_SHAKE = 2.0**-46  #: relative to a coordinate: 64 roundings
+_DRAWN, _ROUNDS = 384, 4  #: points drawn at a time, and how many times at most
+_ENOUGH = 24  #: points with values, after which no more are drawn
+_FEW, _MOST = 6, 40  #: points at which many digits are worked out
+_EACH = 2  #: such points in each piece
+_EFFORT = 20_000  #: operations in many digits: a bound on the points that are taken of long expressions
+_LEAST = 3  #: points of the longest
+_ATTEMPTS = 40  #: where floating point has no value at all
+_LONG = 2000  #: operations of an expression whose folds are not sought
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where something has to hold: everywhere, but for what is said here."""
+
+    ranges: Mapping[Symbol, tuple[float, float]] = field(default_factory=dict)
+    """Bounds of the symbols that have any."""
+    positive: Expr | None = None
+    """An expression that is positive there: −g or g, on a side of the surface."""
+    defined: tuple[Expr, ...] = ()
+    """Expressions that have real, finite values there."""
+
+    def __hash__(self) -> int:
+        return hash((frozenset(self.ranges.items()), self.positive, self.defined))
+
+    def contains(self, point: Point) -> bool:
+        """Whether a point is within the ranges."""
+        return all(self.ranges[s][0] <= v <= self.ranges[s][1] for s, v in point.items() if s in self.ranges)
+
+
+class Samples:
+    """Points of a domain where some expressions have values.
+
+    Parameters
+    ----------
+    thorough
+        Whether both sides of folds are sought; else only where there are few points without them.
+
+    Attributes
+    ----------
+    points
+        (n, number of symbols): where all values are finite in floating point.
+    nodes
+        Values there of all nodes of the tape, (n,) each.
+    inside
+        How many points of the domain itself were found on the way.
+    unreal
+        At how many of these an expression has no real value, as log(−1).
+    """
+
+    def __init__(self, expressions: Sequence[Expr], domain: Domain, thorough: bool = True) -> None:
+        self.domain = domain
+        guards = [*domain.defined, *([] if domain.positive is None else [domain.positive])]
+        self.symbols = sorted(set().union(*(u.free_symbols for u in (*expressions, *guards))), key=str)
+        self.tape = Tape(expressions)
+        self.folds = folds(self.tape) if len(self.tape.nodes) <= _LONG else []
+        self._wanted = [self.tape.place[u] for u in expressions]
+        self._guards = [self.tape.add(u) for u in guards]
+        self._rng = np.random.default_rng(20260101)
+        self.inside = self.unreal = 0
+        self.points, self.nodes = self._find(thorough)
+
+    # In floating point -----------------------------------------------------------------------------------------------
+
+    def _find(self, thorough: bool) -> tuple[Array, list[Array]]:
+        tried = self._drawn()
+        points, nodes = self._with_values(tried)
+        for _ in range(_ROUNDS - 1):
+            if len(points) >= _ENOUGH or not self.symbols:
+                break
+            tried = self._drawn()
+            points, nodes = self._joined((points, nodes), self._with_values(tried))
+        few = len(points) < _ENOUGH
+        sought = self.folds if thorough or few else []
+        if few and self.domain.positive is not None:
+            sought = [*sought, self.domain.positive]
+        if sought and self.symbols:
+            near = near_folds(sought, self.symbols, points if len(points) > 1 else tried, self._rng)
+            points, nodes = self._joined((points, nodes), self._with_values(near))
+        return points, nodes
+
+    def _drawn(self) -> Array:
+        return drawn(_DRAWN, self.symbols, self.domain.ranges, self._rng)
+
+    def _with_values(self, points: Array) -> tuple[Array, list[Array]]:
+        """The points in the domain where there are values, with those of all nodes."""
+        with np.errstate(all="ignore"):
+            found = self.tape.run(Floats(), dict(zip(self.symbols, points.T, strict=True)))
+        nodes = [np.broadcast_to(v, len(points)) for v in found]
+        inside = np.ones(len(points), dtype=bool)
+        for k in self._guards:
+            inside &= np.isfinite(nodes[k])
+        if self.domain.positive is not None:
+            inside &= nodes[self.tape.place[self.domain.positive]] > 0
+        self.inside += int(inside.sum())
+        wanted = np.stack([nodes[k] for k in self._wanted])
+        self.unreal += int((inside & np.isnan(wanted).any(axis=0)).sum())
+        good = inside & np.isfinite(wanted).all(axis=0)
+        return points[good], [v[good] for v in nodes]
+
+    @staticmethod
+    def _joined(a: tuple[Array, list[Array]], b: tuple[Array, list[Array]]) -> tuple[Array, list[Array]]:
+        return np.concatenate([a[0], b[0]]), [np.concatenate(pair) for pair in zip(a[1], b[1], strict=True)]
+
+    def signs(self) -> dict[Expr, Array]:
+        """The signs, at the points, of the symbols and of what tells the sides of folds apart."""
+        apart = signs_at_folds(self.folds)
+        tape = Tape(apart)
+        with np.errstate(all="ignore"):
+            found = tape.run(Floats(), dict(zip(self.symbols, self.points.T, strict=True)))
+        columns = dict(zip(self.symbols, self.points.T, strict=True)) | {u: found[tape.place[u]] for u in apart}
+        return {u: np.sign(np.broadcast_to(v, len(self.points))) for u, v in columns.items()}
+
+    def _arguments(self) -> Array:
+        """The largest size of an argument of a growing function at each point."""
+        found = [np.zeros(len(self.points))]
+        with np.errstate(all="ignore"):
+            for u in self.tape.nodes:
+                if (argument := growing_argument(u)) is not None:
+                    values = [self.nodes[self.tape.place[a]] for a in argument]
+                    found.append(np.abs(values[0] * np.log(values[1]) if len(values) == 2 else values[0]))
+        largest: Array = np.max(found, axis=0)
+        return largest
+
+    def _pieces(self) -> Rows:
+        """The number of the piece each point is in: pieces differ in signs at folds, and of the symbols there."""
+        apart = signs_at_folds(self.folds)
+        names = {s for u in apart for s in u.free_symbols}
+        columns = [sign for u, sign in self.signs().items() if u in apart or u in names]
+        if not columns:
+            return np.zeros(len(self.points), dtype=int)
+        return np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+
+    # In many digits --------------------------------------------------------------------------------------------------
+
+    def point(self, row: int) -> Point:
+        """A point as a mapping."""
+        return self._mapping(self.points[row])
+
+    def _mapping(self, numbers: Array) -> Point:
+        return dict(zip(self.symbols, numbers.tolist(), strict=True))
+
+    def in_digits(self, point: Point, more: bool = False, largest: float = _LARGEST) -> list[Any] | None:
+        """Values of all nodes of the tape at a point, None where one has none."""
+        arithmetic = digits(_MORE_DIGITS if more else _DIGITS, largest)
+        at = {s: arithmetic.context.mpf(v) for s, v in point.items()}
+        try:
+            values = self.tape.run(arithmetic, at)
+        except (ArithmeticError, ValueError):
+            return None
+        if self.domain.positive is not None and not values[self.tape.place[self.domain.positive]] > 0:
+            return None
+        return values
+
+    def chosen(self, first: Rows) -> Iterator[tuple[Point, list[Any]]]:
+        """A few points, of every piece in turn, with their values in many digits.
+
+        Parameters
+        ----------
+        first
+            Rows of points to begin with.
+        """
+        pieces = self._pieces()
+        telling = self._arguments() <= _TELLING
+        rest = np.setdiff1d(np.arange(len(self.points)), first)
+        order = _alternating(first, rest)
+        order = np.concatenate([order[telling[order]], order[~telling[order]]])
+        queues = [[self.point(r) for r in order[pieces[order] == k]] for k in range(pieces.max(initial=-1) + 1)]
+        if not queues:
+            queues = [[self._mapping(p) for p in self._drawn()[:_ATTEMPTS]]]
+        wanted = min(_MOST, max(_FEW, _EACH * len(queues)), max(_LEAST, _EFFORT // len(self.tape.nodes)))
+        tries = max(2 * wanted, _EFFORT // len(self.tape.nodes)) // len(queues) + 1
+        for largest in (_TELLING, _LARGEST):
+            found = [self._with_digits(queue[:tries], largest) for queue in queues]
+            in_turn = (pair for pairs in zip_longest(*found) for pair in pairs if pair is not None)
+            chosen = list(islice(in_turn, wanted))
+            yield from chosen
+            if chosen:
+                return
+
+    def _with_digits(self, points: Sequence[Point], largest: float) -> Iterator[tuple[Point, list[Any]]]:
+        """Those of some points that have values in many digits."""
+        for point in points:
+            values = self.in_digits(point, largest=largest)
+            if values is not None:
+                yield point, values
+
+    def shaken(self) -> list[Array]:
+        """Values of all nodes a few roundings beside the points: where they differ much, they are round-off."""
+        with np.errstate(all="ignore"):
+            beside = (self.points * (1.0 + _SHAKE)).T
+            found = self.tape.run(Floats(), dict(zip(self.symbols, beside, strict=True)))
+        return [np.broadcast_to(v, len(self.points)) for v in found]
+
+
+def _alternating(first: Rows, second: Rows) -> Rows:
+    """The entries of two arrays in turn, then what is left of the longer."""
+    both = min(len(first), len(second))
+    return np.concatenate([np.stack([first[:both], second[:both]], axis=1).reshape(-1), first[both:], second[both:]])
+
+
+def drawn(
+    count: int, symbols: Sequence[Symbol], ranges: Mapping[Symbol, tuple[float, float]], rng: np.random.Generator
+) -> Array:
+    """Random points (count, len(symbols)) of six kinds in turn.
+
+    Their coordinates are: ordinary and positive, of mixed sizes, near 0, far, ordinary, ordinary but for one that is
+    far.
+
+    Parameters
+    ----------
+    ranges
+        Bounds of the symbols that have any.
+    """
+    kinds = np.arange(count) % 6
+    sizes = rng.choice(len(_SIZES), p=_SHARES, size=(count, len(symbols)))
+    sizes[(kinds == 0) | (kinds == 4) | (kinds == 5)] = 0
+    sizes[kinds == 2] = 1
+    lone = np.flatnonzero(kinds == 5)
+    if symbols:
+        sizes[lone, rng.integers(len(symbols), size=len(lone))] = 2
+    sizes[kinds == 3] = rng.choice([2, 3], p=[0.7, 0.3], size=(np.sum(kinds == 3), len(symbols)))
+    low, high = np.moveaxis(_SIZES[sizes], -1, 0)
+    points: Array = np.exp(low + (high - low) * rng.random(sizes.shape))
+    points *= np.where(kinds[:, None] == 0, 1.0, rng.choice([-1.0, 1.0], size=sizes.shape))
+    for k, symbol in enumerate(symbols):
+        if symbol in ranges:
+            _bring_within(points[:, k], *ranges[symbol], rng)
+    return points
+
+
+def _bring_within(values: Array, low: float, high: float, rng: np.random.Generator) -> None:
+    """Draw anew what is out of bounds: evenly, or every other one evenly in its logarithm."""
+    out = (values < low) | (values > high)
+    parts = rng.random(values.size)
+    even = low + (high - low) * parts
+    if low * high > 0:
+        even[::2] = np.clip(low * (high / low) ** parts[::2], low, high)
+    values[out] = even[out]

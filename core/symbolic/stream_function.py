@@ -1,0 +1,125 @@
+"""A conserved quantity of a planar divergence-free field, found by integration: its stream function."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import sympy
+from sympy import Expr, Symbol
+
+from core.symbolic.expressions import FUNCTIONS, TIME
+from core.symbolic.zero_testing import EVERYWHERE, Domain, has_values_throughout, is_zero, size_expanded
+
+__all__ = ["stream_function"]
+
+#: Operations of one term that sympy is asked to integrate: what is larger could take it for ever.
+_MAX_OPERATIONS = 24
+_SOUGHT_TERMS, _SOUGHT_FACTORS, _SOUGHT_POWER = 60, 3, 8  #: of a field whose antiderivatives sympy is asked for
+_WHITELIST = tuple(exact for name, (exact, _) in FUNCTIONS.items() if name != "sqrt")
+
+
+def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: Domain = EVERYWHERE) -> Expr | None:
+    """ψ with (x', y') = (∂ψ/∂y, −∂ψ/∂x), or None where there is none, or none that is easily found.
+
+    Parameters
+    ----------
+    field
+        2 expressions in the variables; None is returned for any other number of them, and where they name t.
+    variables
+        (x, y).
+    domain
+        Where it has to hold.
+    """
+    if len(variables) != 2 or any(f.has(TIME) for f in field):
+        return None
+    if not _is_soon_integrated(field, variables):
+        return None
+    (x, y), (u, v) = variables, field
+    domain = replace(domain, defined=(u, v))
+    if not is_zero(u.diff(x) + v.diff(y), domain):
+        return None
+    part = _integral(u, y)
+    if part is None:
+        return None
+    rest = sympy.expand(-v - part.diff(x))  # what depends on x alone
+    if rest.has(y):
+        rest = sympy.simplify(rest) if sympy.count_ops(rest) <= _MAX_OPERATIONS else rest
+    other = None if rest.has(y) else _integral(rest, x)
+    if other is None:
+        return None
+    psi = _real_throughout(part + other, domain)
+    if psi is None or not psi.free_symbols:
+        return None
+    return psi if is_zero(psi.diff(y) - u, domain) and is_zero(psi.diff(x) + v, domain) else None
+
+
+def _real_throughout(psi: Expr, domain: Domain) -> Expr | None:
+    """ψ, or else ψ with log(u²)/2 for log(u), if it is real all over the domain: on both sides of a pole of f, too."""
+    even = psi.replace(sympy.log, lambda u: sympy.log(u**2) / 2)
+    return next((found for found in dict.fromkeys((psi, even)) if has_values_throughout(found, domain)), None)
+
+
+def _integral(expression: Expr, variable: Symbol) -> Expr | None:
+    """An antiderivative, term by term, in functions of the whitelist."""
+    total = sympy.Integer(0)
+    for term in sympy.Add.make_args(sympy.expand(expression)):
+        factor, rest = term.as_independent(variable, as_Add=False)
+        if sympy.count_ops(rest) > _MAX_OPERATIONS:
+            return None
+        found = sympy.integrate(rest, variable, manual=True)
+        if not _is_plain(found):
+            return None
+        total += factor * found
+    return total
+
+
+def _is_plain(expression: Expr) -> bool:
+    """Whether an expression holds nothing but numbers, symbols, sums, products, powers and functions we know."""
+    return all(
+        node.is_Symbol or node.is_number or node.is_Add or node.is_Mul or node.is_Pow or node.func in _WHITELIST
+        for node in sympy.preorder_traversal(expression)
+    )
+
+
+def _is_soon_integrated(field: Sequence[Expr], variables: Sequence[Symbol]) -> bool:
+    """Whether sympy finds the antiderivatives of a planar field, or gives up, in a fraction of a second.
+
+    It can spend minutes on a product of a few functions, or on high powers of one.
+    """
+    if any(size_expanded(f) > _SOUGHT_TERMS for f in field):
+        return False
+    terms = [
+        (term, v)
+        for f, v in zip(field, reversed(variables), strict=True)
+        for term in sympy.Add.make_args(sympy.expand(f))
+    ]
+    return sum(_effort(*term) for term in terms) <= _SOUGHT_FACTORS
+
+
+def _effort(term: Expr, variable: Symbol) -> float:
+    """Count the factors of a term that are no power of the variable, each as often as it stands there."""
+    powers = [part.as_base_exp() for part in sympy.Mul.make_args(term) if part.has(variable)]
+    others = [p for p in powers if p[0] != variable or not p[1].is_Integer]
+    if others and any(abs(exponent) > _SOUGHT_POWER for _, exponent in powers if exponent.is_Rational):
+        return math.inf
+    return sum(_effort_of_power(base, exponent, variable) for base, exponent in others)
+
+
+def _effort_of_power(base: Expr, exponent: Expr, variable: Symbol) -> float:
+    inner, most = (base.args[0], 2) if base.is_Function else (base, 4)
+    if _degree(inner, variable) > most or _degree(exponent, variable) > 2:
+        return math.inf
+    return max(1.0, abs(float(exponent))) if exponent.is_Rational else 1.0
+
+
+def _degree(expression: Expr, variable: Symbol) -> float:
+    """Degree of a polynomial in a variable, infinite where it is none."""
+    if not expression.has(variable):
+        return 0
+    if expression.is_Add or expression.is_Mul:
+        return (max if expression.is_Add else sum)(_degree(part, variable) for part in expression.args)
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return int(expression.exp) * _degree(expression.base, variable)
+    return 1 if expression == variable else math.inf

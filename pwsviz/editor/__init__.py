@@ -1,0 +1,1 @@
+"""A system of one's own: typed, checked, drawn."""

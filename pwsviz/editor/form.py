@@ -1,0 +1,262 @@
+"""The form in which a person types a system of their own; the mathematics appears as they type."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+from functools import partial
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+import core
+from pwsviz.editor.validation import FIELDS, Checked, Draft, Finding, check, examples
+from pwsviz.tasks.event_loop import Delivery
+from pwsviz.tasks.latest_wins import Job, Lane
+from pwsviz.text.words import as_text, complaint
+from pwsviz.widgets.panes import TEXT_CSS, heading
+
+__all__ = ["SystemEditor"]
+
+QUIET = 0.25
+"""Seconds without a key pressed before what stands there is checked."""
+
+CURRENT = "The system on the page"
+
+MATHS_CSS = """
+.maths { overflow-x: auto; overflow-y: hidden; padding: 2px 0 6px 14px; }
+math { display: block; width: fit-content; font-size: 1.05rem; padding: 4px 0; }
+.finding { color: var(--mui-palette-text-secondary); padding: 0 14px 4px 14px; }
+.kept { color: var(--mui-palette-success-main); }
+"""
+
+PAIR_CSS = ":host { flex-wrap: wrap; gap: 0 12px; } :host > * { flex: 1 1 220px !important; min-width: 0; }"
+"""Side by side where both can be read, else one below the other."""
+
+FIELD_SX = {"& .MuiInputBase-input": {"fontFamily": "ui-monospace, Menlo, Consolas, monospace", "fontSize": "0.9rem"}}
+
+_LINES = {"parameters": 2, "f_minus": 2, "f_plus": 2, "psi_minus": 1, "psi_plus": 1, "jump": 1}
+"""Fields of several lines, and how many they show when empty."""
+
+_HINTS = {
+    "name": "",
+    "variables": "x, y",
+    "parameters": "k = 3 in [0.1, 10]",
+    "f_minus": "y\n-k*x",
+    "f_plus": "y\n-x",
+    "g": "y",
+    "psi_minus": "",
+    "psi_plus": "",
+    "x0": "1, 1",
+    "jump": "",
+}
+
+_HELP = {
+    "variables": "Time is t.",
+    "parameters": "One a line. The range, for a slider, may be left out.",
+    "f_minus": "The time derivative of each variable, one a line.",
+    "f_plus": "The time derivative of each variable, one a line.",
+    "g": "The law changes where g = 0.",
+    "psi_minus": "If you know any. One a line.",
+    "psi_plus": "If you know any. One a line.",
+    "x0": "A number for each variable.",
+    "jump": "For impacts: each variable after it has reached g = 0. Empty for none.",
+}
+
+Deliver = Callable[[Callable[[Any], None], Any], None]
+"""Hands an outcome to what shows it, in the event loop of the page."""
+
+
+class SystemEditor(pn.viewable.Viewer):
+    """Fields for a system, checked as one types, off the event loop. Empty, and at rest, until something is filled in.
+
+    Parameters
+    ----------
+    on_use : callable
+        Takes the system when the person wants it; may raise ValueError with words for them.
+    deliver : callable, optional
+        Is called from a thread with a function and its argument, and calls it in the event loop; by default in that of
+        the page being served, or at once where there is none.
+    current : callable, optional
+        Returns the system on the page, to start from.
+    on_ready : callable, optional
+        Is told of each system that could be used, in the event loop: to get ready for it.
+    """
+
+    def __init__(
+        self,
+        on_use: Callable[[core.PiecewiseSystem], None],
+        deliver: Deliver | None = None,
+        current: Callable[[], core.PiecewiseSystem] | None = None,
+        on_ready: Callable[[core.PiecewiseSystem], None] = lambda _: None,
+    ) -> None:
+        super().__init__()
+        self._on_use, self._current, self._on_ready = on_use, current, on_ready
+        self._deliver = deliver or Delivery()
+        self._lane = Lane()
+        self._filling = False
+        self._system: core.PiecewiseSystem | None = None
+        self._wanted = False
+        self.draft = Draft()
+        self.texts = {name: self._make_text(name) for name in FIELDS}
+        self.maths = {name: _markup_pane() for name in FIELDS}
+        self.status = _markup_pane()
+        titles = [*([CURRENT] if current else []), *examples]
+        self.menu = pmui.MenuButton(
+            label="Start from",
+            items=[{"label": title} for title in titles],
+            size="small",
+            variant="outlined",
+            margin=(0, 0, 6, 0),
+        )
+        self.menu.on_click(self._choose)
+        self.use = pmui.Button(
+            label="Use this system", color="primary", variant="contained", disabled=True, margin=(6, 0)
+        )
+        self.use.on_click(lambda _: self._use())
+
+    def _make_text(self, name: str) -> Any:
+        options: dict[str, Any] = {
+            "label": FIELDS[name], "placeholder": _HINTS[name], "size": "small", "margin": (10, 0, 2, 0),
+            "sizing_mode": "stretch_width", "helper_text": _HELP.get(name, ""), "sx": FIELD_SX,
+        }  # fmt: skip
+        if name in _LINES:
+            options |= {"rows": _LINES[name], "max_rows": 8, "auto_grow": True, "size": "medium"}
+        text: Any = (pmui.TextAreaInput if name in _LINES else pmui.TextInput)(**options)
+        text.param.watch(partial(self._take, name), "value_input")
+        return text
+
+    # Filling it in ---------------------------------------------------------------------------------------------------
+
+    def load(self, system: core.PiecewiseSystem) -> None:
+        """Fill in a system, to be changed."""
+        self.fill(Draft.of(system))
+
+    def fill(self, draft: Draft) -> None:
+        """Fill in a draft, and check it at once."""
+        self._filling = True
+        try:
+            for each in fields(draft):
+                text = getattr(draft, each.name)
+                self.texts[each.name].param.update(value=text, value_input=text)
+        finally:
+            self._filling = False
+        self._check(draft, quiet=0.0)
+
+    def _choose(self, item: Any) -> None:
+        title = item["label"]
+        if title in examples:
+            self.fill(examples[title])
+        elif self._current is not None:
+            self.load(self._current())
+
+    def _take(self, name: str, event: Any) -> None:
+        if not self._filling:
+            self._check(replace(self.draft, **{name: str(event.new or "")}), quiet=QUIET)
+
+    # Checking it -----------------------------------------------------------------------------------------------------
+
+    def _check(self, draft: Draft, quiet: float) -> None:
+        self.draft = draft
+        # The button changes with the outcome only: what changes twice in a moment, the browser may put back.
+        self._system, self._wanted = None, False
+        self._lane.submit(Job(lambda _: check(draft), partial(self._deliver, partial(self._show, draft)), quiet=quiet))
+
+    def _show(self, draft: Draft, outcome: Checked | Exception) -> None:
+        """Show what came of a check, unless something else has been typed since."""
+        if draft != self.draft:
+            return
+        if isinstance(outcome, Exception):
+            self.status.object, self.use.disabled = complaint(outcome), True
+            return
+        for name, text in self.texts.items():
+            self._show_complaint(text, outcome.complaints.get(name), _HELP.get(name, ""))
+            self.maths[name].object = _maths(outcome.maths.get(name, ""))
+        for side, name in ((-1, "psi_minus"), (1, "psi_plus")):
+            self.maths[name].object += "".join(map(_finding, outcome.conserved.get(side, ())))
+        self._system, self.use.disabled = outcome.system, outcome.system is None
+        self.status.object = _verdict(outcome)
+        if outcome.system is not None:
+            self._on_ready(outcome.system)
+        if self._wanted:
+            self._use()
+
+    def _show_complaint(self, text: Any, words: str | None, usual: str) -> None:
+        wanted = {"error_state": words is not None, "helper_text": usual if words is None else _without_icons(words)}
+        changed = {name: value for name, value in wanted.items() if getattr(text, name) != value}
+        text.param.update(**changed)
+
+    def _use(self) -> None:
+        """Use what stands there; if that is not checked yet, as soon as it is, unless more is typed."""
+        self._wanted = self._system is None
+        if self._system is None:
+            return
+        try:
+            self._on_use(self._system)
+        except ValueError as reason:
+            self.status.object = complaint(reason)
+
+    def settle(self, timeout: float) -> bool:
+        """Wait until nothing is left to check; return whether that came true in time. For use without a server."""
+        return self._lane.join(timeout)
+
+    def close(self) -> None:
+        """Give up all work: the person has left."""
+        self._lane.cancel()
+
+    # Its look --------------------------------------------------------------------------------------------------------
+
+    def _field(self, name: str) -> pn.Column:
+        return pn.Column(self.texts[name], self.maths[name], margin=0, sizing_mode="stretch_width")
+
+    def _pair(self, *names: str) -> pn.Row:
+        return pn.Row(*map(self._field, names), margin=0, sizing_mode="stretch_width", stylesheets=[PAIR_CSS])
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Top to bottom in the order one writes a system down."""
+        return pn.Column(
+            self.menu,
+            self._pair("name", "variables"),
+            self._field("parameters"),
+            heading("Laws"),
+            self._field("g"),
+            self._pair("f_minus", "f_plus"),
+            self._field("jump"),
+            heading("Conserved quantities"),
+            self._pair("psi_minus", "psi_plus"),
+            heading("Start"),
+            self._field("x0"),
+            self.status,
+            self.use,
+            margin=(4, 12),
+            sizing_mode="stretch_width",
+        )
+
+
+def _markup_pane() -> pn.pane.HTML:
+    return pn.pane.HTML("", stylesheets=[TEXT_CSS, MATHS_CSS], margin=0, sizing_mode="stretch_width")
+
+
+def _maths(markup: str) -> str:
+    return f'<div class="maths">{markup}</div>' if markup else ""
+
+
+def _finding(finding: Finding) -> str:
+    """Say what is conserved; what is not, the complaint at the field says, so that only its formula is added."""
+    words = "" if finding.maths and not finding.conserved else finding.words
+    return as_text(words, "finding kept" if finding.conserved else "finding") + _maths(finding.maths)
+
+
+def _verdict(outcome: Checked) -> str:
+    if outcome.system is not None:
+        return '<p role="status">This system is ready.</p>'
+    if "system" in outcome.complaints:
+        return as_text(outcome.complaints["system"], "error")
+    titles = "; ".join(FIELDS[name] for name in FIELDS if name in outcome.complaints)
+    return as_text(f"Not yet a system. Look at: {titles}.", "error")
+
+
+def _without_icons(words: str) -> str:
+    """Keep the fields, which show icons for ``:material/name:``, from doing so in what a person typed."""
+    return words.replace(":material/", ":\u2060material/")

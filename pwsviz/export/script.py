@@ -1,0 +1,237 @@
+"""A Python program that recomputes a scene with `core` alone: what the page runs, to read and to change.
+
+What a person typed enters it through `repr` and nowhere else, so it cannot be anything but text there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from textwrap import indent
+
+import core
+from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs, study_inputs
+from pwsviz.results.results import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
+from pwsviz.scene.scene import OWN, Scene
+from pwsviz.scene.validation import MAX_STEPS
+
+MAX_LINE = 100
+
+_USUAL: Mapping[str, object] = {
+    "tau": 1e-2,
+    "method": "dmm2",
+    "tolerance": 1e-12,
+    "transition": "mannshardt",
+    "perturbation_order": None,
+    "perturbation_scale": 1.0,
+    "coordinate": 0,
+    "peers": ("scipy",),
+}
+"""What `core` takes where nothing is said."""
+
+_FIGURES = '''\
+def show(run):
+    """Print a run in figures."""
+    crossings = np.count_nonzero(run.crossings.side)  # where a run stops it does not cross
+    figures = f"{run.steps:,} steps, {crossings:,} crossings, {run.seconds * 1e3:.3g} ms"
+    print(f"{run.method} from {run.x[0]}: {figures}WORST")
+    if run.status is not core.Status.COMPLETED:
+        print(run.message)
+'''
+
+_CHANGE = '''\
+def change_of_psi(run):
+    """|Change of psi| that the integrator made up to each step, added up over the visits to both sides."""
+    return np.fmax.reduce(np.abs(run.accumulated_error()), axis=1)
+
+
+'''
+
+
+def snippet(scene: Scene) -> str:
+    """Return the program: the system, its run from each start with each integrator, the study of the view that is open.
+
+    It passes the arguments that the page passes, leaving out what `core` takes anyway, and prints the figures of the
+    status lines.
+    """
+    paragraphs = ["import numpy as np\n\nimport core", _system(scene), _figures(scene), _runs(scene)]
+    if study := _study(scene):
+        paragraphs.append(study)
+    return "\n\n".join(paragraphs).replace("\n\n\n\n", "\n\n\n") + "\n"
+
+
+def _system(scene: Scene) -> str:
+    declared = scene.declaration
+    if scene.system == OWN:
+        text = _call("core.PiecewiseSystem", keywords=_declaration(declared))
+    else:
+        text = f"core.CATALOGUE[{scene.system!r}]"
+    usual = {q.name: q.default for q in declared.parameters}
+    changed = {name: repr(value) for name, value in scene.values.items() if repr(value) != repr(usual[name])}
+    text = f"system = {text}"
+    return f"{text}\n{_call('system = system.with_parameters', keywords=changed)}" if changed else text
+
+
+def _declaration(system: core.PiecewiseSystem) -> dict[str, str]:
+    """Return the arguments that declare a system, at the usual values of its parameters."""
+    optional = ("psi_minus", "psi_plus", "jump", "doc")
+    names = ["name", "variables", "f_minus", "f_plus", "g", *(name for name in optional if getattr(system, name))]
+    given = {name: repr(getattr(system, name)) for name in names}
+    if system.parameters:
+        given["parameters"] = "".join(["(\n", *(f"    {_parameter(q)},\n" for q in system.parameters), ")"])
+    return given | {"x0": repr(system.x0)}
+
+
+def _parameter(parameter: core.Parameter) -> str:
+    given = {name: getattr(parameter, name) for name in ("bounds", "doc", "latex")}
+    keywords = {name: repr(value) for name, value in given.items() if value not in ("", None)}
+    return _call("core.Parameter", (repr(parameter.name), repr(parameter.default)), keywords, most=None)
+
+
+def _figures(scene: Scene) -> str:
+    """Return the function that prints the figures of a run; with that of ψ, where any is known."""
+    if not (scene.declaration.psi_minus or scene.declaration.psi_plus):
+        return "\n" + _FIGURES.replace("WORST", "")
+    return "\n" + _CHANGE + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(change_of_psi(run)):.1e}")
+
+
+def _runs(scene: Scene) -> str:
+    """Return the runs, one for each start and integrator."""
+    schemes = {one.scheme.method: _scheme(one.scheme) for one in run_inputs(scene)}
+    shared = next(iter(schemes.values()))
+    alike = all(settings == shared for settings in schemes.values())
+    several = len(scene.starts) > 1
+    keywords = _x0(scene, "x0" if several else None) | _unusual({"tau": scene.tau}, any(map(_adaptive, schemes)))
+    keywords |= {"method": "method"} | (_texts(shared) if alike else {}) | {"max_steps": f"{MAX_STEPS:_}"}
+    rest = () if alike else ("**settings",)
+    run = f"show({_call('core.integrate', ('system', _span(scene)), keywords, rest)})"
+    if alike:
+        loop = f"for method in {list(schemes)!r}:\n{indent(run, '    ')}"
+    else:
+        listed = "".join(f"    {name!r}: {settings!r},\n" for name, settings in schemes.items())
+        loop = f"for method, settings in methods.items():\n{indent(run, '    ')}"
+    if several:
+        starts = "".join(f"    {start!r},\n" for start in scene.starts)
+        loop = f"starts = [\n{starts}]\nfor x0 in starts:\n{indent(loop, '    ')}"
+    return loop if alike else f"methods = {{\n{listed}}}\n{loop}"
+
+
+def _study(scene: Scene) -> str:
+    """Return the study of the view that is open, if it makes one."""
+    match scene.view:
+        case "order" | "time":
+            return _order_study(scene, study_inputs(scene))
+        case "cost":
+            return _cost_study(scene, CostInputs.of(scene))
+        case "stability":
+            return _stability_study(scene, StabilityInputs.of(scene))
+    return ""
+
+
+def _order_study(scene: Scene, inputs: StudyInputs) -> str:
+    start, method = _x0(scene), _unusual({"method": inputs.scheme.method})
+    looked = _call(
+        "run = core.integrate",
+        ("system", f"(0.0, {STUDY_HORIZON!r})"),
+        start | _unusual({"tau": STUDY_PROBE}) | method
+        | {"record": "'crossings'", "max_crossings": repr(STUDY_CROSSINGS[-1] + 1)},
+    )  # fmt: skip
+    study = _call(
+        "study = core.order_study",
+        ("system", "2.0 ** -np.arange(3.0, 13.5, 0.5)"),
+        start | _texts(_scheme(inputs.scheme)) | method | {"crossings": "crossings"},
+    )
+    return f"""\
+# The order: at crossings {STUDY_CROSSINGS}, or fewer where there are fewer.
+{looked}
+last = np.count_nonzero(run.crossings.side) - 1  # the stretch after it is looked at too
+crossings = {STUDY_CROSSINGS} if last >= {STUDY_CROSSINGS[-1]} else sorted({{-(-last // 3), -(-2 * last // 3), last}})
+{study}
+print(f"{{study.method}} against {{study.reference}}")
+print(f"state, before the first crossing and after {{study.crossings}}: slopes {{study.state_slope}}")
+print(f"times of crossings {{study.crossings}}: slopes {{study.time_slope}}")"""
+
+
+def _cost_study(scene: Scene, inputs: CostInputs) -> str:
+    keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"peers": inputs.peers})
+    return f"""\
+# The cost of accuracy.
+{_call("study = core.work_precision", ("system", _span(scene)), keywords)}
+print(f"errors against {{study.reference}}")
+for curve in study.curves:
+    for setting, cost, error in zip(curve.setting, curve.{scene.cost_across}, curve.{scene.cost_up}_error):
+        at = f"{{curve.title}}, {{curve.setting_name}} = {{setting:.1e}}"
+        print(f"{{at}}: {scene.cost_across} {{cost:.2g}}, {scene.cost_up} error {{error:.1e}}")"""
+
+
+_FOUND = {
+    "map": """\
+for method, tau, reason in zip(study.methods, study.largest_tau.tau, study.largest_tau.reason):
+    print(f"{method}: the largest step size that works is {tau:.3g}; beyond: {reason or 'none tried'}")
+for method, outcome in zip(study.methods, study.map.outcome):
+    print(f"{method}: {np.mean(outcome == core.Status.COMPLETED):.0%} of the runs of the map are as they should be")""",
+    "drift": """\
+for method, error in zip(study.methods, study.drift.error):
+    print(f"{method}: |change of psi| <= {np.fmax.reduce(error):.1e} in {study.drift.steps:,} steps")""",
+    "grazing": """\
+found = study.grazing
+print(f"touches the surface at {study.coordinate_name} = {found.value!r}, t = {found.time:.6g} (nan: nowhere)")
+for method, missed, error in zip(study.methods, found.missed, found.error):
+    wrong = f"{np.count_nonzero(missed)} of {missed.size} runs miscount crossings"
+    print(f"{method}: {wrong}; |change of psi| <= {np.fmax.reduce(error, axis=None, initial=0.0):.1e}")""",
+}
+
+
+def _stability_study(scene: Scene, inputs: StabilityInputs) -> str:
+    parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
+    keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
+    call = _call("study = core.stability_study", ("system", _span(scene)), keywords | {"parts": repr(parts)})
+    return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
+
+
+# Pieces of text ------------------------------------------------------------------------------------------------------
+
+
+def _scheme(scheme: Scheme) -> dict[str, object]:
+    """Return what is not usual about a scheme, its method apart."""
+    names = ("tolerance", "transition", "perturbation_order", "perturbation_scale")
+    given = {name: getattr(scheme, name) for name in names}
+    return {name: value for name, value in given.items() if value is not None and value != _USUAL[name]}
+
+
+def _adaptive(method: str) -> bool:
+    return core.METHODS[method].adaptive
+
+
+def _x0(scene: Scene, variable: str | None = None) -> dict[str, str]:
+    """Return the argument for the start that is looked into, or for a loop variable; none where it is the usual one."""
+    if variable is None and repr(scene.x0) == repr(scene.declaration.x0):
+        return {}
+    return {"x0": variable or repr(scene.x0)}
+
+
+def _span(scene: Scene) -> str:
+    return f"(0.0, {scene.t_end!r})"
+
+
+def _unusual(given: Mapping[str, object], anyway: bool = False) -> dict[str, str]:
+    """Return the arguments that `core` would not take by itself."""
+    return _texts({name: value for name, value in given.items() if anyway or value != _USUAL[name]})
+
+
+def _texts(given: Mapping[str, object]) -> dict[str, str]:
+    return {name: repr(value) for name, value in given.items()}
+
+
+def _call(
+    name: str,
+    positional: Iterable[str] = (),
+    keywords: Mapping[str, str] | None = None,
+    rest: Iterable[str] = (),
+    most: int | None = MAX_LINE,
+) -> str:
+    """Return a call, on one line if it fits."""
+    arguments = [*positional, *(f"{key}={text}" for key, text in (keywords or {}).items()), *rest]
+    line = f"{name}({', '.join(arguments)})"
+    if most is None or ("\n" not in line and len(line) <= most):
+        return line
+    return f"{name}(\n" + "".join(f"{indent(argument, '    ')},\n" for argument in arguments) + ")"

@@ -1,0 +1,207 @@
+"""The conserved quantity: how far each integrator has let ψ drift, against time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models.annotations import Span
+
+from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS, describe
+from pwsviz.figures.style import (
+    MACHINE_EPSILON,
+    PURPLE,
+    SIDES,
+    VERMILION,
+    assign,
+    fit_to,
+    legend_below,
+    line_of,
+    mark_levels,
+    plain_figure,
+    unseen,
+)
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.results.animation import Landmarks
+from pwsviz.results.results import ErrorCurve
+from pwsviz.text.words import rounded_up
+
+FLOOR = MACHINE_EPSILON / 8
+"""Smaller errors, exact zeros among them, are drawn here: a logarithmic axis has no place for them."""
+
+CEILING = 1e9
+"""Where a curve ends: that of a method that blows up would leave no room for the others."""
+
+MOST_BANDS = 400
+"""More visits than this would be a grey mist; then sides and ticks are left out."""
+
+TELLABLE = 3.0
+"""Two marks on the axis at least this factor apart can be read beside each other."""
+
+NOWHERE = 1e-300
+"""Of a mark that is not shown: below anything the axis shows."""
+
+STEADY = 1e-12
+"""Errors no larger than this are round-off, whatever they do in time."""
+
+SUMMARY = "Absolute change of the conserved quantity against time, on a logarithmic axis"
+
+
+class ConservedView:
+    """One fixed figure; `show` only changes its data."""
+
+    def __init__(self) -> None:
+        self.figure = plain_figure(
+            SUMMARY,
+            y_axis_type="log",
+            x_axis_label="time t",
+            y_axis_label="|change of ψ made by the integrator|",
+            x_range=DataRange1d(range_padding=0.0),
+            y_range=DataRange1d(range_padding=0.06),
+        )
+        self._ground()
+        self._curve_glyphs()
+        self._tick_glyphs()
+        _, *entries, _ = legend_below(
+            self.figure,
+            4,
+            [
+                ({"field": "method"}, self.lines),
+                ("g < 0", self.bands[-1]),
+                ("g > 0", self.bands[1]),
+                ({"field": "label"}, self.ticks),
+            ],
+        )
+        self.entries = dict(zip(SIDES, entries, strict=True))
+
+    def _ground(self) -> None:
+        plot = self.figure
+        self.visits, self.bands = {}, {}
+        for side, colour in SIDES.items():
+            self.visits[side] = ColumnDataSource({"start": [], "end": []})
+            look: dict[str, Any] = {"fill_color": colour, "fill_alpha": 0.16, "line_width": 0}
+            self.bands[side] = plot.vstrip("start", "end", source=self.visits[side], **look)
+        self.levels = mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, or 0", NOWHERE: "round-off"})
+
+    def _curve_glyphs(self) -> None:
+        plot = self.figure
+        columns = ("xs", "ys", "method", "colour", "dash")
+        self.curves = ColumnDataSource({name: [] for name in columns})
+        self.lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
+        plot.add_tools(
+            HoverTool(
+                renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
+                tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("|change of ψ|", "$snap_y{%.2e}")],
+                formatters={"$snap_x": "printf", "$snap_y": "printf"},
+            )
+        )  # fmt: skip
+        self.corners = ColumnDataSource({"x": [0.0, 1.0], "y": [FLOOR / 2, 1e-2]})
+        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+
+    def _tick_glyphs(self) -> None:
+        plot = self.figure
+        columns = ("t", "foot", "x", "y", "label", "kind", "marker", "colour", "number", "method")
+        self.instants = unseen(columns)
+        self.ticks = plot.scatter(
+            "t", "foot", source=self.instants, marker="marker", size=9, fill_color="white", line_color="colour",
+            line_width=1.8,
+        )  # fmt: skip
+        reach = plot.scatter("t", "foot", source=self.instants, size=18, alpha=0.0)
+        self.hover = HoverTool(
+            renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},
+            tooltips=[("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")],
+        )  # fmt: skip
+        plot.add_tools(self.hover)
+        self.pointed = ColumnDataSource({"t": []})
+        plot.vspan("t", source=self.pointed, line_color=VERMILION, line_width=2)
+        self.now = Span(dimension="height", line_color=PURPLE, line_width=2, line_dash="dashed", visible=False)
+        plot.add_layout(self.now)
+
+    def show(self, errors: Sequence[ErrorCurve], landmarks: Landmarks | None = None) -> None:
+        """Draw the errors of one scene.
+
+        Parameters
+        ----------
+        errors : sequence of ErrorCurve
+            One for each integrator.
+        landmarks : Landmarks, optional
+            Of the first integrator's run. Without them all crossings look alike, and are found in the portrait only
+            where it has a mark for them.
+        """
+        lines = [line_of(curve.method) for curve in errors]
+        heights = [drawable(curve.error[1:]) for curve in errors]
+        self.curves.data = {
+            "xs": [curve.t[1:] for curve in errors],  # at the start there is no error yet, by definition
+            "ys": heights,
+            "method": [curve.method for curve in errors],
+            "colour": [line.colour for line in lines],
+            "dash": [list(line.dash) for line in lines],
+        }
+        self._show_visits(errors[0])
+        self._show_ticks(errors[0], landmarks)
+        self._show_round_off(float("nan") if landmarks is None else landmarks.round_off)
+        top = max(float(np.nanmax(y, initial=1e-14)) for y in heights)
+        end = max(curve.t_end for curve in errors)
+        assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
+        describe(self.figure, f"{SUMMARY}. {conserved_text(errors)}")
+
+    def _show_visits(self, first: ErrorCurve) -> None:
+        few = len(first.crossings) <= MOST_BANDS
+        bounds = np.concatenate([[0.0], first.crossings, [first.t_end]])
+        for side, source in self.visits.items():
+            there = np.flatnonzero(first.sides == side) if few else np.empty(0, dtype=int)
+            assign(source, start=bounds[there], end=bounds[there + 1])
+            self.entries[side].visible = bool(len(there))
+
+    def _show_ticks(self, first: ErrorCurve, landmarks: Landmarks | None) -> None:
+        t = first.crossings if len(first.crossings) <= MOST_BANDS else first.crossings[:0]
+        count = len(t)
+        places = np.full((count, 2), np.nan) if landmarks is None else landmarks.places[:count]
+        kinds = ("crossing",) * count if landmarks is None else landmarks.kinds[:count]
+        assign(
+            self.instants,
+            t=t,
+            foot=np.full(count, FLOOR / 1.5),
+            x=places[:, 0],
+            y=places[:, 1],
+            label=["crossing" if kind == "transversal" else kind for kind in kinds],
+            kind=kinds,
+            marker=[KIND_MARKERS.get(kind, "circle") for kind in kinds],
+            colour=[KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+            number=np.arange(1, 1 + count),
+            method=[first.method] * count,
+        )
+
+    def _show_round_off(self, level: float) -> None:
+        """Mark what rounding does to ψ, unless there is none, or it is that of numbers near 1 and has its mark."""
+        told = np.isfinite(level) and max(level / MACHINE_EPSILON, MACHINE_EPSILON / max(level, NOWHERE)) >= TELLABLE
+        self.levels.move(MACHINE_EPSILON, FLOOR, max(level, FLOOR) if told else NOWHERE)
+
+
+def drawable(error: Floats) -> Floats:
+    """Raise what is too small for the axis to its floor, and leave out what is beyond the ceiling; NaN stays a gap."""
+    beyond = np.maximum.accumulate(error > CEILING)  # once beyond, an envelope would come back at every other point
+    return np.where(beyond, np.nan, np.maximum(error, FLOOR))
+
+
+def conserved_text(curves: Sequence[ErrorCurve]) -> str:
+    """Return in a sentence how far each integrator lets ψ drift; empty where no ψ is known."""
+    told = [words for curve in curves if (words := _drift(curve))]
+    return "; ".join(told) + "." if told else ""
+
+
+def _drift(curve: ErrorCurve) -> str:
+    """Say whether the error keeps growing, or stays below a bound; nothing where there is no error."""
+    known = np.isfinite(curve.error) | np.isinf(curve.error)
+    t, error = curve.t[known], curve.error[known]
+    if not len(error):
+        return ""
+    worst = float(error.max())
+    if worst > CEILING:
+        return f"{curve.method} runs away beyond {rounded_up(CEILING)} by t = {t[np.argmax(error > CEILING)]:.4g}"
+    early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
+    if worst <= STEADY or late <= 2 * early:
+        return f"{curve.method} keeps ψ exactly" if worst == 0 else f"{curve.method} stays below {rounded_up(worst)}"
+    return f"{curve.method} drifts to {rounded_up(worst)} by t = {t[-1]:.4g}"

@@ -1,0 +1,148 @@
+"""The constants of the paper’s theory for a run, as a table in HTML."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import NamedTuple
+
+import numpy as np
+
+import core
+from core.kernels.arrays import Floats
+from pwsviz.text.mathml import name_markup
+
+__all__ = ["constants_markup", "table"]
+
+
+class _Constant(NamedTuple):
+    """A row of the table."""
+
+    symbol: str
+    field: str  # of the diagnosis
+    label: str  # in the paper
+    meaning: str
+    greatest: bool = False
+    bounds_tau: bool = False
+
+    def worst(self, diagnosis: core.Diagnosis) -> float:
+        values: Floats = getattr(diagnosis, self.field)
+        known = values[~np.isnan(values)]
+        if not known.size:
+            return math.nan
+        return float(known.max() if self.greatest else known.min())
+
+
+_CONSTANTS = (
+    _Constant(r"\alpha_{S}^{2}", "alpha2", "eq:transverseA", "least speed in g at which the solution crosses"),
+    _Constant(
+        r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "eq:discrete_transversality",
+        "the same of the scheme’s steps to and from the surface; must be positive",
+    ),
+    _Constant("M", "M", "eq:M", "how much that speed may bend within a step: ½ sup |d²g/dt²|", greatest=True),
+    _Constant(
+        r"\hat{M}", "M_hat", "eq:hatM", "the same of the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
+    ),
+    _Constant(
+        r"\tau^{*}_{-}", "tau_minus", "lem:wellposed-lemma1", "up to this τ the step to the surface has one solution",
+        bounds_tau=True,
+    ),
+    _Constant(
+        r"\tau^{*}_{+}", "tau_plus", "lem:wellposed-lemma2", "up to this τ the step on from it has one solution",
+        bounds_tau=True,
+    ),
+    _Constant(
+        r"\alpha^{2} / M", "window", "eq:ctsMonoLemma",
+        "within this time the solution does not meet the surface again", bounds_tau=True,
+    ),
+    _Constant(
+        r"\hat{\alpha}^{2} / \hat{M}", "window_hat", "eq:disMonoLemma",
+        "within this time the scheme does not meet the surface again", bounds_tau=True,
+    ),
+)  # fmt: skip
+
+
+def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Trajectory | None) -> str:
+    """Return the constants of a run as a table, and a warning for each bound that its τ exceeds.
+
+    Parameters
+    ----------
+    method
+        A key of `core.METHODS`.
+    diagnosis
+        The constants, as from `core.diagnose`; None where they are not known.
+    run
+        Whose they are.
+
+    Returns
+    -------
+    str
+        HTML without scripts.
+    """
+    if diagnosis is None:
+        return "<p>They are worked out from a run; there is none yet.</p>"
+    count = len(diagnosis.alpha2)
+    if not count:
+        return f"<p>{escape(diagnosis.summary)} The constants are those of crossings.</p>"
+    zeno = run is not None and run.status is core.Status.ZENO
+    rows = [_constant_row(constant, diagnosis, zeno) for constant in _CONSTANTS]
+    whose = "" if run is None else f" of {run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
+    caption = f"The worst over {count:,} crossing{'s' * (count != 1)}{whose}, at τ = {diagnosis.tau:.3g}."
+    worst = table(["constant", "value", "meaning", "paper"], rows, caption)
+    return _warnings(() if zeno else diagnosis.warnings, zeno) + worst + _stand_in(method)
+
+
+def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) -> list[str]:
+    value = constant.worst(diagnosis)
+    number = f'<span class="number">{_shown(value)}</span>'
+    if constant.bounds_tau and value < diagnosis.tau and not zeno:
+        number = f'<span class="number exceeded">{_shown(value)} &lt; τ</span>'
+    symbol = "".join(map(name_markup, constant.symbol.split()))
+    return [f"<math>{symbol}</math>", number, escape(constant.meaning), f"<code>{constant.label}</code>"]
+
+
+def _warnings(warnings: Sequence[str], zeno: bool) -> str:
+    if zeno:
+        return "<p>The crossings accumulate: they come closer than any step, and no τ keeps the bounds to the end.</p>"
+    if not warnings:
+        return "<p>τ keeps every bound.</p>"
+    items = "".join(f"<li>{escape(_readable(words))}.</li>" for words in warnings)
+    return f'<ul class="warnings" role="alert">{items}</ul>'
+
+
+def _readable(warning: str) -> str:
+    """A warning of `core.diagnose` with its symbols as the table has them."""
+    for plain, symbol in (
+        ("alpha_hat^2/M_hat", "α̂²/M̂"), ("alpha^2/M", "α²/M"), ("tau_-^*", "τ₋*"), ("tau_+^*", "τ₊*"), ("tau", "τ"),
+    ):  # fmt: skip
+        warning = warning.replace(plain, symbol)
+    return warning
+
+
+def _stand_in(method: str) -> str:
+    """Say of which step the discrete constants are, where it is another's than the method's own."""
+    if method in ("dmm2", "rk2"):
+        return ""
+    whose = (
+        "one step of dmm2, longer than any of its own"
+        if core.METHODS[method].symmetric
+        else "one classical Runge-Kutta step"
+    )
+    return f"<p>For {escape(method)}, the constants of the scheme are those of {whose}.</p>"
+
+
+def _shown(value: float) -> str:
+    if math.isnan(value):
+        return "not known"
+    return "∞" if math.isinf(value) else f"{value:.3g}"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
+    """Return a table whose first column names its rows. Cells are markup: escape what is not."""
+    top = "".join(f'<th scope="col">{cell}</th>' for cell in head)
+    body = "".join(
+        f'<tr><th scope="row">{row[0]}</th>{"".join(f"<td>{cell}</td>" for cell in row[1:])}</tr>' for row in rows
+    )
+    name = f"<caption>{escape(caption)}</caption>" if caption else ""
+    return f"<table>{name}<thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"

@@ -1,0 +1,147 @@
+"""Work-precision diagrams: an error against what it costs, one curve for each integrator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from numpy.typing import ArrayLike
+
+import core
+from core.studies.cost import CostCurve
+from pwsviz.figures.cost_text import ACROSS, UP, Across, Up, cost_of, cost_text, cost_words, error_of, setting_text
+from pwsviz.figures.style import (
+    GREY,
+    MACHINE_EPSILON,
+    Line,
+    assign,
+    fit_to,
+    legend_below,
+    line_of,
+    mark_levels,
+    plain_figure,
+)
+from pwsviz.geometry.polyline_reduction import Floats
+
+__all__ = ["CostView", "cost_rows", "cost_text"]
+
+PEER_LINES = {
+    "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
+    "heyoka": Line("#B4B4B4", (20, 6), "cross", 1.6),
+}
+"""Looks of the integrators made by others: without colour, with dashes and markers that none of ours has."""
+
+
+class CostView:
+    """One fixed figure; `show` only changes its data and the names of its axes."""
+
+    def __init__(self) -> None:
+        self.figure = plain_figure(
+            "error against run time or number of evaluations, both on logarithmic axes, one curve for each integrator",
+            x_axis_type="log",
+            y_axis_type="log",
+            x_axis_label=ACROSS["seconds"],
+            y_axis_label=UP["state"],
+            x_range=DataRange1d(range_padding=0.06),
+            y_range=DataRange1d(range_padding=0.06),
+        )
+        plot = self.figure
+        self._across, self._up = plot.xaxis[0], plot.yaxis[0]
+        self.floor = mark_levels(plot, {1e-15: "round-off"})
+        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "width", "label")})
+        lines = plot.multi_line(
+            "xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width="width", line_alpha=0.85
+        )
+        names = ("x", "y", "colour", "marker", "label", "setting", "cost", "error", "status")
+        self.points = ColumnDataSource({name: [] for name in names})
+        points = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=8, line_width=1.6)
+        self.corners = ColumnDataSource({"x": [1e-4, 1e-1], "y": [1e-15, 1.0]})
+        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        tips = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
+        plot.add_tools(HoverTool(renderers=[points], tooltips=tips))
+        legend_below(plot, 3, [({"field": "label"}, lines)])
+
+    def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
+        """Draw a study, or what there is of it.
+
+        Parameters
+        ----------
+        across
+            What stands on the horizontal axis.
+        up
+            Which error stands on the vertical one.
+        """
+        self._across.axis_label, self._up.axis_label = ACROSS[across], UP[up]
+        level = study.floor[up] or MACHINE_EPSILON
+        drawn = [_Drawn(curve, across, up) for curve in study.curves]
+        drawn = [one for one in drawn if one.there.any()]
+        least = min((one.least for one in drawn), default=level)
+        bottom = min(least, level) / 2  # where errors of 0 are drawn
+        self.curves.data = {
+            "xs": [one.cost for one in drawn],
+            "ys": [one.height(bottom) for one in drawn],
+            "colour": [one.line.colour for one in drawn],
+            "dash": [list(one.line.dash) for one in drawn],
+            "width": [min(one.line.width, 2.5) for one in drawn],
+            "label": [one.curve.title for one in drawn],
+        }
+        rows = [row for one in drawn for row in one.points(bottom)]
+        self.points.data = {name: [row[name] for row in rows] for name in self.points.data}
+        self.floor.move(level)
+        if rows:
+            x, y = ([row[name] for row in rows] for name in ("x", "y"))
+            assign(self.corners, x=[min(x), max(x)], y=[min(*y, level), max(*y, 10 * level)])
+
+
+class _Drawn:
+    """What is drawn of one curve: points with a cost and an error, and gaps between them."""
+
+    def __init__(self, curve: CostCurve, across: Across, up: Up) -> None:
+        self.curve, self._across = curve, across
+        self.line = line_of(curve.name) if not curve.peer else PEER_LINES[curve.name]
+        self.error = error_of(curve, up)
+        cost = cost_of(curve, across)
+        self.there = np.isfinite(cost) & np.isfinite(self.error) & (cost > 0)
+        self.cost: Floats = np.where(self.there, cost, np.nan)
+
+    @property
+    def least(self) -> float:
+        """The least error above zero."""
+        above = self.error[self.there & (self.error > 0)]
+        return float(above.min(initial=np.inf))
+
+    def height(self, bottom: float) -> Floats:
+        """Errors (m,) as they are drawn; nan: a gap."""
+        return np.where(self.there, np.where(self.error > 0, self.error, bottom), np.nan)
+
+    def points(self, bottom: float) -> Iterator[dict[str, Any]]:
+        """A row for each point."""
+        for k in np.flatnonzero(self.there).tolist():
+            cost = float(self.cost[k])
+            yield {
+                "x": cost,
+                "y": float(self.height(bottom)[k]),
+                "colour": self.line.colour,
+                "marker": self.line.marker,
+                "label": self.curve.title,
+                "setting": setting_text(self.curve, k),
+                "cost": cost_words(cost, self._across),
+                "error": f"{self.error[k]:.1e}",
+                "status": self.curve.status[k],
+            }
+
+
+def cost_rows(study: core.WorkPrecision) -> dict[str, ArrayLike]:
+    """Return a study as columns (n,) by name, a row for each integrator and setting."""
+    curves = study.curves
+    counts = [len(curve.setting) for curve in curves]
+    columns: dict[str, ArrayLike] = {
+        name: np.repeat(np.array([getattr(curve, key) for curve in curves]), counts)
+        for name, key in (("integrator", "title"), ("setting_name", "setting_name"))
+    }
+    numbers = ("setting", "seconds", "evaluations", "state_error", "time_error", "invariant_error", "crossings")
+    columns |= {name: np.concatenate([getattr(curve, name) for curve in curves]) for name in numbers}
+    columns["compile_seconds"] = np.repeat([curve.compile_seconds for curve in curves], counts)
+    return columns | {"outcome": np.concatenate([np.array(curve.status) for curve in curves])}

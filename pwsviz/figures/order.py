@@ -1,0 +1,178 @@
+"""Order plots: an error against the step size, one curve for each number of crossings, with the slopes fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from bokeh.models import ColumnDataSource, DataRange1d
+
+import core
+from pwsviz.figures.style import GREEN, GREY, ORANGE, SKY, Line, fit_to, legend_below, mark_levels, plain_figure
+from pwsviz.geometry.polyline_reduction import Floats
+
+LINES = (
+    Line(GREY, (), "circle", 1.6),
+    Line(SKY, (8, 4), "square", 1.6),
+    Line(GREEN, (3, 3), "triangle", 1.6),
+    Line(ORANGE, (10, 4, 2, 4), "diamond", 1.6),
+)
+"""Looks of the curves; other colours than those of the integrators, which they do not tell apart."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One curve of an order plot."""
+
+    name: str
+    short: str
+    error: Floats
+    slope: float
+    window: tuple[float, float]
+
+    @property
+    def label(self) -> str:
+        """Name and fitted slope, for the legend."""
+        return f"{self.short}: {self.slope_text}"
+
+    @property
+    def slope_text(self) -> str:
+        """The fitted slope in words."""
+        return f"slope {self.slope:.2f}" if np.isfinite(self.slope) else "no slope"
+
+
+def state_rows(study: core.OrderStudy) -> list[Row]:
+    """State error before the first crossing and after each of the later ones."""
+    names = [("before the first crossing", "before")]
+    names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
+    return [
+        Row(name, short, study.state_error[k], float(study.state_slope[k]), _ends(study.window[k]))
+        for k, (name, short) in enumerate(names)
+    ]
+
+
+def time_rows(study: core.OrderStudy) -> list[Row]:
+    """Error of the time of each of the crossings looked at."""
+    return [
+        Row(name, name, study.time_error[k], float(study.time_slope[k]), _ends(study.time_window[k]))
+        for k, name in enumerate(f"crossing {count}" for count in study.crossings)
+    ]
+
+
+def _ends(window: Floats) -> tuple[float, float]:
+    return float(window[0]), float(window[1])
+
+
+class OrderView:
+    """One fixed figure; `show` only changes its data.
+
+    Parameters
+    ----------
+    error : str
+        Which error it shows, in words.
+    """
+
+    def __init__(self, error: str) -> None:
+        self.figure = plain_figure(
+            f"{error} against the step size, both on logarithmic axes, with fitted slopes",
+            x_axis_type="log",
+            y_axis_type="log",
+            x_axis_label="step size τ",
+            y_axis_label=error,
+            x_range=DataRange1d(range_padding=0.06),
+            y_range=DataRange1d(range_padding=0.06),
+        )
+        self._guide_glyphs()
+        self._curve_glyphs()
+
+    def _guide_glyphs(self) -> None:
+        plot = self.figure
+        self.guides = ColumnDataSource({"xs": [], "ys": []})
+        plot.multi_line("xs", "ys", source=self.guides, color=GREY, line_dash="dotted", line_width=1.5)
+        self.guide_names = ColumnDataSource({"x": [], "y": [], "text": []})
+        plot.text(
+            "x",
+            "y",
+            "text",
+            source=self.guide_names,
+            text_color=GREY,
+            text_font_size="12px",
+            text_align="right",
+            text_baseline="middle",
+            x_offset=-4,
+        )
+        self.floor = mark_levels(plot, {1e-15: "round-off"})
+
+    def _curve_glyphs(self) -> None:
+        plot = self.figure
+        self.fits = ColumnDataSource({"xs": [], "ys": [], "colour": []})
+        fits = plot.multi_line("xs", "ys", source=self.fits, color="colour", alpha=0.25, line_width=9, line_cap="round")
+        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label")})
+        lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
+        self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker")})
+        plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
+        self.corners = ColumnDataSource({"x": [1e-4, 1e-1], "y": [1e-15, 1.0]})
+        frame = plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1)
+        fit_to(plot, frame)
+        legend_below(
+            plot,
+            2,
+            [
+                ({"field": "label"}, lines),
+                ("fit", fits),
+            ],
+            widest=200,
+        )
+
+    def show(self, taus: Floats, rows: list[Row], floor: float, order: int) -> None:
+        """Draw one study."""
+        drawn = [(row, LINES[k % len(LINES)], np.isfinite(row.error) & (row.error > 0)) for k, row in enumerate(rows)]
+        self.curves.data = {
+            "xs": [taus for _ in drawn],
+            "ys": [np.where(there, row.error, np.nan) for row, _, there in drawn],  # nan: a gap
+            "colour": [line.colour for _, line, _ in drawn],
+            "dash": [list(line.dash) for _, line, _ in drawn],
+            "label": [row.label for row, _, _ in drawn],
+        }
+        counts = [int(there.sum()) for _, _, there in drawn]
+        self.points.data = {
+            "x": np.concatenate([taus[there] for _, _, there in drawn]),
+            "y": np.concatenate([row.error[there] for row, _, there in drawn]),
+            "colour": [line.colour for (_, line, _), n in zip(drawn, counts, strict=True) for _ in range(n)],
+            "marker": [line.marker for (_, line, _), n in zip(drawn, counts, strict=True) for _ in range(n)],
+        }
+        fits = [(fitted_line(taus, row), line.colour) for row, line, _ in drawn]
+        shown = [(fit, colour) for fit, colour in fits if fit is not None]
+        self.fits.data = {
+            "xs": [fit[0] for fit, _ in shown],
+            "ys": [fit[1] for fit, _ in shown],
+            "colour": [colour for _, colour in shown],
+        }
+        self.floor.move(floor)
+        self._show_guides(taus, rows, floor, order)
+
+    def _show_guides(self, taus: Floats, rows: list[Row], floor: float, order: int) -> None:
+        """Draw lines of whole slopes through one point above the curves, down to the lowest error."""
+        errors = np.concatenate([row.error[np.isfinite(row.error) & (row.error > 0)] for row in rows])
+        top, bottom = 3 * float(errors.max(initial=floor)), min(float(errors.min(initial=1.0)), floor)
+        near, far = float(taus.min()), float(taus.max())
+        slopes = sorted({1, 2, order})
+        starts = np.array([max(near, far * (bottom / top) ** (1 / slope)) for slope in slopes])
+        heights = top * (starts / far) ** np.array(slopes)
+        self.guides.data = {
+            "xs": [np.array([start, far]) for start in starts],
+            "ys": [np.array([height, top]) for height in heights],
+        }
+        self.guide_names.data = {"x": starts, "y": heights, "text": [f"slope {slope}" for slope in slopes]}
+        self.corners.data = {"x": [near / 6, far], "y": [bottom, top]}
+
+
+def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:
+    """Return the power law fitted to a curve, at the ends of the window of the fit."""
+    low, high = row.window
+    used = (taus >= low * (1 - 1e-9)) & (taus <= high * (1 + 1e-9)) & np.isfinite(row.error) & (row.error > 0)
+    if not np.isfinite(row.slope) or used.sum() < 2:
+        return None
+    log_constant = np.mean(np.log(row.error[used]) - row.slope * np.log(taus[used]))
+    ends = np.array([taus[used].min(), taus[used].max()])
+    return ends, np.exp(log_constant) * ends**row.slope

@@ -1,0 +1,387 @@
+"""The scheme: a system's equations, the method derived from them, and the constants of its theory, as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from html import escape
+from typing import NamedTuple, cast
+
+import sympy
+from sympy import Expr, Symbol
+
+import core
+from core.codegen.step import StepCode
+from core.symbolic.expressions import TIME
+from core.symbolic.laws import Laws, Side
+from core.symbolic.multiplier import DividedDifference
+from pwsviz.figures.constants import constants_markup, table
+from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, name_markup, names_of
+
+__all__ = ["SCHEME_STYLE", "scheme_markup"]
+
+SCHEME_STYLE = """
+.scheme .formula { overflow-x: auto; overflow-y: hidden; padding: 4px 0; font-size: 1.1em; }
+.scheme .formula > math { width: max-content; }
+.scheme table { border-collapse: collapse; margin: 8px 0; }
+.scheme th, .scheme td { text-align: start; vertical-align: top; padding: 3px 12px 3px 0; font-weight: normal; }
+.scheme thead th { border-bottom: 1px solid; font-weight: 600; }
+.scheme caption { text-align: start; padding: 4px 0; }
+.scheme .number { white-space: nowrap; font-variant-numeric: tabular-nums; }
+.scheme .exceeded { font-weight: 600; }
+.scheme code { font-size: 0.85em; overflow-wrap: anywhere; }
+.scheme pre { overflow-x: auto; }
+"""
+"""The style sheet of what `scheme_markup` returns."""
+
+_MOST_STAGES = 4  #: of a Runge-Kutta method whose weights are shown
+_SIDES = {-1: ("-", "Where g < 0"), 1: ("+", "Where g > 0"), 0: (r"\pm", "On both sides")}
+
+
+def scheme_markup(
+    system: core.PiecewiseSystem,
+    method: str,
+    diagnosis: core.Diagnosis | None = None,
+    run: core.Trajectory | None = None,
+    *,
+    locate: bool = True,
+    perturbation_order: int | None = None,
+    perturbation_scale: float = 1.0,
+) -> str:
+    """Return what is solved, by what scheme, and what the theory says of this run.
+
+    Parameters
+    ----------
+    system
+        The system at the values of its parameters.
+    method
+        A key of `core.METHODS`.
+    diagnosis
+        The constants of `run`, as from `core.diagnose`; None where they are not known.
+    run
+        The run that was looked at.
+    locate
+        Whether crossings are located (Mannshardt), or stepped over.
+    perturbation_order, perturbation_scale
+        p and c of the disturbance c·τᵖ of crossing times; None for none.
+
+    Returns
+    -------
+    str
+        HTML without scripts, in which nothing a person typed is markup; `SCHEME_STYLE` is its style sheet.
+    """
+    derived = _derived(system.laws, tuple(names_of(system).items()), method)
+    transition = _Sheet({})
+    _write_transition(transition, system, locate, perturbation_order, perturbation_scale)
+    parts = [
+        f"<h3>The system: {escape(system.name)}</h3>",
+        derived.system,
+        _parameter_table(system),
+        f"<h3>The scheme: {escape(method)}</h3>",
+        derived.scheme,
+        "<h3>The transition</h3>",
+        transition.text,
+        "<h3>The theory’s constants</h3>",
+        constants_markup(method, diagnosis, run),
+        _source([*derived.source, *transition.source]),
+    ]
+    return f'<div class="scheme">{"".join(parts)}</div>'
+
+
+class _Sheet:
+    """Equations and words one after another, with the LaTeX source of the equations."""
+
+    def __init__(self, names: Names) -> None:
+        self.names = names
+        self.source: list[str] = []
+        self._parts: list[str] = []
+
+    @property
+    def text(self) -> str:
+        return "".join(self._parts)
+
+    def equate(self, left: str, right: Shown) -> None:
+        self._show(equation(left, right, self.names))
+        self.source.append(f"{left} = {latex(right, self.names)}")
+
+    def rate(self, variable: str, right: Expr) -> None:
+        """Δx/τ = …, one component of a step."""
+        change = Symbol(f"change of {variable}")
+        left = change / Symbol(r"\tau")
+        names = {**self.names, change: rf"\Delta {self.names[Symbol(variable)]}"}
+        self._show(equation(left, right, names))
+        self.source.append(f"{latex(left, names)} = {latex(right, names)}")
+
+    def formula(self, text: str) -> None:
+        self._show(formula(text))
+        self.source.append(text)
+
+    def _show(self, typeset: str) -> None:
+        self._parts.append(f'<div class="formula">{typeset}</div>')
+
+    def say(self, words: str) -> None:
+        self._parts.append(f"<p>{escape(words)}</p>")
+
+    def head(self, words: str) -> None:
+        self._parts.append(f"<h4>{escape(words)}</h4>")
+
+    def table(self, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+        self._parts.append(table(head, rows))
+
+
+# What is the same for every value of the parameters ------------------------------------------------------------------
+
+
+class _Derived(NamedTuple):
+    """What is worked out once for a system and a method."""
+
+    system: str
+    scheme: str
+    source: list[str]
+
+
+@lru_cache(maxsize=128)
+def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str) -> _Derived:
+    system, scheme = _Sheet(dict(names)), _Sheet(dict(names))
+    _write_system(system, laws)
+    _write_scheme(scheme, laws, method)
+    return _Derived(system.text, scheme.text, [*system.source, *scheme.source])
+
+
+def _groups(laws: Laws) -> Iterator[tuple[str, str, Side]]:
+    """Sign, heading and laws of each side; of both at once where they are the same."""
+    minus, plus = laws.sides[-1], laws.sides[1]
+    same = (minus.field, minus.conserved) == (plus.field, plus.conserved)
+    for key, side in ((0, plus),) if same else ((-1, minus), (1, plus)):
+        yield (*_SIDES[key], side)
+
+
+def _write_system(sheet: _Sheet, laws: Laws) -> None:
+    for sign, heading, side in _groups(laws):
+        sheet.head(heading)
+        sheet.equate(f"f_{{{sign}}}", side.field)
+        if side.conserved:
+            sheet.equate(rf"\psi_{{{sign}}}", _alone(side.conserved))
+        else:
+            sheet.say("No conserved quantity is known.")
+    sheet.head("The switching surface is g = 0")
+    sheet.equate("g", laws.g)
+    if laws.jump is not None:
+        sheet.say("On reaching it the state jumps to")
+        sheet.equate(r"\hat{x}^{+}", laws.jump)
+
+
+def _alone(entries: Sequence[Expr] | sympy.MatrixBase) -> Shown:
+    """Leave the brackets off a single entry."""
+    return entries[0] if len(entries) == 1 else entries
+
+
+def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
+    chosen = core.METHODS[method]
+    sheet.say(chosen.doc)
+    if not chosen.conservative:
+        _write_runge_kutta(sheet, _recorded(laws, method))
+        return
+    if chosen.build is core.METHODS["dmm2"].build:
+        _write_multipliers(sheet, laws, _write_field)
+        return
+    record = _recorded(laws, method)
+    if record.weights:
+        _write_composition(sheet, record.weights)
+        _write_multipliers(sheet, laws, _write_field)
+        return
+    if record.stages:
+        sheet.say(f"First an increment Δ from a Runge-Kutta method of {len(record.stages)} stages:")
+        _write_runge_kutta(sheet, record)
+    else:
+        sheet.say("First an increment Δ from the Taylor series of the solution, its coefficients by recurrence from f:")
+        sheet.formula(r"\Delta = \tau x'_{k} + \tau^{2} x''_{k} / 2! + \cdots + \tau^{n} x^{(n)}_{k} / n !")
+        sheet.say("The order n and the step τ are chosen so that the last terms keep within the tolerance.")
+    sheet.say("Then it is moved along the discrete gradient, by as little as will do, until ψ is kept:")
+    change = r"+ \tau s_{t}" if _names_time(laws) else ""
+    sheet.formula(rf"\Delta \leftarrow \Delta - \Lambda^{{\tau\top}} \lambda , \Lambda^{{\tau}} \Delta {change} = 0")
+    _write_multipliers(sheet, laws, None)
+
+
+def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, Side], None] | None) -> None:
+    """Λᵗ of every side, and what follows from it."""
+    sheet.say(
+        "The multiplier Λᵗ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
+        "the start of a step and 1 its end, paper (eq:twoSchemes)."
+    )
+    sheet.formula(
+        r"\Lambda^{\tau} ( x_{1} - x_{0} ) + s_{t} ( t_{1} - t_{0} ) = \psi ( t_{1} , x_{1} ) - \psi ( t_{0} , x_{0} )"
+        if _names_time(laws)
+        else r"\Lambda^{\tau} ( x_{1} - x_{0} ) = \psi ( x_{1} ) - \psi ( x_{0} )"
+    )
+    for sign, heading, side in _groups(laws):
+        sheet.head(heading)
+        if side.conserved:
+            sheet.equate(rf"\Lambda^{{\tau}}_{{{sign}}}", side.discrete.gradient)
+            if any(side.discrete.time_slope):
+                sheet.equate("s_{t}", _alone(side.discrete.time_slope))
+        else:
+            sheet.say("There is no ψ to keep here.")
+        if write is not None:
+            write(sheet, sign, side)
+    if any(side.discrete.gradient.has(DividedDifference) for side in laws.sides.values()):
+        sheet.say(
+            "Divided differences, such as sinc z = sin z / z, sinhc z = sinh z / z and (log b − log a)/(b − a), have "
+            "their limits where the ends are equal, and are worked out without cancellation."
+        )
+
+
+def _names_time(laws: Laws) -> bool:
+    """Whether a conserved quantity names time."""
+    return any(psi.has(TIME) for side in laws.sides.values() for psi in side.conserved)
+
+
+def _write_field(sheet: _Sheet, sign: str, side: Side) -> None:
+    """The discrete field fᵗ of dmm2: written out where ψ fixes the orbit, else as it is put together."""
+    discrete = side.discrete
+    if side.conserved and discrete.factor is None:
+        sheet.say("The mean field is moved across Λᵗ by as little as will do (the minimal-norm scheme):")
+        sheet.formula(
+            r"f^{\tau} = \bar{f} - \Lambda^{\tau\top} ( \Lambda^{\tau} \Lambda^{\tau\top} )^{-1} "
+            r"( \Lambda^{\tau} \bar{f} " + (r"+ s_{t} )" if any(discrete.time_slope) else ")")
+        )
+        sheet.equate(rf"\bar{{f}}_{{{sign}}}", discrete.mean_field)
+        return
+    if side.conserved:
+        sheet.say("ψ fixes the orbit, so fᵗ is orthogonal to every row of Λᵗ, and the step is")
+    else:
+        sheet.say("The step is the implicit midpoint rule:")
+    for variable, component in zip(side.variables, discrete.expression, strict=True):
+        sheet.rate(str(variable), component)
+
+
+# Methods as they write themselves ------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Record:
+    """Takes the place of a `StepCode` and notes what a method's builder asks of it, in symbols."""
+
+    x: tuple[Symbol, ...]
+    t: Symbol
+    h: Symbol
+    stages: list[tuple[Expr, list[Expr]]]
+    weights: tuple[float, ...] = ()
+    increments: Sequence[Expr] = ()
+
+    def field(self, t: Expr, increment: Sequence[Expr] | None = None) -> list[Symbol]:
+        self.stages.append((t, list(increment or [sympy.Integer(0)])))
+        return [Symbol(f"k{len(self.stages)}")]
+
+    def compose(self, weights: Sequence[float], build: Callable[[], Sequence[Expr]]) -> list[Symbol]:
+        self.weights = tuple(weights)
+        return list(self.x)
+
+    def polynomial(self) -> list[Symbol]:
+        return list(self.x)
+
+    def hold(self, increments: Sequence[Expr]) -> Sequence[Expr]:
+        return increments
+
+    def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> Sequence[Expr]:
+        return increments
+
+
+def _recorded(laws: Laws, method: str) -> _Record:
+    record = _Record((Symbol("x"),), Symbol("t"), Symbol("h"), [])
+    record.increments = core.METHODS[method].build(laws.sides[1], cast(StepCode, record))
+    return record
+
+
+def _write_runge_kutta(sheet: _Sheet, record: _Record) -> None:
+    count = len(record.stages)
+    sheet.formula(
+        r"k_{i} = f ( t_{k} + c_{i} \tau , x_{k} + \tau \sum_{j<i} a_{i,j} k_{j} ) , i = 1 , \ldots , " + str(count)
+    )
+    sheet.formula(r"\Delta = \tau \sum_{i} b_{i} k_{i}")
+    if count > _MOST_STAGES:
+        sheet.say("Its weights are those of DOP853 (Hairer, Nørsett, Wanner, Solving ODEs I, II.5).")
+        return
+    slopes = [Symbol(f"k{i + 1}") for i in range(count)]
+    rows = [
+        [f"{i + 1}", _math((t - record.t).coeff(record.h)), *_weights(increment[0], slopes, record.h)]
+        for i, (t, increment) in enumerate(record.stages)
+    ]
+    rows.append(["Δ", "", *_weights(record.increments[0], slopes, record.h)])
+    columns = [f"<math>{name_markup(f'k_{{{i + 1}}}')}</math>" for i in range(count)]
+    sheet.table(["stage", "<math><mi>c</mi></math>", *columns], rows)
+
+
+def _weights(increment: Expr, slopes: Sequence[Symbol], h: Symbol) -> list[str]:
+    weights = [sympy.expand(increment).coeff(k) / h for k in slopes]
+    return [_math(weight) if weight != 0 else "" for weight in weights]
+
+
+def _math(expression: Expr) -> str:
+    return f"<math>{markup(expression)}</math>"
+
+
+def _write_composition(sheet: _Sheet, weights: Sequence[float]) -> None:
+    count = len(weights)
+    sheet.say(f"A step is {count} steps Φ of dmm2 one after another, of lengths γᵢτ:")
+    sheet.formula(rf"x_{{k+1}} = ( \Phi_{{{count}}} \circ \cdots \circ \Phi_{{1}} ) ( x_{{k}} )")
+    pairs = [(f"{i + 1}, {count - i}", f"{weights[i]:.16g}") for i in range(count // 2)]
+    sheet.table(
+        ["i", "<math><msub><mi>γ</mi><mi>i</mi></msub></math>"],
+        [*pairs, (f"{count // 2 + 1}", f"{weights[count // 2]:.16g}")],
+    )
+
+
+# The transition ------------------------------------------------------------------------------------------------------
+
+
+def _write_transition(
+    sheet: _Sheet, system: core.PiecewiseSystem, locate: bool, order: int | None, scale: float
+) -> None:
+    if not locate:
+        sheet.say(
+            "None: a step over the surface is finished with the field of the side it began on, and only the next one "
+            "takes the other side’s. The order falls to one."
+        )
+        return
+    sheet.say(
+        "Where a step from s to the other side s′ changes the sign of g, the crossing is located on the scheme itself:"
+    )
+    at = r"\hat{t} , \hat{x}" if system.laws.g.has(TIME) else r"\hat{x}"
+    sheet.formula(r"\hat{x} = x_{k} + ( \hat{t} - t_{k} ) f^{\tau}_{s} ( t_{k} , x_{k} , \hat{t} , \hat{x} )")
+    sheet.formula(f"g ( {at} ) = 0")
+    if order is not None:
+        moved = f"by c τᵖ with p = {order} and c = {scale:g}"
+        sheet.say(f"Its time is then moved on purpose, {moved}, and x̂ is solved for anew there:")
+        sheet.formula(rf"\hat{{t}} \leftarrow \hat{{t}} + c \tau^{{{order}}}")
+    start = r"\hat{x}"
+    if system.jump is not None:
+        sheet.say("There the state jumps from x̂ to x̂⁺. The step is finished with the other side’s field:")
+        start = r"\hat{x}^{+}"
+    else:
+        sheet.say("The step is finished with the other side’s field:")
+    field = rf"f^{{\tau}}_{{s'}} ( \hat{{t}} , {start} , t_{{k+1}} , x_{{k+1}} )"
+    sheet.formula(rf"x_{{k+1}} = {start} + ( t_{{k+1}} - \hat{{t}} ) {field}")
+    sheet.say("Paper: Algorithm 1 (alg:trans_scheme), (eq:to-interface), (eq:interface), (eq:next).")
+
+
+# Parts of the page ---------------------------------------------------------------------------------------------------
+
+
+def _parameter_table(system: core.PiecewiseSystem) -> str:
+    names = names_of(system)
+    rows = [
+        [
+            f"<math>{markup(Symbol(p.name), names)}</math>",
+            f'<span class="number">{system.values[p.name]:.12g}</span>',
+            escape(p.doc),
+        ]
+        for p in system.parameters
+    ]
+    return table(["parameter", "value", "meaning"], rows) if rows else ""
+
+
+def _source(lines: Sequence[str]) -> str:
+    text = escape("\n".join(lines))
+    return f"<details><summary>LaTeX of these equations</summary><pre><code>{text}</code></pre></details>"

@@ -1,0 +1,182 @@
+"""Drift in long runs, and runs beside a tangency: |Δψ| on logarithmic axes, a curve for each integrator."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models.renderers import DataRenderer
+
+import core
+from core.studies.stability import Grazing, outcome_words
+from pwsviz.figures.conserved import FLOOR, drawable
+from pwsviz.figures.stability_text import side_words
+from pwsviz.figures.style import (
+    MACHINE_EPSILON,
+    VERMILION,
+    assign,
+    fit_to,
+    legend_below,
+    line_of,
+    mark_levels,
+    plain_figure,
+)
+from pwsviz.geometry.polyline_reduction import Floats
+
+__all__ = ["DriftFigure", "GrazingFigure"]
+
+_CURVE = ("xs", "ys", "method", "colour", "dash", "width")
+_WIDEST = 2.5  #: of a curve
+
+
+class DriftFigure:
+    """One fixed figure: |Δψ| against time."""
+
+    def __init__(self) -> None:
+        self.figure = plain_figure(
+            "absolute change of the conserved quantity in a long run against time, both on logarithmic axes",
+            x_axis_type="log",
+            y_axis_type="log",
+            x_axis_label="time since the start",
+            y_axis_label="|change of ψ made by the integrator|",
+            x_range=DataRange1d(range_padding=0.02),
+            y_range=DataRange1d(range_padding=0.06),
+        )
+        plot = self.figure
+        self.curves = ColumnDataSource({name: [] for name in _CURVE})
+        lines = _lines(plot, self.curves)
+        self.stops = ColumnDataSource({name: [] for name in ("x", "y", "colour", "method", "message")})
+        stops = plot.scatter("x", "y", source=self.stops, marker="x", color="colour", size=11, line_width=2.5)
+        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, or 0"})
+        self.corners = ColumnDataSource({"x": [1.0, 1e3], "y": [FLOOR / 2, 1e-12]})
+        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        plot.add_tools(HoverTool(renderers=[stops], tooltips=[("", "@method"), ("", "@message")]))
+        self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)])[1]
+
+    def show(self, study: core.StabilityStudy) -> None:
+        """Draw what there is of the long runs."""
+        drift, methods = study.drift, study.methods
+        if drift is None:
+            self.curves.data = {name: [] for name in self.curves.data}
+            self.stops.data = {name: [] for name in self.stops.data}
+            return
+        heights = [drawable(error) for error in drift.error]
+        self.curves.data = _columns(methods, [drift.t] * len(methods), heights)
+        stopped = [
+            (k, known[-1]) for k, y in enumerate(heights) if drift.message[k] and len(known := np.flatnonzero(y > 0))
+        ]
+        self.stops.data = {
+            "x": [drift.t[n] for _, n in stopped],
+            "y": [heights[k][n] for k, n in stopped],
+            "colour": [line_of(methods[k]).colour for k, _ in stopped],
+            "method": [methods[k] for k, _ in stopped],
+            "message": [drift.message[k] for k, _ in stopped],
+        }
+        self._stopping.visible = bool(stopped)
+        assign(self.corners, x=drift.t[[0, -1]], y=np.array([FLOOR / 2, _top(heights)]))
+
+
+class GrazingFigure:
+    """One fixed figure: |Δψ| and wrong numbers of crossings against the distance from the tangency."""
+
+    def __init__(self) -> None:
+        self.figure = plain_figure(
+            "worst change of the conserved quantity against the distance of the start from one whose trajectory "
+            "touches the surface, both on logarithmic axes; runs with a wrong number of crossings are marked",
+            x_axis_type="log",
+            y_axis_type="log",
+            x_axis_label="distance δ of the start from the tangency",
+            y_axis_label="greatest |Δψ|",
+            x_range=DataRange1d(range_padding=0.04),
+            y_range=DataRange1d(range_padding=0.06),
+        )
+        plot = self.figure
+        self.curves = ColumnDataSource({name: [] for name in _CURVE})
+        lines = _lines(plot, self.curves)
+        points = ("x", "y", "colour", "method", "side", "crossings", "error", "status")
+        self.points = [ColumnDataSource({name: [] for name in points}) for _ in range(2)]
+        marks: list[DataRenderer] = [
+            plot.scatter("x", "y", source=source, marker=marker, color="colour", size=9)
+            for source, marker in zip(self.points, ("inverted_triangle", "triangle"), strict=True)
+        ]
+        self.wrong = ColumnDataSource({"x": [], "y": []})
+        rings = plot.scatter(
+            "x", "y", source=self.wrong, marker="circle", fill_alpha=0.0, line_color=VERMILION, line_width=2, size=17
+        )
+        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, 0 or unknown"})
+        self.corners = ColumnDataSource({"x": [1e-14, 0.1], "y": [FLOOR / 2, 1e-12]})
+        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        tips = [("", "@method, @side"), ("δ", "@x"), ("crossings", "@crossings"), ("|Δψ|", "@error"), ("", "@status")]
+        plot.add_tools(HoverTool(renderers=marks, tooltips=tips))
+        entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
+        self._entries = legend_below(plot, 3, entries, widest=195)[1:3]
+
+    def show(self, study: core.StabilityStudy) -> None:
+        """Draw what there is of the runs beside a tangency."""
+        grazing = study.grazing
+        for source in (self.curves, *self.points, self.wrong):
+            source.data = {name: [] for name in source.data}
+        if grazing is None or not grazing.found:
+            return
+        n = len(study.methods)
+        heights = [_heights(grazing, k, side) for side in (0, 1) for k in range(n)]
+        self.curves.data = _columns(study.methods * 2, [grazing.delta] * 2 * n, heights)
+        for side, (source, entry) in enumerate(zip(self.points, self._entries, strict=True)):
+            rows = [row for k in range(n) for row in _points(study, grazing, k, side, heights[side * n + k])]
+            source.data = {name: [row[name] for row in rows] for name in source.data}
+            entry.label = {"value": side_words(study, side)}
+        wrong = [(k, side, j) for k, side, j in np.argwhere(grazing.missed != 0).tolist()]
+        self.wrong.data = {
+            "x": [grazing.delta[j] for _, _, j in wrong],
+            "y": [heights[side * n + k][j] for k, side, j in wrong],
+        }
+        assign(self.corners, x=grazing.delta[[-1, 0]], y=np.array([FLOOR / 2, _top(heights)]))
+
+
+def _lines(plot: Any, source: ColumnDataSource) -> Any:
+    look = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_alpha": 0.85}
+    return plot.multi_line("xs", "ys", source=source, **look)
+
+
+def _columns(methods: tuple[str, ...], xs: list[Floats], ys: list[Floats]) -> dict[str, list[Any]]:
+    """Return the columns of curves, one for each of the integrators named."""
+    lines = [line_of(name) for name in methods]
+    return {
+        "xs": xs,
+        "ys": ys,
+        "method": list(methods),
+        "colour": [line.colour for line in lines],
+        "dash": [list(line.dash) for line in lines],
+        "width": [min(line.width, _WIDEST) for line in lines],
+    }
+
+
+def _heights(grazing: Grazing, k: int, side: int) -> Floats:
+    """Errors of an integrator on one side as drawn: at the floor where no ψ is known, nan where not computed."""
+    error = grazing.error[k, side]
+    there = grazing.crossings[k, side] >= 0
+    return np.where(there, drawable(np.where(np.isfinite(error), error, 0.0)), np.nan)
+
+
+def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, heights: Floats) -> list[dict[str, Any]]:
+    """A row for each run of an integrator on one side."""
+    error, found, expected = grazing.error[k, side], grazing.crossings[k, side], grazing.expected[side]
+    return [
+        {
+            "x": grazing.delta[n],
+            "y": heights[n],
+            "colour": line_of(study.methods[k]).colour,
+            "method": study.methods[k],
+            "side": side_words(study, side),
+            "crossings": f"{found[n]} of {expected[n]}" if expected[n] >= 0 else f"{found[n]}; the solution stops",
+            "error": f"{error[n]:.1e}" if np.isfinite(error[n]) else "no value",
+            "status": outcome_words(int(grazing.status[k, side, n])),
+        }
+        for n in np.flatnonzero(found >= 0).tolist()
+    ]
+
+
+def _top(heights: list[Floats]) -> float:
+    """Return the upper end of an axis that holds some curves."""
+    return 2 * max(1e-14, *(float(np.fmax.reduce(y, initial=0.0)) for y in heights))

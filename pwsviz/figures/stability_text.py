@@ -1,0 +1,227 @@
+"""A stability study in plain words, and as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import core
+from core.studies.stability import (
+    ENDINGS,
+    NO_START,
+    NOT_YET,
+    WENT_ON,
+    WRONG_CROSSINGS,
+    Drift,
+    Grazing,
+    LargestTau,
+    OutcomeMap,
+    outcome_words,
+)
+from pwsviz.text.words import listed, plural, rounded_up
+
+__all__ = ["cell_words", "side_words", "stability_table", "stability_text"]
+
+_SHORT: Mapping[int, str] = {
+    core.Status.COMPLETED: "does what the solution does",
+    WRONG_CROSSINGS: "wrong number of crossings",
+    WENT_ON: "goes on where the solution stops",
+    core.Status.ESCAPED: "runs away",
+    core.Status.UNSTABLE: "the scheme leaves the solution",
+    core.Status.CONTRADICTION: "an error of the program",
+    core.Status.NO_CONVERGENCE: "a step has no solution",
+    core.Status.SLIDING: "stops: slides",
+    core.Status.GRAZING: "stops: touches the surface",
+    core.Status.ZENO: "stops: crossings accumulate",
+    core.Status.REPELLING: "stops: repelled from both sides",
+    core.Status.STEP_LIMIT: "too many steps",
+    core.Status.CROSSING_LIMIT: "too many crossings",
+    NO_START: "no start here",
+}
+
+SIDES = ("less", "more")
+"""The two sides of a tangency, as its arrays have them."""
+
+Columns = dict[str, ArrayLike]
+
+
+def cell_words(code: int, expected: int) -> str:
+    """Return what came of a run in a few words, where nothing is known of the solution with a word on that."""
+    if expected not in ENDINGS and code != NO_START:
+        return "the reference gives up"
+    return _SHORT[code]
+
+
+def side_words(study: core.StabilityStudy, side: int) -> str:
+    """Return one side of the tangency, such as “x < −1.55”."""
+    value = np.nan if study.grazing is None else study.grazing.value
+    return f"{study.coordinate_name} {'<>'[side]} {value:.6g}".replace("-", "−")
+
+
+def stability_text(study: core.StabilityStudy, part: str, method: str) -> str:
+    """Return one part of a study in plain words: the same as its figure shows, for those who cannot see it.
+
+    Parameters
+    ----------
+    part
+        "largest_tau", "map" (which tells of the former too), "drift" or "grazing".
+    method
+        Which integrator the map is of.
+    """
+    words = []
+    if part in ("largest_tau", "map") and study.largest_tau is not None:
+        words += _limits(study, study.largest_tau)
+    if part == "map" and study.map is not None:
+        words += _outcomes(study, study.map, method)
+    if part == "drift" and study.drift is not None:
+        words += _drift(study, study.drift)
+    if part in ("largest_tau", "map") and words:
+        words.append(f"Crossings are held against: {study.reference}.")
+    if part == "grazing" and study.grazing is not None:
+        words += _grazing(study, study.grazing)
+    return " ".join(words) or "Nothing is computed yet."
+
+
+def _limits(study: core.StabilityStudy, largest: LargestTau) -> list[str]:
+    """A sentence for each integrator on the largest step size that works."""
+    sentences = []
+    for k, name in enumerate(study.methods):
+        tau, beyond, reason = largest.tau[k], largest.beyond[k], largest.reason[k]
+        if not largest.done[k]:
+            continue
+        if np.isnan(beyond):
+            every = f"{name}: every step size tried works, up to τ = {tau:.3g}."
+            sentences.append(every if np.isfinite(tau) else f"{name}: no answer, {reason}.")
+        elif np.isnan(tau):
+            sentences.append(f"{name}: not even τ = {beyond:.3g} works: {reason}.")
+        else:
+            sentences.append(f"{name}: works up to τ = {tau:.3g}; at {beyond:.3g}: {reason}.")
+    start = f"Largest step size from the start chosen, to t = {largest.horizon:.4g}:"
+    return [start, *sentences] if sentences else []
+
+
+def _outcomes(study: core.StabilityStudy, found: OutcomeMap, method: str) -> list[str]:
+    """How often each outcome comes in the map of one integrator."""
+    k = study.methods.index(method)
+    done = found.outcome[k] != NOT_YET
+    total = int(done.sum())
+    if not total:
+        return []
+    codes = np.where(found.works[k], core.Status.COMPLETED, found.outcome[k])
+    expected = np.broadcast_to(found.expected, codes.shape)
+    words = [cell_words(*given) for given in zip(codes[done], expected[done], strict=True)]
+    counts = sorted(((words.count(word), word) for word in set(words)), reverse=True)
+    shares = listed([f"{word}: {_share(count / total)}" for count, word in counts])
+    sentences = [f"Map of {method}, {plural(total, 'run')}: {shares}."]
+    errors = found.error[k][found.works[k]]
+    if np.isfinite(errors).any():
+        sentences.append(f"Where it does what the solution does, |Δψ| ≤ {rounded_up(float(np.nanmax(errors)))}.")
+    return sentences
+
+
+def _share(part: float) -> str:
+    """Return a part of the whole in per cent, never 0% of what there is nor 100% of what is not all."""
+    return f"{part:.0%}" if 0.005 <= part <= 0.995 or part == 1.0 else ("under 1%" if part < 0.5 else "over 99%")
+
+
+def _drift(study: core.StabilityStudy, drift: Drift) -> list[str]:
+    """The worst error of each integrator in a long run, and where it stopped."""
+    sentences = [f"{plural(drift.steps, 'step')} of τ = {drift.tau:.3g}."]
+    for name, error, status, message in zip(study.methods, drift.error, drift.status, drift.message, strict=True):
+        known = np.flatnonzero(np.isfinite(error))
+        if not len(known):
+            if message:
+                sentences.append(f"{name}: {message}")
+            continue
+        stopped = status not in (core.Status.COMPLETED, core.Status.RUNNING)
+        until = "until it stops" if stopped else f"up to t = {drift.t[known[-1]]:.4g}"
+        end = f"|Δψ| ≤ {rounded_up(float(error[known].max()))} {until}"
+        sentences.append(f"{name}: {end}." + (f" It stops at {message}" if stopped else ""))
+    if len(sentences) == 1:
+        sentences.append("No conserved quantity is known, so there is no drift to see.")
+    return sentences
+
+
+def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
+    """Where the tangency is, and how close to it each integrator still finds the right crossings."""
+    name = study.coordinate_name
+    if not grazing.found:
+        return [f"No tangency: at no {name} in the range looked at does the trajectory touch the surface in passing."]
+    place = ", ".join(f"{v:.4g}" for v in grazing.state)
+    start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
+    sentences = [f"{start} ({place}). Runs of τ = {grazing.tau:.3g} beside it:"]
+    for k, method in enumerate(study.methods):
+        wrong = grazing.missed[k].any(axis=0)
+        if not (grazing.crossings[k] >= 0).any():
+            continue
+        if not (grazing.expected >= 0).any():
+            tail = "has nothing to be held against: the solution itself stops on the surface."
+        elif not wrong.any():
+            tail = "finds every crossing and no other, at every distance."
+        else:
+            far, many = float(grazing.delta[wrong].max()), f"{wrong.sum()} of {len(wrong)} distances"
+            tail = f"has a wrong number of crossings at {many}, the farthest δ = {far:.0e}."
+        worst = np.fmax.reduce(grazing.error[k], axis=None, initial=-np.inf)
+        error = f" |Δψ| ≤ {rounded_up(float(worst))}." if np.isfinite(worst) else ""
+        sentences.append(f"{method} {tail}{error}")
+    return [*sentences, "Crossings are held against the exact solution where one is known, else the Taylor method."]
+
+
+def stability_table(study: core.StabilityStudy, part: str) -> Columns:
+    """Return one part of a study as columns (n,) by name; without rows where it is not computed."""
+    methods = np.array(study.methods)
+    if part == "largest_tau" and study.largest_tau is not None:
+        largest = study.largest_tau
+        return {
+            "integrator": methods, "largest_tau": largest.tau, "first_that_fails": largest.beyond,
+            "reason": np.array(largest.reason),
+        }  # fmt: skip
+    if part == "map" and study.map is not None:
+        return _map_table(study, study.map)
+    if part == "drift" and study.drift is not None:
+        drift = study.drift
+        columns: Columns = {
+            "integrator": np.repeat(methods, len(drift.t)),
+            "t": np.tile(drift.t, len(methods)),
+            "change_of_psi": drift.error.ravel(),
+        }
+        return columns
+    if part == "grazing" and study.grazing is not None:
+        return _grazing_table(study, study.grazing)
+    return {}
+
+
+def _map_table(study: core.StabilityStudy, found: OutcomeMap) -> Columns:
+    which, row, column = np.nonzero(found.outcome != NOT_YET)
+    outcome = found.outcome[which, row, column]
+    return {
+        "integrator": np.array(study.methods)[which],
+        "tau": found.taus[row],
+        study.coordinate_name: found.values[column],
+        "outcome": _words(outcome),
+        "as_the_solution": found.works[which, row, column],
+        "crossings": found.crossings[which, row, column],
+        "expected_crossings": found.expected_crossings[column],
+        "change_of_psi": found.error[which, row, column],
+    }
+
+
+def _grazing_table(study: core.StabilityStudy, grazing: Grazing) -> Columns:
+    which, side, n = np.nonzero(grazing.crossings >= 0)
+    return {
+        "integrator": np.array(study.methods)[which],
+        "side": np.array(SIDES)[side],
+        "delta": grazing.delta[n],
+        study.coordinate_name: grazing.starts[side, n],
+        "t_end": grazing.horizon[side, n],
+        "crossings": grazing.crossings[which, side, n],
+        "expected_crossings": grazing.expected[side, n],
+        "change_of_psi": grazing.error[which, side, n],
+        "outcome": _words(grazing.status[which, side, n]),
+    }
+
+
+def _words(codes: NDArray[np.int64]) -> NDArray[np.str_]:
+    return np.array([outcome_words(int(code)) for code in codes], dtype=str)

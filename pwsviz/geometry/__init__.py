@@ -1,0 +1,1 @@
+"""Polylines and planes: what is drawn of a curve, and where."""

@@ -1,0 +1,100 @@
+"""What of a system can be drawn in the plane of two of its variables, and what the page says of the rest.
+
+Of a system with more variables the portrait shows trajectories as they are projected. A slice through a surface or a
+field is no projection, and would mislead: it is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import core
+from core.kernels.arrays import Floats
+from core.symbolic.expressions import TIME
+
+Name = TypeVar("Name")
+
+PLANE = 2
+"""Dimension of what fits on a screen."""
+
+Axes = tuple[int, int]
+"""The two variables, by number, that span the portrait."""
+
+
+def planes(system: core.PiecewiseSystem) -> list[Axes]:
+    """Return the choices of two variables to span the portrait."""
+    return [(a, b) for b in range(system.dimension) for a in range(b)]
+
+
+def in_plane(x: Floats, axes: Axes) -> Floats:
+    """Return the two coordinates (n, 2) of states (n, d) that are shown, without a copy where possible."""
+    a, b = axes
+    return x[:, a : b + 1 : b - a] if a < b else x[:, (a, b)]
+
+
+def shows_surface(system: core.PiecewiseSystem, axes: Axes) -> bool:
+    """Whether g = 0 is a curve in the plane: g names no other variable."""
+    return not system.laws.g.free_symbols & set(_others(system.laws.x, axes))
+
+
+def shows_field(system: core.PiecewiseSystem) -> bool:
+    """Whether the field can be drawn as arrows in the plane."""
+    return system.dimension == PLANE
+
+
+def shows_levels(system: core.PiecewiseSystem) -> bool:
+    """Whether trajectories run along level sets in the plane: ψ names no time."""
+    return system.dimension == PLANE and not _psi_names_time(system)
+
+
+def surface_name(system: core.PiecewiseSystem) -> str:
+    """Return what the legend calls the surface."""
+    return "S: g = 0 at t = 0" if _moves(system) else "S: g = 0"
+
+
+def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
+    """Return what stands beside the axes of the portrait."""
+    across, up = (system.variables[k] for k in axes)
+    if system.dimension == PLANE:
+        return across, up
+    return f"{across} ({', '.join(_others(system.variables, axes))} not shown)", up
+
+
+def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
+    """Return what the portrait leaves out, or shows at one time only, in sentences; none where that is nothing."""
+    sentences = []
+    if system.dimension > PLANE:
+        plane = ", ".join(system.variables[k] for k in axes)
+        sentences.append(f"Projected onto the plane of {plane}; the field and the level sets have no place in it.")
+        if not shows_surface(system, axes):
+            sentences.append(f"Nor has the surface g = {system.g} = 0, which is no curve there.")
+    if _moves(system) and shows_surface(system, axes):
+        sentences.append("The surface moves with time: it is drawn where it stands at t = 0.")
+    if system.dimension == PLANE and _psi_names_time(system):
+        sentences.append("ψ names time, so its level sets move; they are left out.")
+    return " ".join(sentences)
+
+
+def conserved_note(system: core.PiecewiseSystem) -> str:
+    """Return what there is to know about ψ beside its plot: that there is none, or more than one."""
+    counts = {side: len(system.laws.sides[side].conserved) for side in (-1, 1)}
+    if not any(counts.values()):
+        return f"{system.name}: no conserved quantity is known on either side, so there is no change of it to show."
+    bare = [f"g {'<' if side < 0 else '>'} 0" for side, count in counts.items() if count == 0]
+    if bare:
+        return f"No conserved quantity is known where {bare[0]}: there the curves have gaps."
+    most = max(counts.values())
+    return f"Of the {most} conserved quantities the one that changes most is shown." if most > 1 else ""
+
+
+def _others(names: Sequence[Name], axes: Axes) -> list[Name]:
+    return [name for k, name in enumerate(names) if k not in axes]
+
+
+def _moves(system: core.PiecewiseSystem) -> bool:
+    return TIME in system.laws.g.free_symbols
+
+
+def _psi_names_time(system: core.PiecewiseSystem) -> bool:
+    return any(TIME in psi.free_symbols for side in system.laws.sides.values() for psi in side.conserved)

@@ -1,0 +1,1 @@
+"""The page: sidebar, portrait, player, dialogs."""

@@ -1,0 +1,334 @@
+"""The page: controls on the left, the portrait in the middle, one more view beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+from panel.util.parameters import edit_readonly
+from panel_material_ui.template.base import Page
+
+import core
+from pwsviz.editor.form import SystemEditor
+from pwsviz.export.tables import run_table
+from pwsviz.figures.linking import link_crossings
+from pwsviz.page.export_dialog import Piece, Share
+from pwsviz.page.portrait_panel import Stage
+from pwsviz.page.sidebar import Sidebar
+from pwsviz.results.requests import run_inputs
+from pwsviz.results.results import Results
+from pwsviz.scene.history import History
+from pwsviz.scene.permalink import adopt, query
+from pwsviz.scene.scene import VIEWS, Scene
+from pwsviz.tabs.base import LongTab, Tab
+from pwsviz.tabs.conserved import ConservedTab
+from pwsviz.tabs.cost import CostTab
+from pwsviz.tabs.order import state_order_tab, time_order_tab
+from pwsviz.tabs.scheme import SchemeTab
+from pwsviz.tabs.stability import StabilityTab
+from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.tasks.scheduler import Desk
+from pwsviz.text.words import as_text
+from pwsviz.widgets.browser import REMEMBER_DARK, Browser
+from pwsviz.widgets.panes import PLAIN_SX, text_pane
+
+RESULTS = Results()
+"""Shared by all sessions of the server: a second visitor finds the first picture ready."""
+
+TABS: Mapping[str, Callable[[Scene, Results], Tab]] = {
+    "conserved": ConservedTab,
+    "order": state_order_tab,
+    "time": time_order_tab,
+    "cost": CostTab,
+    "stability": StabilityTab,
+    "scheme": SchemeTab,
+}
+
+ADDRESS_RESTS = 400
+"""Milliseconds without a change after which the address bar is brought up to date."""
+
+SOON = 200
+"""Milliseconds after which a long study is said to be under way: one that is remembered is there before."""
+
+AHEAD = 0.05
+"""Seconds after which a system of one's own that is ready is compiled, wanted or not; its check has waited already."""
+
+GRID_CSS = """
+:host { display: grid !important; grid-template-columns: repeat(auto-fit, minmax(min(100%, 430px), 1fr)); gap: 8px 20px;
+        grid-auto-rows: max-content; align-items: start; height: auto !important; max-height: none !important; }
+"""
+
+PAGE_SX = {
+    ".MuiAppBar-root": {
+        "backgroundColor": "background.paper", "color": "text.primary", "boxShadow": "none",
+        "borderBottom": "1px solid", "borderColor": "divider", "backgroundImage": "none",
+    },
+    ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
+    ".MuiToolbar-root": {"minHeight": "48px !important"},
+}  # fmt: skip
+
+HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
+"""Of a button in the header: the words of its theme are white there, on the assumption of a coloured bar."""
+
+LOADING_HTML = """{% extends "base.html" %}
+{% block loader_css %}{{ super() }}
+#loader:not(.error) { background: none; cursor: progress; }
+{% endblock %}"""
+"""The page being built: a wheel turns, and what is there already is seen, but not touched: Panel would not hear it."""
+
+THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
+
+TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "10px"}}
+"""Titles as narrow as they can be; on a narrow screen the row scrolls."""
+
+STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
+
+
+class _Calm(param.Parameterized):
+    busy = param.Boolean(default=False)
+
+
+class Explorer(pn.viewable.Viewer):
+    """One person's page: follows a scene, and computes what is visible of it off the event loop.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        The settings to start from.
+    results : Results, optional
+        Where arrays come from.
+    """
+
+    def __init__(self, scene: Scene | None = None, results: Results | None = None) -> None:
+        super().__init__()
+        self.scene = scene or Scene()
+        self.results = results or RESULTS
+        self.notice = text_pane("")
+        if scene is None and pn.state.location is not None:
+            self.adopt(pn.state.location.search)  # before anything is asked for
+        self.desk = Desk()
+        self.views = {key: make(self.scene, self.results) for key, make in TABS.items()}
+        conserved = self.views["conserved"]
+        assert isinstance(conserved, ConservedTab)  # noqa: S101  (it is the one named so)
+        self.stage = Stage(self.scene, self.results, self.desk, conserved.view, self._await_system)
+        link_crossings(self.stage.portrait, conserved.view)
+        self.history = History(self.scene)
+        self.sidebar = Sidebar(self.scene, self.edit)
+        self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
+        self.editing = pmui.Dialog(
+            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
+        )
+        self.share = Share(self.scene, self._pieces)
+        self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
+        self._changes = 0
+        self._behind: set[str] = set()
+        self.tabs = self._make_tabs()
+        for tab in self.views.values():
+            if isinstance(tab, LongTab):
+                tab.on_cancel, tab.on_again = self._cancel, partial(self.desk.soon, self._again)
+        self.scene.param.watch(self._follow, [name for name in self.scene.param if name != "name"])
+        self.refresh()
+
+    def _make_tabs(self) -> Any:
+        tabs = pmui.Tabs(
+            *((title, self.views[key]) for key, title in VIEWS.items()),
+            dynamic=False, active=list(VIEWS).index(self.scene.view), sizing_mode="stretch_width", margin=0, sx=TABS_SX,
+        )  # fmt: skip
+        tabs.param.watch(lambda event: self.scene.param.update(view=list(VIEWS)[event.new]), "active")
+        self.scene.param.watch(lambda event: tabs.param.update(active=list(VIEWS).index(event.new)), "view")
+        return tabs
+
+    @property
+    def view(self) -> Tab:
+        """The view beside the portrait."""
+        return self.views[self.scene.view]
+
+    def _follow(self, *events: Any) -> None:
+        waiting = bool(self._behind)
+        self._behind |= {event.name for event in events}
+        if not waiting:
+            self.desk.soon(self._catch_up)
+
+    def _catch_up(self) -> None:
+        """Bring the page up to date with the scene."""
+        behind, self._behind = self._behind, set()
+        self.refresh()
+        if behind & set(self.view.settings):
+            self.view.redraw()
+        self._changes += 1
+        self.desk.later(ADDRESS_RESTS, partial(self._write_address, self._changes))
+
+    def refresh(self) -> None:
+        """Ask for whatever the visible views lack."""
+        self.stage.refresh()
+        view = self.view
+        view.reveal()
+        wanted = view.inputs()
+        if wanted == view.shown:
+            self.desk.cancel("view")
+            self.desk.forget("view")
+            return
+        show, advance = partial(self._show, view, wanted), partial(self._advance, view)
+        view.expect(self.scene.declaration)
+        asked = self.desk.ask(
+            "view", (self.scene.view, wanted), partial(view.compute, wanted), show, advance, view.quiet, view.patience
+        )
+        if asked:
+            self._stop_others(view)
+            self.desk.later(SOON, partial(self._promise, view, wanted))
+
+    def _promise(self, view: Tab, wanted: Any) -> None:
+        """Say that something is under way, unless it was there at once."""
+        if self.desk.busy("view") and self.desk.asked("view") == (self.scene.view, wanted):
+            view.begin()
+
+    def _stop_others(self, view: Tab) -> None:
+        for other in self.views.values():
+            if other is not view and isinstance(other, LongTab):
+                other.progress.end()
+
+    def _advance(self, view: Tab, done: int, total: int, part: Any) -> None:
+        if view is self.view:
+            view.advance(done, total, part)
+
+    def _show(self, view: Tab, wanted: Any, outcome: Any) -> None:
+        view.present(wanted, outcome)
+
+    def _cancel(self) -> None:
+        """Give up the study under way; what there is of it stays."""
+        if self.desk.cancel("view") and isinstance(self.view, LongTab):
+            self.view.stop()
+
+    def _again(self) -> None:
+        """Begin the study anew."""
+        self.desk.forget("view")
+        self.refresh()
+
+    def _await_system(self, words: str) -> None:
+        self.view.await_system(as_text(words))
+
+    # Own system, link, take away -------------------------------------------------------------------------------------
+
+    def edit(self) -> None:
+        """Open the editor: on what was last written there, or else on the system at hand."""
+        core.compile_beside()
+        if self.editor is None:
+            self.editor = SystemEditor(self._use, current=self.scene.build, on_ready=self._prepare)
+            self.editor.load(self.scene.build())
+            self.editing.objects = [self.editor]
+        self.editing.open = True
+
+    def _prepare(self, system: core.PiecewiseSystem) -> None:
+        """Have a typed system's first runs computed before they are asked for: compiling takes longer than a click."""
+        ahead = Scene()
+        ahead.restore(self.scene.settings())
+        try:
+            ahead.use(system)
+        except ValueError:  # told when it is used
+            return
+        runs = run_inputs(ahead)
+
+        def compute(cancel: Cancel, _: Any) -> None:
+            for one in runs:
+                self.results.run(one, cancel)
+
+        self.desk.ask("ahead", runs, compute, lambda _: None, quiet=AHEAD)
+
+    def _use(self, system: core.PiecewiseSystem) -> None:
+        self.scene.use(system)
+        self.editing.open = False
+
+    def adopt(self, search: str) -> None:
+        """Take over the scene that a link describes, and say what of it could not be."""
+        complaints = adopt(self.scene, search.removeprefix("?")) if search not in ("", "?") else []
+        self.notice.object = "".join(as_text(words, "error") for words in complaints)
+
+    def _write_address(self, changes: int) -> None:
+        """Bring the address bar up to date, once the scene rests; a scene too large for a link empties it."""
+        if changes != self._changes:
+            return
+        try:
+            self.browser.query = query(self.scene)
+        except ValueError:  # “Take away” says so, to whoever wants the link
+            self.browser.query = ""
+
+    def _pieces(self) -> list[Piece]:
+        """What there is to take away: the portrait's run, and the view beside it."""
+        run = self.stage.shown.inputs.looked_into[0] if self.stage.shown else None
+        view, title = self.view, VIEWS[self.scene.view]
+        pieces = [
+            Piece(
+                "Phase portrait", lambda: run_table(self.results.run(run)) if run else None, self.stage.portrait.figure
+            )
+        ]
+        if view.outcome is not None:
+            pieces.append(Piece(title, view.table, view.plots[0].object if view.plots else None))
+        return pieces
+
+    def settle(self, timeout: float) -> bool:
+        """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""
+        return self.desk.settle(timeout)
+
+    def close(self) -> None:
+        """Give up all work: the person has left."""
+        self.desk.close()
+        if self.editor is not None:
+            self.editor.close()
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Portrait and tabs side by side, one below the other where the screen is narrow."""
+        right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
+        views = pn.Column(self.stage, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
+        return pn.Column(
+            self.notice, views, self.editing, self.share, stylesheets=[STACK_CSS], margin=(8, 16),
+            sizing_mode="stretch_width",
+        )  # fmt: skip
+
+    def page(self) -> Any:
+        """Return the whole page, which gives up its work when the visitor leaves."""
+        pn.state.on_session_destroyed(lambda _context: self.close())
+        page = Page(
+            title="pwsviz",
+            header=self._header(),
+            sidebar=[self.sidebar],
+            main=[self],
+            sidebar_width=300,
+            busy_indicator=None,
+            sx=PAGE_SX,
+            template=LOADING_HTML,
+        )
+        with edit_readonly(page):
+            # No longer that of the server: its changes walk over all pages, and it would hold this one for good.
+            page.busy = _Calm().param.busy
+        # The page is looked up, not named: Panel walks over all that a component names whenever it changes.
+        self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
+        self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
+        page.jscallback(dark_theme=REMEMBER_DARK)
+        self.browser.param.watch(lambda _: self.history.undo(), "undone")
+        self.browser.param.watch(lambda _: self.history.redo(), "redone")
+        page.main.append(self.browser)
+        return page
+
+    def _header(self) -> list[Any]:
+        undo = pmui.IconButton(
+            icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=(4, 0, 4, 4)
+        )
+        self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
+        undo.on_click(lambda _: self.history.undo())
+        redo = pmui.IconButton(
+            icon="redo", description="Redo (Ctrl+Y)", disabled=True, size="small", margin=(4, 4, 4, 0)
+        )
+        self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "repeatable")
+        redo.on_click(lambda _: self.history.redo())
+        share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
+        share.on_click(lambda _: self.share.open(self._page_address()))
+        return [undo, redo, share]
+
+    @staticmethod
+    def _page_address() -> str:
+        location = pn.state.location
+        return (location.href or "").partition("?")[0] if location is not None else ""

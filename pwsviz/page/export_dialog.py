@@ -1,0 +1,141 @@
+"""What a person takes away: the link, a Python program, the numbers and the pictures."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+from html import escape
+from typing import Any, NamedTuple
+
+import panel as pn
+import panel_material_ui as pmui
+from bokeh.plotting import figure
+
+from pwsviz.export.script import snippet
+from pwsviz.export.tables import Table, csv_bytes, file_name, npz_bytes, png_callback
+from pwsviz.scene.permalink import query
+from pwsviz.scene.scene import Scene
+from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
+
+PROGRAM_CSS = """
+pre { max-height: 40vh; overflow: auto; padding: 8px 12px; margin: 0; border-radius: 4px; font-size: 0.8rem;
+      background: color-mix(in srgb, currentColor 7%, transparent); }
+"""
+
+
+COPY = {
+    "value": "navigator.clipboard.writeText(source.data.value)",
+    "object": """
+const page = new DOMParser().parseFromString(source.text, "text/html")
+navigator.clipboard.writeText(new DOMParser().parseFromString(page.body.textContent, "text/html").body.textContent)
+""",
+}
+"""What a button does to copy a field, and a pane: its text is markup, sent escaped once more."""
+
+
+class Piece(NamedTuple):
+    """Something to take away: what a view shows."""
+
+    title: str
+    table: Callable[[], Table | None]
+    """Returns its numbers; None while there are none."""
+    figure: figure | None
+
+
+class Share(pn.viewable.Viewer):
+    """The dialog “Take away”; what it holds is made when it is opened.
+
+    Parameters
+    ----------
+    pieces : callable
+        Returns what is visible.
+    """
+
+    def __init__(self, scene: Scene, pieces: Callable[[], Sequence[Piece]]) -> None:
+        super().__init__()
+        self.scene, self._pieces = scene, pieces
+        self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
+        self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
+        self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
+        self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # in it, what comes late hears a click too
+        self.dialog = pmui.Dialog(
+            self.contents,
+            title="Take away",
+            title_variant="h6",
+            width_option="md",
+            close_on_click=True,
+            show_close_button=True,
+        )
+        self.dialog.param.watch(self._let_go, "open")
+
+    def _let_go(self, event: Any) -> None:
+        """Forget the files once the dialog is closed: they may be large."""
+        if not event.new:
+            self.numbers.objects = []
+
+    def open(self, address: str) -> None:
+        """Show everything as it is now.
+
+        Parameters
+        ----------
+        address : str
+            Of the page, without a query.
+        """
+        try:
+            self.link.param.update(value=f"{address}?{query(self.scene)}", error_state=False, helper_text="")
+        except ValueError as reason:
+            self.link.param.update(value="", error_state=True, helper_text=str(reason))
+        self.program.object = f'<pre tabindex="0" aria-label="Python program">{escape(snippet(self.scene))}</pre>'
+        self.numbers.objects = [self._row(piece) for piece in self._pieces()]
+        self.contents.objects = self.contents.objects or self._make_contents()
+        self.dialog.open = True
+
+    def _make_contents(self) -> list[Any]:
+        """Made at the first opening: a page that does not hold them is there sooner."""
+        return [
+            self.link, self._copy("Copy the link", self.link, "value"),
+            heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
+            heading("Numbers and pictures"), self.numbers,
+        ]  # fmt: skip
+
+    @staticmethod
+    def _copy(label: str, source: Any, name: str) -> Any:
+        """Return a button that puts a text on the clipboard, in the browser alone."""
+        button = pmui.Button(label=label, icon="content_copy", variant="text", size="small", margin=0, sx=PLAIN_SX)
+        button.js_on_click(args={"source": source}, code=COPY[name])
+        return button
+
+    def _row(self, piece: Piece) -> pn.Row:
+        buttons = [self._download(piece, "csv", csv_bytes), self._download(piece, "npz", npz_bytes)]
+        if piece.figure is not None:
+            image = pmui.Button(label="PNG", icon="image", color="primary", size="small", margin=(4, 4))
+            image.js_on_click(args={"name": file_name(self.scene, piece.title, "png")}, code=png_callback(piece.figure))
+            buttons.append(image)
+        return pn.Row(pmui.Typography(piece.title, margin=(8, 8), width=170), *buttons, margin=0)
+
+    def _download(self, piece: Piece, ending: str, write: Callable[[Table, str], bytes]) -> Any:
+        scene_link = self.link.value.partition("?")[2]
+
+        async def data() -> io.BytesIO:
+            """Write it in a thread: a million rows take seconds, and other people's sliders do not wait.
+
+            The browser saves what differs from what it has. So the time is written too, and a second click saves a
+            second file; taking the data back in between made it save some twice (the widget wrote its own back).
+            """
+            about = f"{scene_link} {datetime.now(UTC).isoformat()}"
+            return await asyncio.to_thread(lambda: io.BytesIO(write(piece.table() or {}, about)))
+
+        return pmui.FileDownload(
+            callback=data,
+            filename=file_name(self.scene, piece.title, ending),
+            label=ending.upper(),
+            auto=True,
+            size="small",
+            margin=(4, 4),
+        )
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """The dialog, closed until it is opened."""
+        return self.dialog

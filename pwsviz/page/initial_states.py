@@ -1,0 +1,63 @@
+"""The starts of the trajectories: which is looked into, one more, one less."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from pwsviz.scene.scene import MAX_STARTS, Scene
+from pwsviz.text.words import as_text
+from pwsviz.widgets.panes import text_pane
+
+ASIDE = 0.1
+"""How far from the selected start a new one is placed, in its own size."""
+
+
+class Trajectories(pn.viewable.Viewer):
+    """A numbered button for each start, and buttons to add and to remove one."""
+
+    def __init__(self, scene: Scene) -> None:
+        super().__init__()
+        self.scene = scene
+        self.numbers = pmui.RadioButtonGroup(options=[1], value=1, size="small", margin=(4, 8, 4, 0))
+        self.more = pmui.IconButton(icon="add", size="small", description="Add a trajectory", margin=2)
+        self.less = pmui.IconButton(icon="delete", size="small", description="Remove this trajectory", margin=2)
+        self.message = text_pane("", "error")
+        self.numbers.param.watch(self._select, "value")
+        self.more.on_click(lambda _: self._try(self._add))
+        self.less.on_click(lambda _: self._try(lambda: scene.remove(scene.selected)))
+        scene.param.watch(self._sync, ["starts", "selected"])
+        self._sync()
+
+    def _sync(self, *_: Any) -> None:
+        count = len(self.scene.starts)
+        self.numbers.param.update(options=list(range(1, count + 1)), value=1 + min(self.scene.selected, count - 1))
+        self.more.disabled, self.less.disabled = count >= MAX_STARTS, count == 1
+        self.message.object = ""
+
+    def _select(self, event: Any) -> None:
+        if event.new is not None and event.new - 1 != self.scene.selected and event.new <= len(self.scene.starts):
+            self.scene.selected = event.new - 1
+
+    def _add(self) -> None:
+        """Place one beside the selected start."""
+        size = max(map(abs, self.scene.x0)) or 1.0
+        first, *others = self.scene.x0
+        while (placed := (float(f"{first + ASIDE * size:.6g}"), *others)) in self.scene.starts:
+            first = placed[0]
+        self.scene.place(placed)
+
+    def _try(self, change: Any) -> None:
+        try:
+            change()
+        except ValueError as reason:
+            self.message.object = as_text(str(reason), "error")
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Buttons in a row that wraps."""
+        return pn.Column(
+            pn.FlexBox(self.numbers, self.more, self.less, align_items="center", margin=0), self.message,
+            margin=0, sizing_mode="stretch_width",
+        )  # fmt: skip

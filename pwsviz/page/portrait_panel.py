@@ -1,0 +1,212 @@
+"""The portrait with its words, and the runs it shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+import core
+from pwsviz.figures.conserved import ConservedView
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.projection import portrait_note
+from pwsviz.page.player import Player
+from pwsviz.results.requests import beside_inputs, run_inputs
+from pwsviz.results.results import Pictures, PortraitInputs, Results
+from pwsviz.scene.scene import Scene, Start
+from pwsviz.tasks.scheduler import Desk
+from pwsviz.text.words import as_text, complaint, run_lines
+from pwsviz.widgets.panes import fade, plot_pane, text_pane
+
+REMIND = 300
+"""Milliseconds after which a person begins to wonder whether anything happens."""
+
+
+class Stage(pn.viewable.Viewer):
+    """The phase portrait of a scene, always visible.
+
+    Parameters
+    ----------
+    scene, results, desk
+        What to show, where arrays come from, and who computes.
+    conserved : ConservedView
+        Marks the player's time.
+    on_wait : callable
+        Told, in words, that another system is being prepared.
+    """
+
+    def __init__(
+        self, scene: Scene, results: Results, desk: Desk, conserved: ConservedView, on_wait: Callable[[str], None]
+    ) -> None:
+        super().__init__()
+        self.scene, self.results, self.desk, self._on_wait = scene, results, desk, on_wait
+        self.portrait = PortraitView(
+            on_window=self._look_at,
+            on_place=self.place,
+            on_move=self.move,
+            on_remove=self.remove,
+            on_select=self._select,
+        )
+        self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
+        self.player = Player(self.portrait, conserved)
+        self.player.param.watch(lambda *_: self._ask_frames(), "open")
+        self.status = text_pane("Computing the first trajectory …")
+        self.trouble = text_pane("")
+        self.progress = pmui.LinearProgress(
+            variant="indeterminate", visible=False, sizing_mode="stretch_width", margin=0
+        )
+        self.shown: Pictures | None = None
+        self._visible: Window | None = None
+
+    def refresh(self) -> None:
+        """Ask for the picture of the scene as it is."""
+        wanted = PortraitInputs(run_inputs(self.scene), beside_inputs(self.scene), self.scene.axes)
+        if self.desk.ask(
+            "runs", wanted, lambda cancel, _: self.results.pictures(wanted, cancel), self._show, patience=0.1
+        ):
+            self._promise(wanted)
+        elif self.shown is not None and self.shown.inputs == wanted:
+            self._mark_starts()
+
+    def _promise(self, wanted: PortraitInputs) -> None:
+        """Show that something is on its way, if it has not come by the time a person begins to wonder."""
+
+        def remind() -> None:
+            self.progress.visible = self.desk.busy("runs") and self.desk.asked("runs") == wanted
+            if self.progress.visible and self.shown and self._declaration(self.shown) != self.scene.declaration:
+                words = (
+                    f"{self.scene.declaration.name}: preparing its integrators. That takes some seconds the first time."
+                )
+                self.status.object, self.note.object = as_text(words), ""
+                fade(self.pane, past=True)
+                self._on_wait(words)
+
+        self.desk.later(REMIND, remind)
+
+    @staticmethod
+    def _declaration(pictures: Pictures) -> core.PiecewiseSystem:
+        return pictures.inputs.looked_into[0].ground.declaration
+
+    def _show(self, outcome: Pictures | Exception) -> None:
+        self.progress.visible = False
+        if isinstance(outcome, Exception):
+            self.trouble.object = complaint(outcome)
+            return
+        self.trouble.object = ""
+        fade(self.pane, past=False)
+        system, axes = self._declaration(outcome), outcome.inputs.axes
+        before = self.portrait.frame
+        self.shown = outcome
+        self._mark_starts()
+        if self.portrait.frame != before:
+            self._visible = None
+        self.note.object = as_text(portrait_note(system, axes), "about")
+        self.status.object = run_lines(outcome.summaries)
+        self._cover()
+        self._ask_frames()
+
+    def _mark_starts(self) -> None:
+        """Draw the curves there are, with the starts as they are now."""
+        assert self.shown is not None  # noqa: S101  (called once there is a picture)
+        a, b = self.shown.inputs.axes
+        starts = [(start[a], start[b]) for start in self.scene.starts]
+        self.portrait.show_orbits(self._declaration(self.shown), self.shown, starts, self.scene.selected)
+
+    def _ask_frames(self) -> None:
+        """Ask for the steps that the player shows, while it is open."""
+        if self.player.wanted and self.shown is not None:
+            inputs = self.shown.inputs.looked_into, self.shown.inputs.axes
+            self.desk.ask(
+                "frames",
+                inputs,
+                lambda cancel, _: self.results.frames(*inputs, cancel),
+                self._show_frames,
+                patience=0.1,
+            )
+
+    def _show_frames(self, outcome: Any) -> None:
+        if isinstance(outcome, Exception):
+            self.trouble.object = complaint(outcome)
+        else:
+            self.player.show(outcome)
+
+    def _look_at(self, window: Window) -> None:
+        self._visible = window
+        self._cover()
+
+    def _cover(self) -> None:
+        """Ask for a backdrop that suits the visible part of the plane."""
+        if self.shown is None or self.portrait.frame is None:
+            return
+        visible = self._visible or self.portrait.frame
+        window = self.portrait.covered
+        if window is None or not window.shows_well(visible):
+            window = visible.scaled(1.3 if self._visible else 2.0)
+        ground, axes = self.shown.inputs.looked_into[0].ground, self.shown.inputs.axes
+        levels = self.shown.orbits[0].levels  # it speaks for all: one that drifts has a new level each turn
+        self.desk.ask(
+            "ground",
+            (ground.declaration, ground.values, window, levels, axes),
+            lambda _cancel, _report: self.results.backdrop(ground, window, levels, axes),
+            self._show_ground,
+            patience=0.1,
+        )
+
+    def _show_ground(self, outcome: Any) -> None:
+        if isinstance(outcome, Exception):
+            self.trouble.object = complaint(outcome)
+        else:
+            self.portrait.show_backdrop(outcome)
+
+    # What a person does to the portrait ------------------------------------------------------------------------------
+
+    def place(self, x: float, y: float) -> None:
+        """Let one more trajectory start at a point of the plane."""
+        self._try(lambda: self.scene.place(self._state(x, y, self.scene.x0)))
+
+    def move(self, index: int, x: float, y: float) -> None:
+        """Let a trajectory start at a point of the plane."""
+        if index < len(self.scene.starts):
+            self._try(lambda: self.scene.move(index, self._state(x, y, self.scene.starts[index])))
+
+    def remove(self, index: int) -> None:
+        """Take a trajectory away."""
+        if index < len(self.scene.starts):
+            self._try(lambda: self.scene.remove(index))
+
+    def _select(self, index: int) -> None:
+        if index < len(self.scene.starts):
+            self.scene.selected = index
+
+    def _state(self, x: float, y: float, others: Start) -> Start:
+        """Return a state to the digits a screen can tell; coordinates that are not shown are those of another."""
+        view = self._visible or self.portrait.frame
+        assert view is not None  # noqa: S101  (a click needs a picture)
+        return at_point(x, y, view, others, self.scene.axes)
+
+    def _try(self, change: Callable[[], None]) -> None:
+        try:
+            change()
+        except ValueError as reason:
+            self.trouble.object = complaint(reason)
+            if self.shown is not None:
+                self._mark_starts()  # a star that was dropped where nothing can start goes back
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Portrait, player, and words."""
+        return pn.Column(
+            pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
+            self.pane, self.player, self.note, self.trouble, self.status,
+            margin=0, sizing_mode="stretch_width",
+        )  # fmt: skip
+
+
+def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, int] = (0, 1)) -> Start:
+    """Return the state at a point of the plane, rounded to about a pixel; further coordinates stay."""
+    digits = 3 - math.floor(math.log10(max(view.width, view.height)))
+    shown = {axes[0]: round(x, digits), axes[1]: round(y, digits)}
+    return tuple(shown.get(k, value) for k, value in enumerate(others))

@@ -1,0 +1,220 @@
+"""The controls: every setting of the scene, and nothing that the scene does not know."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from html import escape
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+import core
+from pwsviz.geometry.projection import PLANE, Axes, planes
+from pwsviz.page.initial_states import Trajectories
+from pwsviz.scene.names import short_name
+from pwsviz.scene.presets import PRESETS
+from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
+from pwsviz.text.words import as_text, method_notes
+from pwsviz.widgets.number_field import NumberField
+from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
+
+TAU_SLIDER = (1e-4, 0.3)
+COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 80px !important; min-width: 80px; }"
+"""Side by side as far as their names can be read."""
+
+NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
+
+WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin": (6, 0)}
+
+
+class Sidebar(pn.viewable.Viewer):
+    """Controls of one scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        The settings.
+    on_edit : callable
+        Told that the person wants to write a system.
+    """
+
+    def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
+        super().__init__()
+        self.scene = scene
+        self.presets = pmui.Select(
+            label="Figures of the paper, and more", value="", options={"choose …": "", **_titles()}, **WIDE
+        )
+        self.presets.param.watch(self._load, "value")
+        self.preset_note = text_pane("", "about")
+        self.tau = self._number("tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True)
+        self.tolerance = self._number(
+            "tolerance",
+            "Tolerance of taylor",
+            bounds=TOLERANCES,
+            logarithmic=True,
+            description="Error of one step, relative to the state. No step is longer than τ.",
+        )
+        self.t_end = self._number("t_end", "End time")
+        self.scale = self._number("perturbation_scale", "Factor c")
+        self.methods = pmui.CheckBoxGroup(
+            label="", value=scene.used, options=scene.offered, inline=True, margin=0, size="small"
+        )
+        self.methods_note = text_pane("", "about")
+        self.methods_message = text_pane("", "error")
+        self.system = pmui.Select(label="System", value=scene.system, options=self._systems(), **WIDE)
+        self.system.param.watch(self._take_system, "value")
+        self.write = pmui.Button(
+            label="Write your own …", icon="edit", variant="text", size="small", margin=0, sx=PLAIN_SX
+        )
+        self.write.on_click(lambda _: on_edit())
+        self.plane = pmui.Select(label="Portrait in the plane of", options={"": (0, 1)}, value=(0, 1), **WIDE)
+        self.plane.param.watch(self._take_plane, "value")
+        self.locate = pmui.Switch.from_param(
+            scene.param.locate, label="Land on the surface", description="", margin=(4, 0)
+        )
+        self.order = pmui.Select(
+            label="Disturb crossing times by c·τᵖ, p =",
+            options={str(p or "none"): p or 0 for p in PERTURBATION_ORDERS},  # a Select cannot show the value None
+            value=scene.perturbation_order or 0,
+            **WIDE,
+        )
+        self.order.param.watch(lambda event: scene.param.update(perturbation_order=event.new or None), "value")
+        scene.param.watch(lambda event: self.order.param.update(value=event.new or 0), "perturbation_order")
+        self.about = text_pane("", "about")
+        self.parameters = pn.Column(margin=0, sizing_mode="stretch_width")
+        self.trajectories = Trajectories(scene)
+        self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
+        self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
+        self._stock: dict[tuple[str, bool], list[NumberField]] = {}
+        self._placed: dict[str, list[NumberField]] = {}
+        self._built_for: core.PiecewiseSystem | None = None
+        self._preset: core.PiecewiseSystem | None = None  # of the preset that is told of
+        self.methods.param.watch(self._take_methods, "value")
+        scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
+        scene.param.watch(self._choose, ["system", "own", "axes"])
+        scene.param.watch(self._dim, ["system", "own", "methods", "locate", "perturbation_order"])
+        self._sync()
+        self._choose()
+        self._dim()
+
+    def _number(self, field: str, label: str, **options: Any) -> NumberField:
+        return NumberField(label, partial(self._read, field), partial(self.scene.accept, field), **options)
+
+    def _read(self, field: str) -> float:
+        name, _, part = field.partition(".")
+        value = getattr(self.scene, name)
+        if name == "x0":
+            return float(value[int(part)])
+        return float(value[part] if name == "values" else value)
+
+    def _rebuild(self) -> None:
+        """Have fields for another system's parameters and coordinates: those that are there, as far as they serve."""
+        system = self.scene.declaration
+        parameters = {
+            f"values.{p.name}": {"label": short_name(p), "bounds": p.bounds, "description": f"{p.name}: {p.doc}"}
+            for p in system.parameters
+        }
+        coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
+        stock = {key: list(fields) for key, fields in self._stock.items()}
+        self.fields = {key: self._field(stock, key, **options) for key, options in (parameters | coordinates).items()}
+        self._built_for = system
+        self.plane.value = None  # else the browser keeps the names of the system before
+        self.plane.options = {_plane_name(system, axes): axes for axes in planes(system)}
+        self.plane.visible = system.dimension > PLANE
+        self.about.object = as_text(system.doc, "about")
+        self._place(self.parameters, [self.fields[key] for key in parameters])
+        self._place(self.coordinates, [self.fields[key] for key in coordinates])
+
+    def _field(self, stock: dict[tuple[str, bool], list[NumberField]], key: str, **options: Any) -> NumberField:
+        """A field out of stock, or else a new one: for a parameter or a coordinate, with a slider or without."""
+        kind = key.partition(".")[0], options.get("bounds") is not None
+        if stock.get(kind):
+            field = stock[kind].pop(0)
+            field.become(read=partial(self._read, key), accept=partial(self.scene.accept, key), **options)
+            return field
+        field = self._number(key, **options)
+        self._stock.setdefault(kind, []).append(field)
+        return field
+
+    def _place(self, box: Any, fields: list[NumberField]) -> None:
+        """Show these fields and no others, in a box whose models are made anew only if there is another field."""
+        if self._placed.get(box.name) != fields:
+            self._placed[box.name] = fields
+            box.objects = fields
+
+    def _sync(self, *_: Any) -> None:
+        """Show the numbers of the scene, in fields of its system."""
+        if self._built_for is not self.scene.declaration:
+            self._rebuild()
+        for field in (self.tau, self.tolerance, self.t_end, self.scale, *self.fields.values()):
+            field.sync()
+
+    def _choose(self, *_: Any) -> None:
+        """Show which system and which plane are chosen; what a preset said of another system goes."""
+        if self._preset is not self.scene.declaration:
+            self.preset_note.object = ""
+        self.system.param.update(options=self._systems(), value=self.scene.system)
+        if self.scene.axes in self.plane.options.values():
+            self.plane.value = self.scene.axes
+
+    def _dim(self, *_: Any) -> None:
+        """Offer what has an effect, and say what has none."""
+        self.methods.param.update(options=self.scene.offered, value=self.scene.used)
+        self.methods_note.object = method_notes(self.scene)
+        self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
+        self.order.disabled = not self.scene.locate
+        self.scale.text.disabled = not self.scene.locate or self.scene.perturbation_order is None
+
+    def _systems(self) -> dict[str, str]:
+        names = {system.name: key for key, system in core.CATALOGUE.items()}
+        return {**names, f"{self.scene.own.name} (yours)": OWN} if self.scene.own is not None else names
+
+    def _take_system(self, event: Any) -> None:
+        if event.new is not None and event.new != self.scene.system:
+            self.scene.accept("system", event.new)
+
+    def _take_plane(self, event: Any) -> None:
+        if event.new is not None and event.new != self.scene.axes and self._built_for == self.scene.declaration:
+            self.scene.accept("axes", event.new)
+
+    def _load(self, event: Any) -> None:
+        """Take over a preset, and say what to look at and what to try."""
+        if event.new:
+            preset = PRESETS[event.new]
+            self.scene.load(preset.settings)
+            title = f"<p><b>{escape(preset.title)}</b></p>"
+            self.preset_note.object = title + as_text(preset.look, "about") + as_text(preset.try_, "about")
+            self._preset = self.scene.declaration
+            self.presets.value = ""
+
+    def _take_methods(self, event: Any) -> None:
+        if event.new == self.scene.used:
+            return
+        try:
+            self.scene.accept("methods", list(event.new))
+            self.methods_message.object = ""
+        except ValueError as reason:
+            self.methods_message.object = as_text(str(reason), "error")
+            self.methods.value = self.scene.used
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Top to bottom in the order one sets things up."""
+        return pn.Column(
+            self.presets, self.preset_note,
+            heading("System"), self.system, self.write, self.about, self.parameters, self.plane,
+            heading("Starts"), self.trajectories, self.coordinates,
+            heading("Integrators"), self.methods, self.methods_message, self.methods_note,
+            self.tau, self.tolerance, self.t_end,
+            heading("Crossings"), self.locate, self.order, self.scale,
+            margin=(4, 12), sizing_mode="stretch_width",
+        )  # fmt: skip
+
+
+def _titles() -> dict[str, str]:
+    return {preset.title: key for key, preset in PRESETS.items()}
+
+
+def _plane_name(system: core.PiecewiseSystem, axes: Axes) -> str:
+    return ", ".join(system.variables[k] for k in axes)

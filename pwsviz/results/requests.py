@@ -1,0 +1,139 @@
+"""Exactly what each result depends on, frozen and hashable: the keys of the cache."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import core
+from pwsviz.scene.scene import Scene, Start
+
+STABILITY_END = 500.0
+"""The latest end time of a map's hundreds of runs, and of the solution they are compared with."""
+
+Values = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What a system is, and where it starts."""
+
+    declaration: core.PiecewiseSystem = field(hash=False)  # a dozen texts, in keys that are looked up all the time
+    values: Values
+    x0: Start
+
+    @classmethod
+    def of(cls, scene: Scene, start: Start | None = None) -> Ground:
+        """Read it from a scene, with the start that is looked into or with another."""
+        values = tuple(sorted(scene.values.items()))
+        return cls(scene.declaration, values, scene.x0 if start is None else start)
+
+    def build(self) -> core.PiecewiseSystem:
+        """Return the system at these values."""
+        return self.declaration.with_parameters(**dict(self.values))
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """How to integrate: a method, and what it does at crossings."""
+
+    method: str
+    locate: bool = True
+    perturbation_order: int | None = None
+    perturbation_scale: float = 1.0
+    tolerance: float | None = None
+
+    @classmethod
+    def of(cls, scene: Scene, method: str) -> Scheme:
+        """Read it from a scene, leaving out settings that have no effect on this method."""
+        if core.METHODS[method].adaptive:  # crossing times are disturbed by a power of the step size; it has none
+            return cls(method, scene.locate, tolerance=scene.tolerance)
+        if not scene.locate or scene.perturbation_order is None:
+            return cls(method, scene.locate)
+        return cls(method, True, scene.perturbation_order, scene.perturbation_scale)
+
+    @property
+    def transition(self) -> str:
+        """The name `core` has for it."""
+        return "mannshardt" if self.locate else "none"
+
+
+@dataclass(frozen=True)
+class RunInputs:
+    """Exactly what one trajectory depends on."""
+
+    ground: Ground
+    scheme: Scheme
+    tau: float
+    t_end: float
+
+
+@dataclass(frozen=True)
+class ErrorInputs:
+    """Exactly what one plot of the conserved quantity depends on."""
+
+    runs: tuple[RunInputs, ...]
+    """One for each integrator."""
+    axes: tuple[int, int]
+    """Of the portrait, in which crossings are marked that are pointed at."""
+
+
+@dataclass(frozen=True)
+class StudyInputs:
+    """Exactly what one order study depends on: neither the step size nor the end time of the scene."""
+
+    ground: Ground
+    scheme: Scheme
+
+
+@dataclass(frozen=True)
+class CostInputs:
+    """Exactly what one comparison of run times depends on."""
+
+    ground: Ground
+    t_end: float
+    methods: tuple[str, ...]
+    peers: tuple[str, ...]
+
+    @classmethod
+    def of(cls, scene: Scene) -> CostInputs:
+        """Read it from a scene."""
+        return cls(Ground.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
+
+
+@dataclass(frozen=True)
+class StabilityInputs:
+    """Exactly what one stability study depends on."""
+
+    ground: Ground
+    t_end: float
+    methods: tuple[str, ...]
+    part: str
+    coordinate: int
+
+    @classmethod
+    def of(cls, scene: Scene) -> StabilityInputs:
+        """Read it from a scene, leaving out what its part has no use for."""
+        part = scene.stability_part
+        coordinate = scene.stability_coordinate if part != "drift" else 0
+        return cls(Ground.of(scene), min(scene.t_end, STABILITY_END), tuple(scene.used), part, coordinate)
+
+
+def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
+    """Inputs of each integrator on the start that the views look into."""
+    return tuple(_run_inputs(scene, name, scene.x0) for name in scene.used)
+
+
+def beside_inputs(scene: Scene) -> tuple[RunInputs, ...]:
+    """Inputs of each integrator on each of the other starts, start by start."""
+    index = min(scene.selected, len(scene.starts) - 1)
+    others = scene.starts[:index] + scene.starts[index + 1 :]
+    return tuple(_run_inputs(scene, name, start) for start in others for name in scene.used)
+
+
+def study_inputs(scene: Scene) -> StudyInputs:
+    """Return the inputs of a scene's order study."""
+    return StudyInputs(Ground.of(scene), Scheme.of(scene, scene.order_method))
+
+
+def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:
+    return RunInputs(Ground.of(scene, start), Scheme.of(scene, method), scene.tau, scene.t_end)

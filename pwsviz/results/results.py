@@ -1,0 +1,461 @@
+"""From a scene to arrays: only what the visible view needs, each thing once, and given up when nobody waits."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Hashable
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+from threading import BoundedSemaphore
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop, closed_surface
+from pwsviz.geometry.polyline_reduction import Floats, Mask, distinct_pixels, envelope, screen_path, spliced
+from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
+from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
+from pwsviz.results.cache import Cache, Cancelled, Value
+from pwsviz.results.invariant_error import accumulated_error
+from pwsviz.results.requests import CostInputs, Ground, RunInputs, Scheme, StabilityInputs, StudyInputs
+from pwsviz.scene.validation import MAX_STEPS
+
+Cancel = Callable[[], bool]
+Levels = tuple[tuple[int, tuple[float, ...]], ...]
+"""Values of ψ for each side."""
+
+STUDY_CROSSINGS = (10, 20, 30)
+STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
+"""Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
+STUDY_HORIZON, STUDY_PROBE = 500.0, 1e-2
+"""How long, and in what steps, the order study looks for crossings."""
+
+STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
+"""Long computations that run at the same time, whoever asked for them: sliders keep a processor for themselves."""
+
+LONG = 200_000
+"""Steps from which the runs of one picture are worked out at the same time; below, threads cost more than they save."""
+
+BEFORE_THE_END = 0.9
+"""Up to this part of the time in which a solution ends, run times are compared."""
+
+FAR = 8.0
+"""How far out an orbit is drawn, in sizes of what it starts from."""
+
+SEVERAL_LEVELS = 6
+"""At most so many level sets through an orbit on each side."""
+
+
+_RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
+"""How a run may end that has gone very far; others end where the action is."""
+
+COMPARABLE = 2.0
+"""A closed surface that fits into a window this much larger than an orbit is shown whole beside it."""
+
+
+Report = Callable[[int, int, Any], object]
+"""Told how much of a study is done, of how much, and the study as far as it has come."""
+
+
+def silent(_done: int, _total: int, _partial: object) -> None:
+    """Leave progress unsaid."""
+
+
+def never() -> bool:
+    """Answer the question whether to give up with no."""
+    return False
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """One trajectory as the portrait draws it; every line is a (k, 2) array with rows of NaN between pieces."""
+
+    method: str
+    path: Floats
+    surface: Floats
+    crossings: Floats
+    numbers: NDArray[np.intp]
+    """Which crossing of the run each is, from 1."""
+    times: Floats
+    kinds: tuple[str, ...]
+    jumps: Floats
+    start: tuple[float, float]
+    levels: Levels
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One run in figures, for the line of text below the plots."""
+
+    method: str
+    steps: int
+    crossings: int
+    seconds: float
+    worst_error: float
+    status: core.Status
+    message: str
+    """Where and why it stopped early; empty where it did not."""
+
+
+@dataclass(frozen=True)
+class ErrorCurve:
+    """Change of ψ that the integrator made up to each instant, at screen resolution."""
+
+    method: str
+    t: Floats
+    error: Floats
+    t_end: float
+    crossings: Floats
+    sides: NDArray[np.int64]
+    """(1 + len(crossings),) side occupied from the start, and from each crossing on; 0 where the run ended."""
+
+
+@dataclass(frozen=True)
+class PortraitInputs:
+    """Exactly what the curves of one portrait depend on."""
+
+    looked_into: tuple[RunInputs, ...]
+    """One for each integrator."""
+    beside: tuple[RunInputs, ...] = ()
+    """Those of the other starts."""
+    axes: Axes = (0, 1)
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The curves of one portrait, and what there is to say of them."""
+
+    inputs: PortraitInputs
+    orbits: list[Orbit]
+    beside: list[Orbit]
+    summaries: list[Summary]
+
+
+class Results:
+    """Computes on demand and remembers; shared by all sessions of a server.
+
+    Attributes
+    ----------
+    computed : Counter
+        How often each kind of thing was really computed: ``"run"``, ``"orbit"``, ``"error"``, ``"curve"``,
+        ``"backdrop"``, ``"diagnosis"``, ``"study"``, ``"cost"``, ``"stability"``.
+    """
+
+    def __init__(self, max_bytes: int = 256_000_000) -> None:
+        self._cache = Cache(max_bytes)
+        self.computed = self._cache.computed
+        self._turns = BoundedSemaphore(STUDIES_AT_ONCE)
+        self._pool = ThreadPoolExecutor(STUDIES_AT_ONCE, thread_name_prefix="pwsviz-study")
+        self._runs = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="pwsviz-run")
+
+    def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
+        """Everything the portrait and the status lines need."""
+        axes = inputs.axes
+        self._begin(inputs.looked_into, cancel)
+        first = self.orbit(inputs.looked_into[0], None, axes, cancel)
+        near = Window.around(first.path).scaled(FAR)
+        return Pictures(
+            inputs=inputs,
+            orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.looked_into[1:])],
+            beside=[self.orbit(one, near, axes, cancel) for one in inputs.beside],
+            summaries=[self.summary(one, cancel) for one in inputs.looked_into],
+        )
+
+    def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:
+        """Everything the plot of the conserved quantity needs."""
+        self._begin(inputs, cancel)
+        return [self.error_curve(one, cancel) for one in inputs]
+
+    def _begin(self, inputs: tuple[RunInputs, ...], cancel: Cancel) -> None:
+        """Have long runs and their errors worked out at the same time: the compiled loops leave the interpreter alone.
+
+        Nobody waits here: who asks for one that is under way waits then, and sees what goes wrong with it.
+        """
+        long = [one for one in inputs if one.tau * LONG < one.t_end]
+        if len(long) > 1:
+            for one in long:
+                self._runs.submit(self.error, one, cancel)
+
+    def _get(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
+        """Compute one stage, unless it is remembered or nobody waits for it any more."""
+
+        def stage() -> Value:
+            if cancel():
+                raise Cancelled
+            return compute()
+
+        return self._cache.get(kind, inputs, stage)
+
+    def run(self, inputs: RunInputs, cancel: Cancel = never) -> core.Trajectory:
+        """Integrate."""
+        return self._get("run", inputs, cancel, partial(_run, inputs, cancel))
+
+    def orbit(
+        self, inputs: RunInputs, near: Window | None = None, axes: Axes = (0, 1), cancel: Cancel = never
+    ) -> Orbit:
+        """Return the trajectory for the portrait, as far as it stays within `near`.
+
+        Without such a window all of it, except that one that runs off to infinity is left where it has gone far.
+        """
+        return self._get(
+            "orbit", (inputs, near, axes), cancel, lambda: _orbit(inputs, self.run(inputs, cancel), near, axes)
+        )
+
+    def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
+        """Return the steps that the player shows, for each integrator."""
+        return [self._get("frames", (one, axes), cancel, partial(self._frames, one, axes, cancel)) for one in inputs]
+
+    def _frames(self, inputs: RunInputs, axes: Axes, cancel: Cancel) -> Frames:
+        return frames(self.run(inputs, cancel), axes)
+
+    def landmarks(self, inputs: RunInputs, axes: Axes, cancel: Cancel = never) -> Landmarks:
+        """Return what the plot of the conserved quantity marks of a run."""
+        return self._get("landmarks", (inputs, axes), cancel, lambda: landmarks(self.run(inputs, cancel), axes))
+
+    def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
+        """Return |change of ψ| at every step of a run."""
+        return self._get("error", inputs, cancel, lambda: accumulated_error(self.run(inputs, cancel)))
+
+    def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
+        """Return the error for the plot against time."""
+        return self._get(
+            "curve", inputs, cancel, lambda: _curve(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+        )
+
+    def summary(self, inputs: RunInputs, cancel: Cancel = never) -> Summary:
+        """Return the run in figures."""
+        return self._get(
+            "summary", inputs, cancel, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+        )
+
+    def backdrop(self, ground: Ground, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
+        """Return the ground of the portrait on a window, with the level sets named besides the usual ones."""
+        still = replace(ground, x0=())
+        key = (still, window, levels, axes)
+        return self._cache.get("backdrop", key, lambda: backdrop(still.build(), window, dict(levels), axes))
+
+    def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis:
+        """Work out the constants of the theory along a run."""
+        return self._get("diagnosis", inputs, cancel, lambda: core.diagnose(self.run(inputs, cancel)))
+
+    def study(self, inputs: StudyInputs, cancel: Cancel = never, report: Report = silent) -> core.OrderStudy:
+        """Measure the order."""
+        return self._in_turn("study", inputs, cancel, partial(_study, inputs, cancel, report))
+
+    def cost(self, inputs: CostInputs, cancel: Cancel = never, report: Report = silent) -> core.WorkPrecision:
+        """Measure run time against error."""
+        return self._in_turn("cost", inputs, cancel, lambda: _cost(inputs, self._pool, cancel, report))
+
+    def stability(
+        self, inputs: StabilityInputs, cancel: Cancel = never, report: Report = silent
+    ) -> core.StabilityStudy:
+        """Measure what goes well and what does not."""
+        return self._in_turn("stability", inputs, cancel, lambda: _stability(inputs, self._pool, cancel, report))
+
+    def forget(self, kind: str, inputs: Hashable) -> None:
+        """Have something computed anew when it is next asked for."""
+        self._cache.forget(kind, inputs)
+
+    def _in_turn(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
+        """Compute something long, when the processors are not busy with other people's."""
+
+        def study() -> Value:
+            while not self._turns.acquire(timeout=0.05):
+                if cancel():
+                    raise Cancelled
+            try:
+                value = compute()
+            finally:
+                self._turns.release()
+            if cancel():  # it is not whole
+                raise Cancelled
+            return value
+
+        return self._cache.get(kind, inputs, study)
+
+
+def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
+    run = core.integrate(
+        inputs.ground.build(),
+        (0.0, inputs.t_end),
+        x0=inputs.ground.x0,
+        tau=inputs.tau,
+        cancel=cancel,
+        max_steps=MAX_STEPS,
+        tolerance=inputs.scheme.tolerance,
+        **_scheme_arguments(inputs.scheme),
+    )
+    if cancel():
+        raise Cancelled
+    return run
+
+
+def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
+    """Numbers of the crossings to look at: those of the paper, or fewer where the trajectory has fewer.
+
+    A run tells how many there are: the reference solution might look for the next one without end.
+    """
+    run = core.integrate(
+        inputs.ground.build(),
+        (0.0, STUDY_HORIZON),
+        x0=inputs.ground.x0,
+        tau=STUDY_PROBE,
+        method=inputs.scheme.method,
+        record="crossings",
+        max_crossings=STUDY_CROSSINGS[-1] + 1,
+        cancel=cancel,
+    )
+    if cancel():
+        raise Cancelled
+    passed = int(np.count_nonzero(run.crossings.side))
+    if passed < 2:
+        found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
+        why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
+        raise ValueError(f"An order study needs two crossings at least; {found}.{why}")
+    last = passed - 1  # the stretch after it is looked at too
+    return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
+
+
+def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
+    return core.order_study(
+        inputs.ground.build(),
+        STUDY_TAUS,
+        x0=inputs.ground.x0,
+        crossings=_studied_crossings(inputs, cancel),
+        cancel=cancel,
+        progress=report,
+        **_scheme_arguments(inputs.scheme),
+    )
+
+
+def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) -> core.WorkPrecision:
+    system, start = inputs.ground.build(), inputs.ground.x0
+    probe = core.integrate(
+        system,
+        (0.0, inputs.t_end),
+        start,
+        STUDY_PROBE,
+        inputs.methods[0],
+        record="end",
+        cancel=cancel,
+        max_steps=MAX_STEPS,
+    )
+    there = probe.status in (core.Status.COMPLETED, core.Status.STEP_LIMIT)
+    return core.work_precision(
+        system,
+        (0.0, inputs.t_end if there else BEFORE_THE_END * float(probe.t[-1])),
+        x0=start,
+        methods=inputs.methods,
+        peers=inputs.peers,
+        executor=pool,
+        cancel=cancel,
+        progress=report,
+    )
+
+
+def _stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: Report) -> core.StabilityStudy:
+    parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
+    return core.stability_study(
+        inputs.ground.build(),
+        (0.0, inputs.t_end),
+        x0=inputs.ground.x0,
+        methods=inputs.methods,
+        coordinate=inputs.coordinate,
+        parts=parts,
+        executor=pool,
+        cancel=cancel,
+        progress=report,
+    )
+
+
+def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
+    return {
+        "method": scheme.method,
+        "transition": scheme.transition,
+        "perturbation_order": scheme.perturbation_order,
+        "perturbation_scale": scheme.perturbation_scale,
+    }
+
+
+def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: Axes) -> Orbit:
+    points, kinks = _polyline(run, axes)
+    if near is None and run.status in _RUNS_OFF:
+        near = _surroundings(run, axes)
+    crossings, at = run.crossings, in_plane(run.crossings.x, axes)
+    marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))
+    marks = marks[distinct_pixels(at[marks])]
+    jumped = marks[crossings.kind[marks] == "jump"]
+    path = screen_path(points, kinks, near.holds(points) if near else None)
+    return Orbit(
+        method=inputs.scheme.method,
+        path=path,
+        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), axes),
+        crossings=at[marks],
+        numbers=1 + marks,
+        times=crossings.t[marks],
+        kinds=tuple(str(crossings.kind[k]) for k in marks),
+        jumps=_jumps(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
+        start=(inputs.ground.x0[axes[0]], inputs.ground.x0[axes[1]]),
+        levels=_levels(run),
+    )
+
+
+def _polyline(run: core.Trajectory, axes: Axes) -> tuple[Floats, Mask]:
+    """States in the plane with the crossings among them, and which of all these are kinks; a jump leaves a gap."""
+    crossings = run.crossings
+    places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
+    rows = _jumps(in_plane(crossings.x, axes), in_plane(crossings.x_after, axes))[:, [0, 2, 1]]  # before, gap, after
+    there = np.ones(rows.shape[:2], dtype=bool)
+    there[crossings.kind != "jump", 1:] = False
+    return spliced(in_plane(run.x, axes), rows[there], np.repeat(places, there.sum(axis=1)))
+
+
+def _jumps(before: Floats, after: Floats) -> Floats:
+    """Return (k, 3, 2): where each jump starts and ends in the plane, and a gap."""
+    return np.stack([before, after, np.full((len(before), PLANE), np.nan)], axis=1)
+
+
+def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
+    """Return a window many times as large as the first part of a run."""
+    anchors = np.concatenate([in_plane(run.x[:1], axes), in_plane(run.crossings.x[:12], axes), np.zeros((1, PLANE))])
+    return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(FAR / 2)
+
+
+def _levels(run: core.Trajectory) -> Levels:
+    """Values of ψ on each side where the first few visits began; none where level sets are not drawn.
+
+    Rounded to what can be told apart on a screen, so that round-off does not make another picture of them.
+    """
+    if not shows_levels(run.system):
+        return ()
+    sides = np.concatenate([run.side[:1], run.crossings.side])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
+    values = {}
+    for side in (-1, 1):
+        number = np.flatnonzero(sides == side)
+        psi = run.system.conserved(side, run.entered_t[number], run.entered_x[number])
+        values[side] = psi[:, 0] if psi.shape[1] else np.zeros(0)
+    scale = float(np.abs(np.concatenate(list(values.values()))).max(initial=0.0)) or 1.0
+    digits = 4 - math.floor(math.log10(scale))
+    return tuple((side, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for side, psi in values.items())
+
+
+def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve:
+    t, reduced = envelope(run.t, error)
+    sides = np.concatenate([run.side[:1], run.crossings.side])
+    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), run.crossings.t, sides)
+
+
+def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
+    return Summary(
+        method=inputs.scheme.method,
+        steps=int(run.steps),
+        crossings=int(np.count_nonzero(run.crossings.side)),  # where a run stops it does not cross
+        seconds=float(run.seconds),
+        worst_error=float(np.fmax.reduce(error)),
+        status=run.status,
+        message=run.message if run.status is not core.Status.COMPLETED else "",
+    )

@@ -1,0 +1,1 @@
+"""What a person has chosen: its checks, its history, its link."""

@@ -1,0 +1,65 @@
+"""Undo and redo: what the scene was before, and after."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import monotonic
+from typing import Any
+
+import param
+
+from pwsviz.scene.scene import Scene
+
+MAX_STEPS_BACK = 100
+ONE_GESTURE = 0.8
+"""Seconds; changes of the same settings that follow one another faster are one step, as of a dragged slider."""
+
+AT_ONCE = 0.05
+"""Seconds; what follows faster follows from the change before, as another system brings its own start."""
+
+NOT_UNDONE = ("name", "view")
+"""Looking at another view changes nothing."""
+
+
+class History(param.Parameterized):
+    """Remembers the settings of a scene, as far back as `MAX_STEPS_BACK` gestures."""
+
+    possible = param.Boolean(default=False, doc="Whether there is anything to undo.")
+    repeatable = param.Boolean(default=False, doc="Whether there is anything to do again.")
+
+    def __init__(self, scene: Scene, clock: Callable[[], float] = monotonic) -> None:
+        super().__init__()
+        self.scene, self._clock = scene, clock
+        self._past: list[dict[str, Any]] = []
+        self._future: list[dict[str, Any]] = []
+        self._now = scene.settings()
+        self._gesture: tuple[frozenset[str], float] = (frozenset(), -ONE_GESTURE)
+        scene.param.watch(self._remember, [name for name in scene.param if name not in NOT_UNDONE])
+
+    def _remember(self, *events: Any) -> None:
+        names, at = frozenset(event.name for event in events), self._clock()
+        same, when = self._gesture
+        follows = at - when < AT_ONCE and bool(self._past)
+        if not follows and (names != same or at - when > ONE_GESTURE):
+            self._past = [*self._past, self._now][-MAX_STEPS_BACK:]
+        self._gesture, self._now = (same if follows else names, at), self.scene.settings()
+        self._future = []
+        self.param.update(possible=True, repeatable=False)
+
+    def undo(self) -> None:
+        """Go one gesture back; nothing where there is none."""
+        if self._past:
+            *earlier, before = self._past
+            self._go(before, earlier, [*self._future, self._now])
+
+    def redo(self) -> None:
+        """Take an `undo` back; nothing where there is none since the last gesture."""
+        if self._future:
+            *later, after = self._future
+            self._go(after, [*self._past, self._now], later)
+
+    def _go(self, settings: dict[str, Any], past: list[dict[str, Any]], future: list[dict[str, Any]]) -> None:
+        self.scene.restore({**settings, **{name: getattr(self.scene, name) for name in NOT_UNDONE if name != "name"}})
+        self._past, self._future = past, future
+        self._now, self._gesture = self.scene.settings(), (frozenset(), -ONE_GESTURE)
+        self.param.update(possible=bool(past), repeatable=bool(future))

@@ -1,0 +1,326 @@
+"""The link: a whole scene as the part of an address after “?”, and back.
+
+A link names only what differs from the usual settings of its system, in words and exact decimals. When one is read,
+each value passes `Scene.accept` by itself: what is broken or unknown is named to the person, and it alone is replaced.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from typing import Any
+from urllib.parse import quote, unquote
+
+import core
+from pwsviz.scene.scene import MAX_STARTS, PEERS, Scene, Start
+from pwsviz.scene.serialization import packed, shown, unpacked, visible
+from pwsviz.scene.validation import MAX_STEPS, require_few_steps
+
+VERSION = 1
+MAX_LENGTH = 32_000
+"""Characters of a link: more than `query` writes."""
+MAX_OWN = 8_000
+"""Characters that a person's own system may take in a link."""
+MAX_VALUE = 400
+"""Characters of a value that is a word, a number or a short list."""
+MAX_COMPLAINTS = 20
+MAX_REASON = 400
+"""Characters of what is said against one value."""
+MAX_DIGITS = 40
+"""Characters of a number."""
+
+_FIRST = ("methods", "own", "system")
+"""Taken over first: integrators before a system that cannot use them all, then the system with all that is usual."""
+_WORDS = ("view", "study_method", "cost_across", "cost_up", "stability_part", "stability_shown")
+_LAST = (
+    "selected", "axes", "tolerance", "locate", "perturbation_order", "perturbation_scale", "peers", *_WORDS,
+    "stability_coordinate",
+)  # fmt: skip
+_SETTINGS = (*_FIRST, "starts", "tau", "t_end", *_LAST)
+_LISTS = {"methods": core.METHODS, "peers": PEERS}
+
+logger = logging.getLogger(__name__)
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+
+
+# Writing -------------------------------------------------------------------------------------------------------------
+
+
+def query(scene: Scene) -> str:
+    """Return the link of a scene, without the “?”.
+
+    Raises
+    ------
+    ValueError
+        Where the person's own system is too long for one.
+    """
+    usual, pieces = Scene(), [_piece("v", str(VERSION))]
+
+    def differs(key: str) -> bool:
+        return _text(scene, key) != _text(usual, key)
+
+    for key in filter(differs, _FIRST):  # lazily: what is usual depends on those before
+        pieces.append(_piece(key, _text(scene, key)))
+        if key == "own" and len(pieces[-1]) > MAX_OWN:
+            raise ValueError(f"Your own system is too long for a link: it may take {MAX_OWN:,} characters there.")
+        _take(usual, key, _text(scene, key))
+    for name, value in scene.values.items():
+        if _decimal(value) != _decimal(usual.values[name]):  # as text: -0.0 is not 0.0
+            pieces.append(_piece(_parameter_key(name), _decimal(value)))
+    pieces += [_piece(key, _text(scene, key)) for key in filter(differs, _SETTINGS[len(_FIRST) :])]
+    return "&".join(pieces)
+
+
+def _piece(key: str, text: str) -> str:
+    return f"{key}={quote(text, safe=',;:*/()')}"
+
+
+def _parameter_key(name: str) -> str:
+    """Return the key of a parameter, told apart from a setting of the same name."""
+    return f"value.{name}" if name in ("v", *_SETTINGS) else name
+
+
+def _text(scene: Scene, key: str) -> str:
+    """Return a setting as it stands in a link."""
+    value, variables = getattr(scene, key), scene.declaration.variables
+    match key:
+        case "own":
+            return "" if value is None else packed(value)
+        case "starts":
+            return ";".join(",".join(map(_decimal, start)) for start in value)
+        case "axes":
+            return ",".join(variables[k] for k in value)
+        case "stability_coordinate":
+            return str(variables[value])
+        case "locate":
+            return "on" if value else "off"
+        case "methods" | "peers":
+            return ",".join(value)
+        case "perturbation_order":
+            return str(value or "none")
+    return _decimal(value) if isinstance(value, float) else str(value)
+
+
+def _decimal(value: float) -> str:
+    """Return a float to the last digit, without the “+” that some readers of addresses take for a space."""
+    return repr(float(value)).replace("e+", "e")
+
+
+# Reading -------------------------------------------------------------------------------------------------------------
+
+
+def read(text: str) -> tuple[dict[str, Any], list[str]]:
+    """Return the settings that a link stands for, and what is wrong with it; never raise.
+
+    Parameters
+    ----------
+    text : str
+        The part of the address after “?”, with it or without.
+
+    Returns
+    -------
+    settings : dict
+        For `Scene.restore`. What the link does not say is as usual for its system.
+    complaints : list of str
+        For each value that is unknown, broken or repeated, which it is, why, and what is used instead. Plain text
+        without control characters, to be shown as text.
+    """
+    reader = _Reader(text)
+    return reader.scene.settings(), reader.complaints()
+
+
+def adopt(scene: Scene, text: str) -> list[str]:
+    """Let a scene become what a link says, and return what is wrong with it."""
+    settings, complaints = read(text)
+    scene.restore(settings)
+    return complaints
+
+
+class _Reader:
+    """Reads a link into a scene of its own, and remembers what is wrong with it."""
+
+    def __init__(self, text: str) -> None:
+        self.scene = Scene()
+        self._wrong: list[tuple[str, str]] = []  # and what there is instead, or of which setting, once all is read
+        self._given = self._split(text)
+        for key in _FIRST:
+            self._take_setting(key)
+        self._take_parameters()
+        self._take_starts()
+        self._take_times()
+        for key in _LAST:
+            self._take_setting(key)
+        for key in self._given:
+            system = shown(self.scene.declaration.name)
+            self._complain(f"“{shown(key)}” is neither a setting of this page nor a parameter of {system}.")
+
+    def complaints(self) -> list[str]:
+        """Return no more sentences than anybody reads."""
+        said = [visible(f"{wrong} {self._instead(what)}") for wrong, what in self._wrong[:MAX_COMPLAINTS]]
+        more = len(self._wrong) - len(said)
+        return [*said, f"And so on: {more:,} more parts of the link are wrong."] if more else said
+
+    def _instead(self, what: str) -> str:
+        return f"Used instead: {_text(self.scene, what) or 'none'}." if what in _SETTINGS else what
+
+    def _complain(self, wrong: str, instead: str = "It is left out.") -> None:
+        self._wrong.append((wrong, instead))
+
+    def _complain_of(self, key: str, reason: ValueError) -> None:
+        self._complain(f"{key} in the link: {shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
+
+    def _split(self, text: str) -> dict[str, str]:
+        """Return each key with its value; of several of one key the first."""
+        given: dict[str, str] = {}
+        text = text.removeprefix("?")
+        if len(text) > MAX_LENGTH:
+            self._complain(f"The link is {len(text):,} characters long.", f"It is cut at {MAX_LENGTH:,}.")
+            text = text[:MAX_LENGTH].rpartition("&")[0]  # a number cut short would be another number
+        for piece in filter(None, text.split("&")):
+            key, equals, value = piece.partition("=")
+            key = unquote(key)
+            if not equals:
+                self._complain(f"“{shown(key)}” in the link has no value: it takes key=value.")
+            elif key in given:
+                self._complain(f"“{shown(key)}” stands in the link again.", "The first is used.")
+            else:
+                given[key] = unquote(value)
+        if (version := given.pop("v", str(VERSION))) != str(VERSION):
+            wrong = f"The link is of version “{shown(version)}”, which this page does not know."
+            self._complain(wrong, f"It is read as version {VERSION}.")
+        return given
+
+    def _take_setting(self, key: str) -> None:
+        if key in _LISTS:
+            self._leave_out_unknown(key)
+        if key in self._given:
+            try:
+                _take(self.scene, key, self._given.pop(key))
+            except ValueError as reason:
+                self._complain_of(key, reason)
+
+    def _leave_out_unknown(self, key: str) -> None:
+        """Keep the names of a list that are known, if any is."""
+        names, known = self._given.get(key, "").split(","), _LISTS[key]
+        if kept := [name for name in names if name in known]:
+            self._given[key] = ",".join(dict.fromkeys(kept))
+            for name in [name for name in names if name not in known]:
+                self._complain(f"{key} in the link: “{shown(name)}” is none of {', '.join(known)}.")
+
+    def _take_parameters(self) -> None:
+        for name in self.scene.values:
+            key = _parameter_key(name)
+            if key in self._given:
+                try:
+                    self.scene.accept(f"values.{name}", _number(self._given.pop(key)))
+                except ValueError as reason:
+                    instead = f"Used instead: {_decimal(self.scene.values[name])}."
+                    self._complain(f"{key} in the link: {reason}", instead)
+
+    def _take_starts(self) -> None:
+        """Take over the starts that are possible; in place of another, the usual one."""
+        if "starts" not in self._given:
+            return
+        parts, usual = self._given.pop("starts").split(";"), self.scene.starts
+        if len(parts) > MAX_STARTS:
+            self._complain(f"The link has {len(parts):,} starts.", f"The first {MAX_STARTS} are used.")
+        starts = tuple(self._possible(number, part) for number, part in enumerate(parts[:MAX_STARTS], 1))
+        self.scene.param.update(starts=usual)
+        try:
+            self.scene.accept("starts", starts)
+        except ValueError as reason:  # with these parameters, the usual one is not possible either
+            self._complain_of("starts", reason)
+
+    def _possible(self, number: int, part: str) -> Start:
+        """Return one start, or the usual one where it is not possible."""
+        usual = self.scene.declaration.x0
+        try:
+            _take(self.scene, "starts", part)
+        except ValueError as reason:
+            instead = f"Used instead: {', '.join(map(_decimal, usual))}."
+            self._complain(f"Start {number} in the link: {reason}", instead)
+            return usual
+        return self.scene.x0
+
+    def _take_times(self) -> None:
+        """Take over step size and end time together: one of them alone may ask for too many steps.
+
+        Where one is broken, what is used instead suits the other; where both ask for too much, the run ends earlier.
+        """
+        times = {"tau": self.scene.tau, "t_end": self.scene.t_end}
+        broken = {key for key in times if key in self._given and not self._time(key, times)}
+        try:
+            require_few_steps(times["t_end"], times["tau"])
+        except ValueError as reason:
+            if "tau" in broken:
+                times["tau"] = times["t_end"] / MAX_STEPS
+            else:
+                times["t_end"] = times["tau"] * MAX_STEPS
+                if "t_end" not in broken:
+                    self._complain_of("t_end", reason)
+        self.scene.param.update(**times)
+
+    def _time(self, key: str, times: dict[str, float]) -> bool:
+        """Read one of the two, by a scene in which either alone asks for few steps; return whether it is one."""
+        roomy = Scene(tau=1.0, t_end=1e-3)
+        try:
+            _take(roomy, key, self._given.pop(key))
+        except ValueError as reason:
+            self._complain_of(key, reason)
+            return False
+        times[key] = getattr(roomy, key)
+        return True
+
+
+def _take(scene: Scene, key: str, text: str) -> None:
+    """Take over one setting from a link; ValueError where it makes no sense."""
+    limit = {"own": MAX_OWN, "starts": MAX_LENGTH}.get(key, MAX_VALUE)
+    if len(text) > limit:
+        raise ValueError(f"“{shown(text)}” is {len(text):,} characters long; at most {limit:,} can be read.")
+    value: object = text
+    variables = scene.declaration.variables
+    match key:
+        case "own":
+            _use(scene, text)
+            return
+        case "starts":
+            value = tuple(tuple(map(_number, part.split(","))) for part in text.split(";"))
+        case "axes":
+            value = tuple(_index(name, variables) for name in text.split(","))
+        case "stability_coordinate":
+            value = _index(text, variables)
+        case "selected":
+            value = int(text) if re.fullmatch("[0-9]{1,3}", text) else text
+        case "locate":
+            value = {"on": True, "off": False}.get(text, text)
+        case "methods" | "peers":
+            value = text.split(",") if text else []
+        case "perturbation_order":
+            value = {str(order or "none"): order for order in scene.param[key].objects}.get(text, text)
+        case "tau" | "t_end" | "tolerance" | "perturbation_scale":
+            value = _number(text)
+    scene.accept(key, value)
+
+
+def _use(scene: Scene, text: str) -> None:
+    """Take over a person's own system, or refuse it, whatever goes wrong with its mathematics."""
+    try:
+        scene.use(unpacked(text))
+    except ValueError:
+        raise
+    except Exception as failure:  # sympy and NumPy were never tried on this text before; the page has to open
+        logger.exception("a system in a link cannot be used: %r", text)
+        raise ValueError(f"this system cannot be used ({type(failure).__name__})") from failure
+
+
+def _number(text: str) -> str:
+    """Return the text of a number, if it is plain decimals; Python reads more than these as numbers."""
+    if len(text) > MAX_DIGITS or not _NUMBER.fullmatch(text):
+        raise ValueError(f"“{shown(text)}” is not a number. Write one such as 0.01 or 1e-3.")
+    return text
+
+
+def _index(name: str, variables: tuple[str, ...]) -> int:
+    if name not in variables:
+        raise ValueError(f"“{shown(name)}” is no variable of this system; it has {', '.join(variables)}.")
+    return variables.index(name)

@@ -1,0 +1,383 @@
+"""What the person chose, and nothing else: no widgets, no arrays.
+
+Every setting is checked here, in the units and words of the person who typed it. `Scene.accept` either takes
+a value over or raises a ValueError whose text can stand beside the field; a scene is therefore valid at all times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import param
+
+import core
+from core.integrate import checked_method, checked_start
+from pwsviz.geometry.projection import PLANE
+from pwsviz.scene.names import short_name
+from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
+
+MAX_COORDINATE = 1e6
+MAX_STARTS = 12
+"""Trajectories at once: each is drawn once for every integrator."""
+
+OWN = "own"
+"""Key of the system that the person typed."""
+
+VIEWS = {
+    "conserved": "Conserved quantity",
+    "order": "Order",
+    "time": "Crossing time",
+    "cost": "Cost",
+    "stability": "Stability",
+    "scheme": "Scheme",
+}
+"""The views beside the portrait, one at a time: key and title, in display order."""
+
+PEERS = {"scipy": "SciPy", "heyoka": "heyoka"}
+COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
+COST_UP = {"state": "state error", "time": "crossing time error", "invariant": "error of ψ"}
+STABILITY_PARTS = {"map": "Map", "drift": "Long run", "grazing": "Near grazing"}
+STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
+
+TOLERANCES = (1e-15, 1e-3)
+"""Least and greatest tolerance of an integrator that chooses its own steps."""
+
+END_TIMES = {"type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
+"""Least end times of systems that are slow: by the usual one they would just have reached the surface."""
+
+PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
+
+Start = tuple[float, ...]
+
+
+class Scene(param.Parameterized):
+    """The settings of one page: a system, where it starts, and how it is integrated."""
+
+    system: Any = param.Selector(
+        default="elliptic_curve", objects=[*core.CATALOGUE, OWN], doc="Key in `core.CATALOGUE`, or `OWN`."
+    )
+    own: Any = param.ClassSelector(default=None, class_=core.PiecewiseSystem, doc="The system the person typed.")
+    values = param.Dict(default={}, doc="Value of each parameter of the system.")
+    starts: Any = param.ClassSelector(default=(), class_=tuple, doc="Initial states, one for each trajectory.")
+    selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="The start whose run the views look into.")
+    axes: Any = param.ClassSelector(default=(0, 1), class_=tuple, doc="The two variables that span the portrait.")
+    methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
+    tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
+    tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of an integrator that chooses its own steps.")
+    t_end = param.Number(default=20.0, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
+    locate = param.Boolean(default=True, doc="Land on the surface at crossings (Mannshardt), or step over it.")
+    perturbation_order: Any = param.Selector(
+        default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the disturbance c·τᵖ of crossing times."
+    )
+    perturbation_scale = param.Number(default=1.0, bounds=(-10.0, 10.0), doc="Its factor c.")
+    view: Any = param.Selector(default="conserved", objects=list(VIEWS), doc="The view beside the portrait.")
+    study_method: Any = param.Selector(
+        default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator looks into."
+    )
+    peers = param.ListSelector(default=["scipy"], objects=list(PEERS), doc="Other people's integrators in Cost.")
+    cost_across: Any = param.Selector(default="seconds", objects=list(COST_ACROSS))
+    cost_up: Any = param.Selector(default="state", objects=list(COST_UP))
+    stability_part: Any = param.Selector(default="map", objects=list(STABILITY_PARTS))
+    stability_shown: Any = param.Selector(default="outcome", objects=list(STABILITY_SHOWN), doc="Colours of the map.")
+    stability_coordinate = param.Integer(default=0, bounds=(0, None), doc="The variable along the map's other axis.")
+
+    def __init__(self, **params: Any) -> None:
+        self._whole = False
+        super().__init__(**params)
+        chosen = self.declaration
+        missing = {"values": dict(chosen.values), "starts": (chosen.x0,), "t_end": self._long_enough()}
+        self.param.update(**{name: value for name, value in missing.items() if name not in params})
+
+    # What it says ----------------------------------------------------------------------------------------------------
+
+    @property
+    def declaration(self) -> core.PiecewiseSystem:
+        """The chosen system, at the values it was declared with."""
+        return self.own if self.system == OWN and self.own is not None else core.CATALOGUE[self.system]
+
+    @property
+    def x0(self) -> Start:
+        """The start that the views look into."""
+        return tuple(self.starts[min(self.selected, len(self.starts) - 1)])
+
+    @property
+    def offered(self) -> list[str]:
+        """Integrators that can be used with the system."""
+        return [name for name in core.METHODS if _can_use(self.declaration, name)]
+
+    @property
+    def used(self) -> list[str]:
+        """The chosen integrators that can be used with the system; one that can, where none of them can.
+
+        The others stay chosen: another system brings them back.
+        """
+        offered = self.offered
+        return [name for name in self.methods if name in offered] or offered[:1]
+
+    @property
+    def steady(self) -> list[str]:
+        """Those used that take steps of one size, and so have an order; one of those offered, where none has."""
+        steady = [name for name in self.used if not core.METHODS[name].adaptive]
+        return steady or [name for name in self.offered if not core.METHODS[name].adaptive][:1]
+
+    @property
+    def looked_into(self) -> str:
+        """The integrator that a view of one integrator looks into: `study_method` where it is used."""
+        return self.study_method if self.study_method in self.used else self.used[0]
+
+    @property
+    def order_method(self) -> str:
+        """The integrator whose order is looked into."""
+        return self.study_method if self.study_method in self.steady else self.steady[0]
+
+    def build(self) -> core.PiecewiseSystem:
+        """Return the chosen system at the chosen parameter values."""
+        return self.declaration.with_parameters(**self.values)
+
+    def settings(self) -> dict[str, Any]:
+        """Return all settings: `restore` brings this very scene back."""
+        return {name: getattr(self, name) for name in self.param if name != "name"}
+
+    # Changing it -----------------------------------------------------------------------------------------------------
+
+    def restore(self, settings: Mapping[str, Any]) -> None:
+        """Take over all of some scene's settings at once; nothing of what was before remains."""
+        with self._as_a_whole():
+            self.param.update(**settings)
+
+    def load(self, settings: Mapping[str, Any]) -> None:
+        """Begin anew with some settings, the rest being the usual ones; a system of one's own is kept.
+
+        Raises
+        ------
+        ValueError
+            As `accept`; the scene is then unchanged.
+        """
+        fresh = Scene(own=self.own)
+        given = dict(settings)
+        fresh.accept("system", given.pop("system", fresh.system))
+        for name, value in given.pop("values", {}).items():
+            fresh.accept(f"values.{name}", value)
+        fresh.tau = fresh.param["tau"].bounds[1]  # so that any end time will do
+        for name in ("t_end", "tau", "methods", "starts"):
+            fresh.accept(name, given.pop(name, Scene.param[name].default if name == "tau" else getattr(fresh, name)))
+        for name, value in given.items():
+            fresh.accept(name, value)
+        self.restore(fresh.settings())
+
+    @contextmanager
+    def _as_a_whole(self) -> Iterator[None]:
+        """Let a system come with its own start and values, in place of the usual ones."""
+        self._whole = True
+        try:
+            yield
+        finally:
+            self._whole = False
+
+    def use(self, system: core.PiecewiseSystem) -> None:
+        """Take over a system that the person declared, as it starts.
+
+        Raises
+        ------
+        ValueError
+            Where it has too few variables for a portrait, or cannot start at its start.
+        """
+        if system.dimension < PLANE:
+            raise ValueError("A portrait needs two variables at least.")
+        changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1)}
+        checked_start(system, 0.0, system.x0)
+        with self._as_a_whole():
+            self.param.update(own=system, system=OWN, stability_coordinate=0, **changes)
+
+    @param.depends("system", watch=True)
+    def _start_afresh(self) -> None:
+        if self._whole:
+            return
+        if self.system == OWN and self.own is None:
+            raise ValueError("There is no system of one's own yet.")
+        chosen = self.declaration
+        self.param.update(
+            values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=(0, 1), stability_coordinate=0,
+            t_end=self._long_enough(),
+        )  # fmt: skip
+
+    def _long_enough(self) -> float:
+        """Return the end time, later where the system is slow, but no later than the step size allows."""
+        wanted = max(self.t_end, END_TIMES.get(self.system, 0.0))
+        return float(max(self.t_end, min(wanted, self.tau * MAX_STEPS)))
+
+    def place(self, start: Start) -> None:
+        """Add a trajectory, and look into it.
+
+        Raises
+        ------
+        ValueError
+            Where it cannot start there, or there are as many as fit.
+        """
+        if len(self.starts) >= MAX_STARTS:
+            raise ValueError(f"There are {MAX_STARTS} trajectories already: remove one first.")
+        added = self._checked_start(start)
+        self.param.update(starts=(*self.starts, added), selected=len(self.starts))
+
+    def move(self, index: int, start: Start) -> None:
+        """Let one trajectory start elsewhere, and look into it; ValueError where it cannot."""
+        starts = list(self.starts)
+        starts[index] = self._checked_start(start)
+        self.param.update(starts=tuple(starts), selected=index)
+
+    def remove(self, index: int) -> None:
+        """Take one trajectory away; ValueError if it is the last one."""
+        if len(self.starts) == 1:
+            raise ValueError("One trajectory has to stay.")
+        starts = self.starts[:index] + self.starts[index + 1 :]
+        selected = self.selected - (self.selected > index)
+        self.param.update(selected=min(selected, len(starts) - 1), starts=starts)
+
+    # Taking over what a person typed, or a link says -----------------------------------------------------------------
+
+    def accept(self, field: str, value: object) -> None:
+        """Take over one setting.
+
+        Parameters
+        ----------
+        field : str
+            Name of a setting; ``"x0"`` or ``"x0.<index>"`` for the selected start or one coordinate of it,
+            ``"values.<name>"`` for one parameter.
+        value : object
+            What the setting takes, or a number's text; for ``"methods"`` and ``"peers"`` a list of names.
+
+        Raises
+        ------
+        ValueError
+            Where the value makes no sense, in plain words; the scene is then unchanged.
+        """
+        name, _, part = field.partition(".")
+        if name == "x0":
+            self.move(self.selected, self._checked_x0(part, value))
+            return
+        checks: dict[str, Callable[[str, object], Any]] = {
+            "tau": self._checked_tau,
+            "tolerance": self._checked_tolerance,
+            "t_end": self._checked_end,
+            "perturbation_scale": self._checked_scale,
+            "methods": self._checked_methods,
+            "peers": self._checked_peers,
+            "starts": self._checked_starts,
+            "selected": self._checked_selected,
+            "axes": self._checked_axes,
+            "values": self._checked_values,
+            "locate": self._checked_switch,
+            "stability_coordinate": self._checked_coordinate,
+            "system": self._checked_system,
+        }
+        check = checks.get(name)
+        if check is None and not (name in self.param and isinstance(self.param[name], param.Selector)):
+            raise ValueError(f"“{name}” is no setting of this page.")
+        self.param.update(**{name: check(part, value) if check else self._checked_choice(name, value)})
+
+    def _checked_tau(self, _: str, value: object) -> float:
+        tau = number(value, "The step size", *self.param["tau"].bounds)
+        require_few_steps(self.t_end, tau)
+        return tau
+
+    def _checked_tolerance(self, _: str, value: object) -> float:
+        return number(value, "The tolerance", *self.param["tolerance"].bounds)
+
+    def _checked_end(self, _: str, value: object) -> float:
+        t_end = number(value, "The end time", *self.param["t_end"].bounds)
+        require_few_steps(t_end, self.tau)
+        return t_end
+
+    def _checked_scale(self, _: str, value: object) -> float:
+        return number(value, "The factor", *self.param["perturbation_scale"].bounds)
+
+    def _checked_methods(self, _: str, value: object) -> list[str]:
+        if not isinstance(value, list) or not value:
+            raise ValueError("Choose at least one integrator.")
+        _require_known(value, core.METHODS, "an integrator")
+        resting = set(self.methods) - set(self.offered)
+        return [name for name in core.METHODS if name in value or name in resting]
+
+    def _checked_peers(self, _: str, value: object) -> list[str]:
+        if not isinstance(value, list):
+            raise ValueError(f"“{value}” is no list of integrators.")
+        _require_known(value, PEERS, "an integrator to compare with")
+        return [name for name in PEERS if name in value]
+
+    def _checked_system(self, _: str, value: object) -> str:
+        if value == OWN and self.own is None:
+            raise ValueError("There is no system of one's own yet.")
+        return str(self._checked_choice("system", value))
+
+    def _checked_choice(self, name: str, value: object) -> object:
+        objects = self.param[name].objects
+        if not any(value == known and type(value) is type(known) for known in objects):
+            raise ValueError(f"“{value}” is none of {', '.join(str(known or 'none') for known in objects)}.")
+        return value
+
+    def _checked_switch(self, _: str, value: object) -> bool:
+        if not isinstance(value, bool):
+            raise ValueError(f"“{value}” is neither on nor off.")
+        return value
+
+    def _checked_x0(self, index: str, value: object) -> Start:
+        if not index:
+            return self._checked_start(value)
+        wanted: list[Any] = list(self.x0)
+        wanted[int(index)] = value
+        return self._checked_start(tuple(wanted))
+
+    def _checked_start(self, value: object) -> Start:
+        wanted = value if isinstance(value, tuple) else ()
+        names = self.declaration.variables
+        if len(wanted) != len(names):
+            raise ValueError(f"A start needs {len(names)} numbers: {', '.join(names)}.")
+        start = tuple(number(x, name, -MAX_COORDINATE, MAX_COORDINATE) for name, x in zip(names, wanted, strict=True))
+        return checked_start(self.build(), 0.0, start)
+
+    def _checked_starts(self, _: str, value: object) -> tuple[Start, ...]:
+        if not isinstance(value, tuple) or not 1 <= len(value) <= MAX_STARTS:
+            raise ValueError(f"From 1 to {MAX_STARTS} trajectories are possible.")
+        return tuple(self._checked_start(start) for start in value)
+
+    def _checked_selected(self, _: str, value: object) -> int:
+        return _whole_number(value, "The number of the selected start", len(self.starts))
+
+    def _checked_coordinate(self, _: str, value: object) -> int:
+        return _whole_number(value, "The number of a variable", len(self.declaration.variables))
+
+    def _checked_axes(self, _: str, value: object) -> tuple[int, int]:
+        d = len(self.declaration.variables)
+        whole = isinstance(value, tuple) and len(value) == 2 and all(type(i) is int and 0 <= i < d for i in value)
+        if not isinstance(value, tuple) or not whole or value[0] == value[1]:
+            raise ValueError(f"“{value}” are no two of the {d} variables, counted from 0.")
+        return value
+
+    def _checked_values(self, name: str, value: object) -> dict[str, float]:
+        parameters = {p.name: p for p in self.declaration.parameters}
+        if name not in parameters:
+            raise ValueError(f"“{name}” is no parameter of this system; it has {', '.join(parameters) or 'none'}.")
+        low, high = parameters[name].bounds or (-MAX_COORDINATE, MAX_COORDINATE)
+        return {**self.values, name: number(value, short_name(parameters[name]), low, high)}
+
+
+def _can_use(system: core.PiecewiseSystem, method: str) -> bool:
+    try:
+        checked_method(system, method)
+    except ValueError:
+        return False
+    return True
+
+
+def _require_known(names: list[Any], known: Mapping[str, Any], what: str) -> None:
+    for name in names:
+        if name not in known:
+            raise ValueError(f"“{name}” is not {what}; there are {', '.join(known)}.")
+
+
+def _whole_number(value: object, subject: str, count: int) -> int:
+    if type(value) is not int or not 0 <= value < count:
+        raise ValueError(f"{subject} has to lie between 0 and {count - 1}; it is “{value}”.")
+    return value

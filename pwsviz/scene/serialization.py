@@ -1,0 +1,126 @@
+"""A person's own system as JSON, and back: whatever is no such description is refused in words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import fields
+from typing import Any, NoReturn
+
+import core
+from pwsviz.geometry.projection import PLANE
+
+__all__ = ["packed", "shown", "unpacked", "visible"]
+
+SHOWN = 40
+"""Characters of a broken text that are shown."""
+
+
+def packed(system: core.PiecewiseSystem) -> str:
+    """Return a declaration as JSON, without what goes without saying."""
+    given, values = _differing(system), system.values
+    given["parameters"] = [_differing(parameter) for parameter in system.parameters]
+    given["values"] = {  # compared as text: -0.0 is not 0.0
+        q.name: values[q.name] for q in system.parameters if repr(values[q.name]) != repr(q.default)
+    }
+    return json.dumps({name: value for name, value in given.items() if value not in ({}, [])}, separators=(",", ":"))
+
+
+def _differing(record: Any) -> dict[str, Any]:
+    return {f.name: getattr(record, f.name) for f in fields(record) if getattr(record, f.name) != f.default}
+
+
+def unpacked(text: str) -> core.PiecewiseSystem:
+    """Return the system that a description declares.
+
+    Raises
+    ------
+    ValueError
+        Where it is no description of one, or the system is refused, in words to be shown as text.
+    """
+    try:
+        given = json.loads(text, parse_constant=_refuse)
+    except (ValueError, RecursionError):
+        raise ValueError(f"“{shown(text)}” is no description of a system.") from None
+    parts = _checked(given, _SYSTEM, "system", ("name", "variables", "f_minus", "f_plus", "g"))
+    system = core.PiecewiseSystem(**parts)
+    if system.dimension < PLANE:
+        raise ValueError(f"{system.variables[0]} alone makes no portrait: two variables are needed")
+    return system
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no finite number")
+
+
+def _checked(given: Any, parts: dict[str, Callable[[Any], Any]], what: str, needed: Iterable[str]) -> dict[str, Any]:
+    """Return the parts of a record, each of its kind."""
+    if not isinstance(given, dict):
+        raise ValueError(f"{_quoted(given)} is no {what}.")
+    if missing := [name for name in needed if name not in given]:
+        raise ValueError(f"The {what} lacks its {missing[0]}.")
+    if unknown := [name for name in given if name not in parts]:
+        raise ValueError(f"“{shown(unknown[0])}” is no part of a {what}.")
+    return {name: parts[name](value) for name, value in given.items()}
+
+
+def _word(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"{_quoted(value)} is no text.")
+    return value
+
+
+def _float(value: Any) -> float:
+    if type(value) not in (int, float):
+        raise ValueError(f"{_quoted(value)} is no number.")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{_quoted(value)} is too large.") from None
+
+
+def _list_of(kind: Callable[[Any], Any]) -> Callable[[Any], tuple[Any, ...]]:
+    def checked(value: Any) -> tuple[Any, ...]:
+        if not isinstance(value, list):
+            raise ValueError(f"{_quoted(value)} is no list.")
+        return tuple(map(kind, value))
+
+    return checked
+
+
+def _parameter(value: Any) -> core.Parameter:
+    parts = {"name": _word, "default": _float, "bounds": _list_of(_float), "doc": _word, "latex": _word}
+    return core.Parameter(**_checked(value, parts, "parameter", ("name", "default")))
+
+
+def _values(value: Any) -> dict[str, float]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{_quoted(value)} are no values of parameters.")
+    return {name: _float(number) for name, number in value.items()}
+
+
+_SYSTEM: dict[str, Callable[[Any], Any]] = {
+    **dict.fromkeys(("name", "g", "doc"), _word),
+    **dict.fromkeys(("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "jump"), _list_of(_word)),
+    "parameters": _list_of(_parameter),
+    "x0": _list_of(_float),
+    "values": _values,
+}
+
+
+# Broken text, as it is shown -----------------------------------------------------------------------------------------
+
+
+def shown(text: str, most: int = SHOWN) -> str:
+    """Return the start of a text, fit to be shown to a person."""
+    return visible(text if len(text) <= most else text[: most - 1] + "…")
+
+
+def _quoted(value: object) -> str:
+    """Return what stands in place of something else in a description; a nest of lists is not written out."""
+    return f"“{shown(str(value))}”" if isinstance(value, str | int | float) else f"a {type(value).__name__}"
+
+
+def visible(text: str) -> str:
+    """Return a text with marks in place of characters that cannot be seen, or would turn others round."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

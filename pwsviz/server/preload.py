@@ -1,0 +1,26 @@
+"""What Panel runs once in each process of the server (``--setup``): the first visitor then need not wait.
+
+Importing takes seconds and is done at once, so that it does not hold up a visitor; the first picture, for which
+integrators are compiled or loaded, is computed beside the server. A visitor who comes meanwhile shares the result.
+"""
+
+from __future__ import annotations
+
+from threading import Thread
+
+from pwsviz.page.explorer import RESULTS
+from pwsviz.results.requests import beside_inputs, run_inputs
+from pwsviz.results.results import PortraitInputs
+from pwsviz.scene.scene import Scene
+
+
+def compute_first_scene() -> None:
+    """Compute what a fresh page shows, into the cache that all visitors share."""
+    scene = Scene()
+    runs = run_inputs(scene)
+    RESULTS.pictures(PortraitInputs(runs, beside_inputs(scene), scene.axes))
+    RESULTS.error_curves(runs)
+
+
+if __name__ == "panel_setup_module":
+    Thread(target=compute_first_scene, name="pwsviz-preload", daemon=True).start()

@@ -1,0 +1,109 @@
+"""Work off the event loop, where only the newest request counts."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from threading import Condition, Event, Thread
+from time import monotonic
+from typing import Any
+
+from pwsviz.results.cache import Cancelled
+
+logger = logging.getLogger(__name__)
+
+Cancel = Callable[[], bool]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One request.
+
+    Parameters
+    ----------
+    compute : callable
+        Takes a question whether to give up, and returns a value.
+    deliver : callable
+        Is told the value, or the exception that came instead; nothing if the job was cancelled.
+    quiet : float
+        Seconds without a newer job before it is started: a dragged slider starts long work when it rests.
+    patience : float
+        Seconds after which it is given up once a newer one waits. Work as short as a few frames is finished and shown,
+        so that the picture keeps moving under a dragged slider.
+    """
+
+    compute: Callable[[Cancel], Any]
+    deliver: Callable[[Any], None]
+    quiet: float = 0.0
+    patience: float = 0.0
+    given_up: Event = field(default_factory=Event)
+
+
+class Lane:
+    """Runs one job at a time in a thread; a newer job replaces the one that waits."""
+
+    def __init__(self) -> None:
+        self._changed = Condition()
+        self._waiting: Job | None = None
+        self._running: Job | None = None
+        self._thread: Thread | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether a job waits or runs."""
+        with self._changed:
+            return self._waiting is not None or self._running is not None
+
+    def submit(self, job: Job) -> None:
+        """Ask for `job`, in place of any that still waits."""
+        with self._changed:
+            self._waiting = job
+            if self._thread is None:
+                self._thread = Thread(target=self._drain, name="pwsviz-lane", daemon=True)
+                self._thread.start()
+            self._changed.notify_all()
+
+    def cancel(self) -> None:
+        """Drop what waits and give up what runs."""
+        with self._changed:
+            self._waiting = None
+            if self._running is not None:
+                self._running.given_up.set()
+            self._changed.notify_all()
+
+    def join(self, timeout: float | None = None) -> bool:
+        """Wait until nothing is left to do; return whether that came true in time."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._thread is None, timeout)
+
+    def _drain(self) -> None:
+        while (job := self._next()) is not None:
+            try:
+                outcome = job.compute(partial(self._given_up, job, monotonic()))
+            except Cancelled:
+                continue
+            except Exception as reason:  # whatever went wrong has to reach the person, not die with a thread
+                if not isinstance(reason, ValueError):
+                    logger.exception("A computation failed")
+                outcome = reason
+            job.deliver(outcome)
+
+    def _given_up(self, job: Job, started: float) -> bool:
+        return job.given_up.is_set() or (self._waiting is not None and monotonic() - started > job.patience)
+
+    def _replaced(self, job: Job) -> bool:
+        return self._waiting is not job
+
+    def _next(self) -> Job | None:
+        with self._changed:
+            self._running = None
+            while self._waiting is not None:
+                candidate = self._waiting
+                if not self._changed.wait_for(partial(self._replaced, candidate), candidate.quiet):
+                    self._running, self._waiting = candidate, None
+                    return candidate
+            self._thread = None
+            self._changed.notify_all()
+            return None

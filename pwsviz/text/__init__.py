@@ -1,0 +1,1 @@
+"""Words and mathematics as they stand on the page."""

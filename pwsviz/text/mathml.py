@@ -1,0 +1,421 @@
+"""Mathematics as a browser shows it: sympy → presentation MathML, nothing loaded from outside, and LaTeX to copy.
+
+sympy's own MathML printer writes names as raw markup and drops the brackets of x − (y + z), so this one is written on
+its plain `Printer`. Whatever a name holds, it comes out as text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from html import escape
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import sympy
+from sympy import Expr, Symbol
+from sympy.printing.pretty.pretty_symbology import greek_unicode
+from sympy.printing.printer import Printer
+
+import core
+from core.symbolic.expressions import TIME
+from core.symbolic.multiplier import DividedDifference
+
+__all__ = [
+    "TOO_LONG",
+    "Names",
+    "Shown",
+    "equation",
+    "formula",
+    "latex",
+    "markup",
+    "name_markup",
+    "names_of",
+    "too_long",
+]
+
+#: How each symbol is typeset, in LaTeX: also what `sympy.latex` takes as ``symbol_names``.
+Names: TypeAlias = Mapping[Symbol, str]
+#: What an equation can have on its right: an expression, a matrix, or the components of a vector.
+Shown: TypeAlias = Expr | sympy.MatrixBase | Sequence[Expr]
+
+MAX_OPERATIONS = 400  #: of one expression
+MAX_DEPTH = 60  #: of nested operations
+MAX_DIGITS = 40  #: of a whole number; longer ones are rounded
+TOO_LONG = "too long to typeset"  #: what stands in place of an expression beyond these
+
+_TIMES, _APPLY, _DOT = "<mo>&#8290;</mo>", "<mo>&#8289;</mo>", "<mo>⋅</mo>"
+_ACCENTS = {"hat": "^", "bar": "‾", "tilde": "~", "vec": "→", "dot": "˙", "ddot": "¨"}
+_SIGNS = {"-": "−", "'": "′"}
+_COMMANDS = {
+    "pm": "±", "sum": "∑", "cdots": "⋯", "ldots": "…", "leftarrow": "←", "circ": "∘", "top": "⊤",
+}  # fmt: skip
+_ACCENTED = "|".join(_ACCENTS)
+#: A base with at most one subscript and one superscript, each a character, a command or a group in braces. What has
+#: been matched is never given back (++), so that no text takes long.
+_SCRIPT = r"(?:[_^](?:\{[^{}]*\}|\\[A-Za-z]++|[^\\{}\s]))"
+_BASE = rf"(?:\\(?:{_ACCENTED})\{{[^{{}}]*\}}|\\[A-Za-z]++|[^\\_^{{}}])++"
+_NAME = re.compile(rf"(?P<base>{_BASE})(?P<scripts>{_SCRIPT}{{0,2}})")
+_PIECE = re.compile(rf"\\({_ACCENTED})\{{([^{{}}]*)\}}|\\([A-Za-z]+)|([^\W\d_]+)|(\d+(?:\.\d+)?)|(\S)")
+
+
+def markup(expression: Shown, names: Names | None = None) -> str:
+    """Typeset an expression, a matrix or a vector.
+
+    Parameters
+    ----------
+    expression
+        What to typeset; a sequence becomes a column.
+    names
+        LaTeX of symbols, as from `names_of`; from the symbol's own name where not given.
+
+    Returns
+    -------
+    str
+        The inside of a ``<math>`` element. An expression of more than 400 operations is not typeset: it says so.
+    """
+    return _Printer(dict(names or {})).doprint(_one(expression))
+
+
+def equation(left: str | Expr, right: Shown, names: Names | None = None) -> str:
+    """Typeset left = right as a whole ``<math>`` element, and say it in plain characters to those who cannot see it.
+
+    Parameters
+    ----------
+    left
+        An expression, or the LaTeX of a name such as ``f_{-}``.
+    right
+        What it is equal to.
+    """
+    shown = name_markup(left) if isinstance(left, str) else markup(left, names)
+    said = _said_name(left) if isinstance(left, str) else _said(left)
+    return _whole(f"{shown}<mo>=</mo>{markup(right, names)}", f"{said} = {_said(right)}")
+
+
+def formula(text: str) -> str:
+    r"""Typeset a formula in a whole ``<math>`` element: names, signs and brackets with spaces between them.
+
+    As in ``x_{k+1} = x_{k} + \tau f^{\tau}``; each piece is typeset by `name_markup`.
+    """
+    return _whole("".join(map(name_markup, text.split())), _said_name(text))
+
+
+def _whole(inside: str, words: str) -> str:
+    said = _plain(words)
+    return f'<math display="block" alttext="{said}" aria-label="{said}"><mrow>{inside}</mrow></math>'
+
+
+def latex(expression: Shown, names: Names | None = None) -> str:
+    """Return the LaTeX source of what `markup` typesets, as text: escape it before it goes into a page."""
+    shown = _one(expression)
+    if any(map(too_long, _parts(shown))):
+        return rf"\text{{{TOO_LONG}}}"
+    written = {s: (names or {}).get(s, _default_name(s.name)) for s in shown.free_symbols}
+    return str(sympy.latex(_explicit(shown), symbol_names=written))
+
+
+def _one(shown: Shown) -> Any:
+    """Make a column of a sequence."""
+    return shown if isinstance(shown, Expr | sympy.MatrixBase) else sympy.Matrix(list(shown))
+
+
+def _parts(shown: Any) -> list[Any]:
+    """Return what is bounded and typeset by itself: the entries of a matrix."""
+    return list(shown) if isinstance(shown, sympy.MatrixBase) else [shown]
+
+
+def names_of(system: core.PiecewiseSystem) -> Names:
+    """Return how the symbols of a system are typeset: a₋ for ``a_minus``, ω for ``omega``, x₀ and x₁ for a step's ends.
+
+    Returns
+    -------
+    Mapping
+        Symbol -> LaTeX, for the variables, the parameters, and both ends of a step of the discrete multiplier method.
+    """
+    names = {Symbol(p.name): p.symbol for p in system.parameters}
+    ends = system.laws.sides[1].discrete.ends
+    inputs = (*ends.variables, TIME)
+    names |= {symbol: _default_name(symbol.name) for symbol in inputs}
+    for k, at in enumerate((ends.at_start, ends.at_end)):
+        names |= {Symbol(str(at[symbol])): _indexed(names[symbol], k) for symbol in inputs}
+    return names
+
+
+def _indexed(name: str, k: int) -> str:
+    """LaTeX of a name at the start (0) or the end (1) of a step."""
+    return f"{name[:-1]},{k}}}" if "_{" in name else f"{name}_{{{k}}}"
+
+
+def too_long(expression: Expr | sympy.MatrixBase) -> bool:
+    """Return whether an expression is larger or deeper than what is typeset; found without walking all of it."""
+    open_nodes: list[tuple[Any, int]] = [(expression, 0)]
+    operations = 0
+    while open_nodes:
+        node, depth = open_nodes.pop()
+        operations += max(1, len(node.args) - 1) if node.args else 0
+        if operations > MAX_OPERATIONS or depth > MAX_DEPTH:
+            return True
+        open_nodes += [(arg, depth + 1) for arg in node.args]
+    return False
+
+
+def name_markup(text: str) -> str:
+    r"""Typeset the LaTeX of a name, such as ``\omega^2_{-}`` or ``\hat{t}``; whatever else it is is shown as text."""
+    name = _NAME.fullmatch(text.strip())
+    found = re.findall(_SCRIPT, name["scripts"]) if name else []
+    if name is None or len({script[0] for script in found}) < len(found):  # two of a kind are no name either
+        return f"<mtext>{_plain(text)}</mtext>"
+    scripts = {script[0]: _pieces(script[1:].strip("{}")) for script in found if script[1:] != "{}"}
+    base = _pieces(name["base"])
+    match sorted(scripts):
+        case ["^", "_"]:
+            return f"<msubsup>{base}{scripts['_']}{scripts['^']}</msubsup>"
+        case ["_"]:
+            return f"<msub>{base}{scripts['_']}</msub>"
+        case ["^"]:
+            return f"<msup>{base}{scripts['^']}</msup>"
+    return base
+
+
+def _pieces(text: str) -> str:
+    """Typeset letters, figures and signs one after another, as one element."""
+    row = []
+    for accent, accented, command, word, number, sign in _PIECE.findall(text):
+        if accent:
+            row.append(f'<mover accent="true">{_pieces(accented)}<mo>{_ACCENTS[accent]}</mo></mover>')
+        elif number:
+            row.append(f"<mn>{number}</mn>")
+        elif sign or command in _COMMANDS:
+            row.append(_operator(_COMMANDS.get(command) or _SIGNS.get(sign, sign)))
+        else:
+            row.append(f"<mi>{_plain(greek_unicode.get(command, command) or word)}</mi>")
+    return row[0] if len(row) == 1 else f"<mrow>{''.join(row)}</mrow>"
+
+
+def _operator(sign: str) -> str:
+    low = ' stretchy="false"' * (sign in "()")  # as high as a line
+    return f"<mo{low}>{_plain(sign)}</mo>"
+
+
+def _plain(text: str) -> str:
+    """Escape text; control characters, which no page may hold, are shown as a replacement character."""
+    return escape("".join(c if c.isprintable() else "\ufffd" for c in text))
+
+
+def _default_name(name: str) -> str:
+    """LaTeX of a symbol's name; the endings _minus and _plus become the sign of the side."""
+    for word, sign in (("_minus", "-"), ("_plus", "+")):
+        if name.endswith(word):
+            return rf"{sympy.latex(Symbol(name.removesuffix(word)))}_{{{sign}}}"
+    return str(sympy.latex(Symbol(name)))
+
+
+def _said_name(text: str) -> str:
+    """LaTeX of a name or a formula in plain characters."""
+    plain = re.sub(rf"\\({_ACCENTED})\{{([^{{}}]*)\}}", r"\2-\1", text)
+    plain = re.sub(r"\\([A-Za-z]+)", lambda found: _COMMANDS.get(found[1], found[1]), plain)
+    return re.sub(r"[\\{}]", "", plain)
+
+
+def _said(shown: Shown) -> str:
+    """An expression in plain characters: x^2 for a square."""
+    parts = _parts(_one(shown))
+    words = [TOO_LONG if too_long(p) else sympy.sstr(_explicit(p), full_prec=False) for p in parts]
+    said = ", ".join(words).replace("**", "^").replace("*", " ")
+    return said if isinstance(shown, Expr) else f"({said})"
+
+
+def _explicit(expression: Any) -> Any:
+    """Write divided differences by the identities that compute them, means as (a + b)/2, long numbers rounded."""
+    shown = expression.replace(lambda u: isinstance(u, DividedDifference), _identity)
+    return shown.replace(_is_long, lambda u: u.evalf(15)).replace(_is_sum, _with_means)
+
+
+def _is_long(u: Any) -> bool:
+    return bool(u.is_Rational) and max(abs(u.p), u.q) >= 10**MAX_DIGITS
+
+
+def _is_sum(u: Any) -> bool:
+    return bool(u.is_Add)
+
+
+def _with_means(total: Expr) -> Expr:
+    """Write a/2 + b/2 as (a + b)/2, and so for every denominator that two terms share."""
+    shared: dict[Expr, list[Expr]] = {}
+    for term in total.args:
+        number, rest = term.as_coeff_Mul()
+        size = abs(number) if number.is_Rational and number.q > 1 else sympy.S.One
+        shared.setdefault(size, []).append(term if size == 1 else rest * (number / size))
+    parts = []
+    for size, found in shared.items():
+        if size == 1 or len(found) == 1:
+            parts += [size * term for term in found]
+            continue
+        sign = -1 if all(map(_negative, found)) else 1
+        parts.append(sympy.Mul(sign * size, sympy.Add(*(sign * term for term in found)), evaluate=False))
+    return sympy.Add(*parts)
+
+
+def _identity(difference: DividedDifference) -> Expr:
+    a, b = difference.args
+    mean, half, sinhc = (a + b) / 2, (b - a) / 2, sympy.Function("sinhc")
+    found: dict[Any, Expr] = {
+        sympy.sin: sympy.cos(mean) * sympy.sinc(half),
+        sympy.cos: -sympy.sin(mean) * sympy.sinc(half),
+        sympy.tan: sympy.sinc(b - a) / (sympy.cos(a) * sympy.cos(b)),
+        sympy.exp: sympy.exp(mean) * sinhc(half),
+        sympy.log: (sympy.log(b) - sympy.log(a)) / (b - a),
+        sympy.sinh: sympy.cosh(mean) * sinhc(half),
+        sympy.cosh: sympy.sinh(mean) * sinhc(half),
+        sympy.tanh: sinhc(b - a) / (sympy.cosh(a) * sympy.cosh(b)),
+    }
+    return found[difference.phi]
+
+
+class _Printer(Printer):
+    """The recursion of `markup`: every method returns one MathML element."""
+
+    printmethod = "_mathml_text"
+    emptyPrinter = staticmethod(lambda expr: f"<mtext>{_plain(str(expr))}</mtext>")  # noqa: N815 - sympy's name
+
+    def __init__(self, names: Names) -> None:
+        super().__init__()
+        self._names = names
+
+    def doprint(self, expr: Any) -> str:
+        if any(map(too_long, _parts(expr))):
+            return f"<mtext>{TOO_LONG}</mtext>"
+        return str(self._print(_explicit(expr)))
+
+    # Leaves ----------------------------------------------------------------------------------------------------------
+
+    def _print_Symbol(self, u: Symbol) -> str:  # noqa: N802 - sympy's names, here and below
+        return name_markup(self._names.get(u, _default_name(u.name)))
+
+    def _print_Integer(self, u: Any) -> str:  # noqa: N802
+        return _signed(str(u))
+
+    def _print_Rational(self, u: Any) -> str:  # noqa: N802
+        part = f"<mfrac>{self._print(sympy.Integer(abs(u.p)))}{self._print(sympy.Integer(u.q))}</mfrac>"
+        return f"<mrow><mo>−</mo>{part}</mrow>" if u.p < 0 else part
+
+    def _print_Float(self, u: Any) -> str:  # noqa: N802
+        digits, _, power = sympy.sstr(u, full_prec=False).partition("e")
+        if not power:
+            return _signed(digits)
+        raised = f"<msup><mn>10</mn>{_signed(str(int(power)))}</msup>"
+        return f"<mrow>{_signed(digits)}{_DOT}{raised}</mrow>"
+
+    def _print_Pi(self, u: Any) -> str:  # noqa: N802
+        return "<mi>π</mi>"
+
+    def _print_Exp1(self, u: Any) -> str:  # noqa: N802
+        return "<mi>e</mi>"
+
+    # Sums and products -----------------------------------------------------------------------------------------------
+
+    def _print_Add(self, u: Any) -> str:  # noqa: N802
+        text = ""
+        for k, term in enumerate(_ordered(u)):
+            negative = _negative(term)
+            shown = self._in_brackets(-term if negative else term, term.is_Add or (-term).is_Add)
+            text += ("<mo>−</mo>" if negative else "<mo>+</mo>" * (k > 0)) + shown
+        return f"<mrow>{text}</mrow>"
+
+    def _print_Mul(self, u: Any) -> str:  # noqa: N802
+        if _negative(u):
+            return f"<mrow><mo>−</mo>{self._in_brackets(-u, (-u).is_Add)}</mrow>"
+        above, below = sympy.fraction(u)
+        if below != 1:
+            return self._fraction(above, below)
+        factors = sorted(u.as_ordered_factors(), key=lambda factor: bool(factor.is_Add))  # sums last
+        text = self._factor(factors[0])
+        for before, factor in pairwise(factors):
+            text += self._sign_between(before, factor) + self._factor(factor)
+        return f"<mrow>{text}</mrow>"
+
+    def _fraction(self, above: Any, below: Any) -> str:
+        return f"<mfrac>{self._print(above)}{self._print(below)}</mfrac>"
+
+    def _factor(self, u: Any) -> str:
+        return self._in_brackets(u, u.is_Add or u.is_Mul or _negative(u))
+
+    def _sign_between(self, left: Any, right: Any) -> str:
+        """Return nothing to see, but a dot between numbers and beside names of several letters."""
+        figures = left.is_Number and (right.is_Number or (right.is_Pow and right.base.is_Number))
+        if figures or self._is_word(left) or self._is_word(right):
+            return _DOT
+        return _TIMES + '<mspace width="0.17em"/>' * bool(right.is_Function and right.func is not sympy.exp)
+
+    def _is_word(self, u: Any) -> bool:
+        symbol = u.base if u.is_Pow else u
+        return bool(symbol.is_Symbol) and re.search(r"<mi>\w{2,}</mi>", self._print(symbol)) is not None
+
+    def _in_brackets(self, u: Any, wanted: bool) -> str:
+        inside = str(self._print(u))
+        return _bracketed(inside) if wanted else inside
+
+    # Powers and functions --------------------------------------------------------------------------------------------
+
+    def _print_Pow(self, u: Any) -> str:  # noqa: N802
+        base, exponent = u.base, u.exp
+        if exponent.is_Rational and exponent < 0:
+            return f"<mfrac><mn>1</mn>{self._print(sympy.Pow(base, -exponent, evaluate=False))}</mfrac>"
+        if exponent == 1:
+            return str(self._print(base))
+        if exponent == sympy.Rational(1, 2):
+            return f"<msqrt>{self._print(base)}</msqrt>"
+        if exponent.is_Rational and exponent.p == 1:
+            return f"<mroot>{self._print(base)}{self._print(sympy.Integer(exponent.q))}</mroot>"
+        raised = self._print(exponent)
+        if exponent.is_Rational and exponent.q > 1:
+            raised = f"<mrow><mn>{exponent.p}</mn><mo>/</mo><mn>{exponent.q}</mn></mrow>"
+        return f"<msup>{self._base(base)}{raised}</msup>"
+
+    def _base(self, u: Any) -> str:
+        """Brackets around all but a letter or a figure, and around a name that has an exponent of its own."""
+        plain = (u.is_Symbol and "sup>" not in self._print(u)) or (u.is_Integer and u >= 0) or u == sympy.E
+        return self._in_brackets(u, not plain)
+
+    def _print_exp(self, u: Any) -> str:
+        return f"<msup><mi>e</mi>{self._print(u.args[0])}</msup>"
+
+    def _print_Function(self, u: Any) -> str:  # noqa: N802
+        inside = "<mo>,</mo>".join(map(self._print, u.args))
+        return f"<mrow><mi>{_plain(u.func.__name__)}</mi>{_APPLY}{_bracketed(inside)}</mrow>"
+
+    def _print_MatrixBase(self, u: Any) -> str:  # noqa: N802
+        cells = [[f"<mtd>{self._print(u[i, j])}</mtd>" for j in range(u.cols)] for i in range(u.rows)]
+        rows = "".join(f"<mtr>{''.join(row)}</mtr>" for row in cells)
+        return f'<mrow><mo>[</mo><mtable displaystyle="true">{rows}</mtable><mo>]</mo></mrow>'
+
+
+def _bracketed(inside: str) -> str:
+    """Put round brackets around markup, as high as a line unless there is something higher in it."""
+    if "<mfrac>" in inside:
+        return f"<mrow><mo>(</mo>{inside}<mo>)</mo></mrow>"
+    return f"<mrow>{_operator('(')}{inside}{_operator(')')}</mrow>"
+
+
+def _signed(digits: str) -> str:
+    digits = digits.removesuffix(".0")
+    number = f"<mn>{digits.lstrip('-')}</mn>"
+    return f"<mrow><mo>−</mo>{number}</mrow>" if digits.startswith("-") else number
+
+
+def _negative(u: Any) -> bool:
+    """Return whether a term is written with a minus before it."""
+    coefficient = u.as_coeff_Mul()[0]
+    return bool(coefficient.is_number and coefficient.is_real and coefficient < 0)
+
+
+def _ordered(u: Any) -> list[Any]:
+    """Terms as one writes them: high degrees first, those without a minus before the others."""
+    terms = sorted(u.as_ordered_terms(), key=lambda term: (-_degree(term), _negative(term)))  # stable
+    first = next((k for k, term in enumerate(terms) if not _negative(term)), 0)
+    return [terms[first], *terms[:first], *terms[first + 1 :]]
+
+
+def _degree(term: Any) -> int:
+    """Return the number of symbols multiplied in a term."""
+    return sum(int(f.exp) if f.is_Pow and f.exp.is_Integer else 1 for f in sympy.Mul.make_args(term) if f.free_symbols)

@@ -1,0 +1,64 @@
+"""The few kinds of panes the page is made of, with their style."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import panel as pn
+from bokeh.plotting import figure
+
+from pwsviz.figures.style import PLOT_STYLES
+from pwsviz.text.words import as_text
+
+FADED = {"opacity": "0.35"}
+"""Besides the usual styles, on a pane that shows something past."""
+
+PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
+"""Of buttons: words as they are written."""
+
+TEXT_CSS = """
+:host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }
+p { margin: 0 0 2px 0; }
+.heading { font-size: 0.75rem; font-weight: 600; letter-spacing: 0.08em; text-transform: uppercase;
+           color: var(--mui-palette-text-secondary); margin: 14px 0 2px 0; }
+.about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; }
+.error { color: var(--mui-palette-error-main); }
+.stopped { border-left: 3px solid var(--mui-palette-warning-main); padding-left: 8px; margin: 4px 0; }
+.run { display: flex; align-items: baseline; gap: 8px; }
+.run svg { flex: none; align-self: center; }
+.run b { font-weight: 600; }
+"""
+
+
+def text_pane(words: str, kind: str = "") -> pn.pane.HTML:
+    """Return a pane for words; assign `as_text` of other words to its `object`."""
+    return _html(as_text(words, kind))
+
+
+def markup_pane(style: str) -> pn.pane.HTML:
+    """Return an empty pane for markup of our own making, with a style sheet of its own."""
+    return pn.pane.HTML("", stylesheets=[TEXT_CSS, style], margin=0, sizing_mode="stretch_width")
+
+
+def heading(words: str) -> pn.pane.HTML:
+    """Return the small title of a group of controls."""
+    return _html(f'<div class="heading" role="heading" aria-level="2">{escape(words)}</div>')
+
+
+def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:
+    """Return a pane for a figure."""
+    return pn.pane.Bokeh(plot, margin=0, sizing_mode="stretch_width", **options)
+
+
+def fade(pane: pn.pane.Bokeh, past: bool) -> None:
+    """Show whether a figure is of something past.
+
+    The styles of a pane take the place of its figure's, and the browser keeps a style that is only left out: so all
+    are given each time.
+    """
+    pane.styles = {**PLOT_STYLES, **(FADED if past else {"opacity": "1"})}
+
+
+def _html(markup: str) -> pn.pane.HTML:
+    return pn.pane.HTML(markup, stylesheets=[TEXT_CSS], margin=0, sizing_mode="stretch_width")

@@ -1,0 +1,68 @@
+"""How far a long computation has come, and a way to stop it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import panel as pn
+import panel_material_ui as pmui
+
+from pwsviz.widgets.panes import PLAIN_SX
+
+
+class Progress(pn.viewable.Viewer):
+    """A bar with “Cancel” while something is under way, and “Run again” after it was cancelled.
+
+    Parameters
+    ----------
+    on_cancel, on_again : callable
+        Told of the buttons.
+    """
+
+    def __init__(self, on_cancel: Callable[[], None], on_again: Callable[[], None]) -> None:
+        super().__init__()
+        self._bar = pmui.LinearProgress(value=0, variant="indeterminate", sizing_mode="stretch_width", margin=(14, 8))
+        self._words = pmui.Typography("", variant="caption", margin=(6, 8), width=92)
+        self._cancel = pmui.Button(label="Cancel", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX)
+        self._again = pmui.Button(
+            label="Run again", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX, visible=False
+        )
+        self._cancel.on_click(lambda _: on_cancel())
+        self._again.on_click(lambda _: on_again())
+        self._row = pn.Row(
+            self._bar, self._words, self._cancel, self._again, visible=False, margin=0, sizing_mode="stretch_width"
+        )
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is under way."""
+        return bool(self._row.visible and self._cancel.visible)
+
+    def begin(self) -> None:
+        """Something has begun; how much there is to do is not known yet."""
+        self._bar.param.update(variant="indeterminate", visible=True)
+        self._say("preparing …", cancellable=True)
+
+    def advance(self, done: int, total: int) -> None:
+        """So much is done."""
+        self._bar.param.update(variant="determinate", value=round(100 * done / max(total, 1)))
+        self._say(f"{done} of {total}", cancellable=True)
+
+    def end(self) -> None:
+        """All is done."""
+        self._row.visible = False
+
+    def stop(self) -> None:
+        """It was cancelled."""
+        if self.busy:
+            self._bar.visible = False
+            self._say("cancelled", cancellable=False)
+
+    def _say(self, words: str, cancellable: bool) -> None:
+        self._words.object = words
+        self._cancel.visible, self._again.visible = cancellable, not cancellable
+        self._row.visible = True
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Bar, words and button in a row."""
+        return self._row
