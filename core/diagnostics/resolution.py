@@ -25,7 +25,7 @@ _FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
 _MARGIN = 3.0
 #: A step and the shorter ones that lead the same way may differ by this part of the way; those of a method that keeps
 #: a tolerance by that part, and by so many times the tolerance.
-_APART, _APART_KEPT, _TOLERANCES = 0.1, 1e-6, 1e3
+_APART, _APART_KEPT, _TOLERANCES = 0.05, 1e-6, 1e3
 #: And by rounding, in parts of the state.
 _ROUNDING = 2.0**-44
 #: Steps from where the run has entered a side, besides those that the loop has kept.

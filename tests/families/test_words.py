@@ -184,7 +184,8 @@ def test_a_ball_at_speed_does_not_graze_and_a_wall_adds_no_energy_in_silence(dra
         t_end = float(2.5 * np.sqrt(2 * x0[0] / system.values["gravity"]))  # before the second impact, or soon after
         run = core.integrate(system, (0.0, t_end), x0, tau, method)
         fall = np.sqrt(2 * system.values["gravity"] * x0[0])
-        assert run.status is not Status.GRAZING or abs(run.x[-1, 1]) < 1e-3 * fall, _reproduced(run)
+        slow = abs(run.x[-1, 1]) < 1e-3 * fall
+        assert run.status is not Status.GRAZING or slow or "is too long for" in run.message, _reproduced(run)
         energy = run.x[-1, 1] ** 2 / 2 + system.values["gravity"] * max(run.x[-1, 0], 0.0)
         assert not silent(run) or energy < 1.01 * fall**2 / 2, f"energy {energy} of {fall**2 / 2}; {_reproduced(run)}"
         weight, order = _WEIGHT[method]
