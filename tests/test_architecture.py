@@ -10,6 +10,37 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 
+#: Rooms of each package, a floor a line, the ground floor first: a file may import from its own room and from floors
+#: below. What stands loose in a package is a room of its own.
+FLOORS = {
+    "core": """
+        kernels interface
+        llvm symbolic transition
+        codegen system
+        methods systems
+        compilation
+        integration
+        diagnostics reference
+        integrate
+        studies
+    """,
+    "pwsviz": """
+        bench geometry tasks text
+        scene
+        results
+        export figures
+        report widgets
+        editor tabs
+        page
+        server
+        __main__
+    """,
+}
+FLOOR = {f"{package}.{room}": k for package, rooms in FLOORS.items()
+         for k, line in enumerate(rooms.strip().splitlines()) for room in line.split()}  # fmt: skip
+SOURCES = sorted(path for package in FLOORS for path in ROOT.glob(f"{package}/**/*.py"))
+
+
 def imported(path: Path) -> set[str]:
     """Modules that a file imports, as dotted names."""
     names = set()
@@ -17,8 +48,18 @@ def imported(path: Path) -> set[str]:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
+            assert node.level == 0, path
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
     return names
+
+
+def room_of(name: str) -> str:
+    """The room of a module by its dotted name: package and folder, or package and loose file."""
+    return ".".join(name.split(".")[:2])
+
+
+def name_of(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
 def test_importing_core_loads_nothing_of_a_screen():
@@ -27,44 +68,43 @@ def test_importing_core_loads_nothing_of_a_screen():
     assert out.strip() == "[]"
 
 
+@pytest.mark.parametrize("package", FLOORS)
+def test_every_room_stands_on_a_floor_and_nothing_is_loose_but_facades(package):
+    rooms = {room_of(name_of(path)) for path in SOURCES if path.relative_to(ROOT).parts[0] == package} - {package}
+    assert rooms == {room for room in FLOOR if room.startswith(f"{package}.")}
+    loose = {path.stem for path in ROOT.glob(f"{package}/*.py")} - {"__init__", "__main__"}
+    assert loose <= {"system", "integrate"}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
+def test_imports_lead_down(path):
+    own = room_of(name_of(path))
+    for name in imported(path):
+        room = room_of(name)
+        if room not in FLOOR or room == own:
+            continue
+        assert not own.startswith("core") or room.startswith("core"), "core knows nothing of the page"
+        if own in FLOOR and own.split(".")[0] == room.split(".")[0]:
+            assert FLOOR[room] < FLOOR[own], f"{name_of(path)} imports {name}, which stands no lower"
+
+
 @pytest.mark.parametrize(
-    ("module", "barred"),
-    [
-        ("core/crossing.py", ["core.march", "core.runner", "core.integrate", "core.studies"]),
-        ("core/surface.py", ["core.crossing", "core.locating", "core.march", "core.trajectory"]),
-        ("core/approach.py", ["core.crossing", "core.march", "core.trajectory"]),
-        ("core/status.py", ["core"]),
-        ("core/locating.py", ["core.crossing", "core.march", "core.runner"]),
-        ("core/printing.py", ["core.codegen", "core.stepcode", "core.methods"]),
-        ("core/stepcode.py", ["core.compiled", "core.methods", "core.march"]),
-        ("core/trajectory.py", ["core.diagnostics", "core.integrate", "core.runner"]),
-        ("core/march.py", ["core.runner", "core.integrate", "core.system", "core.methods"]),
-        ("core/multiplier.py", ["core.system", "core.laws", "core.codegen"]),
-        ("core/methods.py", ["core.compiled", "core.march", "core.integrate"]),
-        ("core/system.py", ["core.systems", "core.integrate", "core.methods"]),
-        ("core/reference/solution.py", ["core.march", "core.integrate", "core.methods", "core.compiled"]),
-        ("core/reference/flows.py", ["core.march", "core.integrate", "core.methods", "core.compiled"]),
-        ("core/studies/cost.py", ["pwsviz"]),
-        ("core/dense.py", ["core.march", "core.runner", "core.integrate", "core.trajectory"]),
-        ("core/recording.py", ["core.march", "core.integrate"]),
-        ("core/excess.py", ["core.march", "core.runner", "core.integrate", "core.trajectory"]),
-        ("pwsviz/scene.py", ["panel", "bokeh", "pwsviz.views", "pwsviz.explorer"]),
-        ("pwsviz/link.py", ["panel", "bokeh", "pwsviz.views", "pwsviz.explorer"]),
-        ("pwsviz/draft.py", ["panel", "bokeh", "pwsviz.views", "pwsviz.explorer"]),
-        ("pwsviz/snippet.py", ["panel", "bokeh", "pwsviz.views", "pwsviz.explorer"]),
-        ("pwsviz/desk.py", ["pwsviz.views", "pwsviz.tabs", "pwsviz.explorer"]),
-        ("pwsviz/tabs/base.py", ["pwsviz.explorer", "pwsviz.stage", "pwsviz.views"]),
-        ("pwsviz/results.py", ["panel", "bokeh", "pwsviz.views", "pwsviz.explorer"]),
-    ],
+    "path", [p for p in SOURCES if p.parts[-2] in ("scene", "results", "geometry")], ids=name_of
 )
-def test_imports_point_one_way(module, barred):
-    names = imported(ROOT / module)
-    wrong = [n for n in names for b in barred if n == b or n.startswith(b + ".")]
-    assert wrong == []
+def test_what_a_picture_shows_is_worked_out_without_a_page(path):
+    assert not {name.split(".")[0] for name in imported(path)} & {"panel", "bokeh", "tornado"}
+
+
+def test_private_names_stay_in_their_file():
+    for path in SOURCES:
+        private = [
+            name for name in imported(path) if name.split(".")[0] in FLOORS and name.rpartition(".")[2].startswith("_")
+        ]
+        assert not [name for name in private if not name.endswith("__")], path
 
 
 def test_nothing_evaluates_text_as_code():
-    for path in [*ROOT.glob("core/**/*.py"), *ROOT.glob("pwsviz/**/*.py"), ROOT / "app.py"]:
+    for path in [*SOURCES, ROOT / "app.py"]:
         calls = [n for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.Call)]
         called = {n.func.id for n in calls if isinstance(n.func, ast.Name)}
         assert not called & {"eval", "exec", "compile", "__import__"}, path

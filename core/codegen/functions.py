@@ -1,4 +1,4 @@
-"""The text of compiled functions: straight lines over a frame, all of one signature (`signatures`)."""
+"""The text of compiled functions: straight lines over a frame, all of one signature (`abi`)."""
 
 from __future__ import annotations
 

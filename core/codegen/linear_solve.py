@@ -27,7 +27,7 @@ __all__ = [
 
 #: Up to so many variables every expression in common is looked for; and so many gradients are few.
 FEW = 4
-#: Up to so many unknowns a solution that is written out takes less time than one in loops over arrays (`solving`).
+#: Up to so many unknowns a solution that is written out takes less time than one in `linear_solve_loops`.
 WRITTEN_OUT = 10
 
 #: A pivot of so many parts of what it was before others were eliminated is round-off.

@@ -1,4 +1,4 @@
-"""Linear systems solved in loops over arrays: what `elimination` writes out for a few unknowns, for many.
+"""Linear systems solved in loops over arrays: what `linear_solve` writes out for a few unknowns, for many.
 
 Matrices are flat, row after row, and lost. `native` compiles these functions with the steps that call them; in Python
 they run on arrays of numpy.
@@ -17,7 +17,7 @@ __all__ = ["change_along", "solve_with_pivots"]
 
 
 def solve_with_pivots(a, r, s, n, d, first, state):
-    """Solve a·e = r of n unknowns by Gaussian elimination, as `elimination.with_pivots` does.
+    """Solve a·e = r of n unknowns by Gaussian elimination, as `linear_solve.with_pivots` does.
 
     The unknowns from d on are multipliers of gradients; those of gradients that vanish, or depend on others, may be
     left alone.
@@ -94,7 +94,7 @@ def substitute_back(a, r, n):
 
 
 def change_along(a, b, r, j, e, m, d, state):
-    """The v along the rows of a with b·v = r, v = aᵀ(b aᵀ)⁻¹r, as `elimination.least_change` does.
+    """The v along the rows of a with b·v = r, v = aᵀ(b aᵀ)⁻¹r, as `linear_solve.least_change` does.
 
     Rows that vanish, or depend on others, may bind nothing.
 

@@ -21,7 +21,7 @@ __all__ = ["assignments", "common", "doubled_assignments", "fma", "magnitude", "
 
 
 class fma(sympy.Function):  # noqa: N801 - the name it is printed by
-    """a b + c, rounded once (`doubled.fma`)."""
+    """a b + c, rounded once (`doubledouble.arithmetic.fma`)."""
 
     nargs = 3
 
@@ -112,7 +112,7 @@ def doubled_assignments(
 ) -> list[str]:
     """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double.
 
-    Where `quick`, elementary functions are good to some 2⁻⁷⁷ only (`doubled_quick`).
+    Where `quick`, elementary functions are good to some 2⁻⁷⁷ only (`doubledouble.quick`).
     """
     writer = _Doubled(known, temporaries, quick)
     for target, expression in zip(targets, expressions, strict=True):
@@ -136,7 +136,7 @@ class _Doubled:
         return self.known[u]
 
     def call(self, function: str, *operands: Pair | str) -> Pair:
-        """Write a line that calls one of `doubled`."""
+        """Write a line that calls one of `doubledouble.arithmetic`."""
         name = next(self.temporaries)
         parts = [part for o in operands for part in ((o,) if isinstance(o, str) else (o[0], o[1] or "0.0"))]
         self.lines.append(f"{name}, {name}_low = {function}({', '.join(parts)})")

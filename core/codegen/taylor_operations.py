@@ -2,7 +2,7 @@
 
 The recurrences hold sums Σ aⱼ bₖ₋ⱼ. Their two terms with the newest coefficients, j = 0 and j = k, are written out with
 values that are still in registers: they are all that a coefficient has to wait for, and each adds one operation to the
-wait. The others, 1 ≤ j ≤ k − 1, are known before (`sums`).
+wait. The others, 1 ≤ j ≤ k − 1, are known before (`convolutions`).
 
 References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
 """

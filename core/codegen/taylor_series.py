@@ -4,7 +4,7 @@ Every quantity u(t, x) has coefficients u₀, u₁, … along the solution: u(t 
 taken apart into operations, each of which gives its coefficient k from those of its operands up to k and its own up to
 k − 1; then x' = f gives xₖ₊₁ = fₖ / (k + 1). One loop over k serves every order.
 
-The recurrences are those of `operations`.
+The recurrences are those of `taylor_operations`.
 
 References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
 """

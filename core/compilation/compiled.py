@@ -60,7 +60,7 @@ class Compiled(NamedTuple):
     """The compiled functions of a system and method."""
 
     addresses: NDArray[np.int64]
-    """In the order of `signatures.FUNCTIONS`; 0 where a run has no use for one."""
+    """In the order of `abi.FUNCTIONS`; 0 where a run has no use for one."""
     modules: tuple[ModuleType, ...]
     """What keeps their machine code alive."""
 

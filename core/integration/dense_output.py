@@ -1,7 +1,7 @@
 """Dense output: states between those a run has recorded, by steps of its own method.
 
 One step of the method leads to a time from the last state recorded before it, or from where the last crossing before it
-led: a step of any length will do (`signatures`). So ψ is kept there as well as along the run, the order is that of the
+led: a step of any length will do (`abi`). So ψ is kept there as well as along the run, the order is that of the
 method, and no step reaches across a crossing.
 """
 

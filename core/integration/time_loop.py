@@ -86,7 +86,7 @@ def compiled_march() -> Callable[..., int]:
     -------
     march(functions, run, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope, samples) -> int
         A Status. Makes up to `budget` moves from the state it is given, and leaves that state ready to go on: RUNNING
-        means that the budget or a buffer is used up. See `signatures` for functions, p, the frame w and memo, `state`
+        means that the budget or a buffer is used up. See `abi` for functions, p, the frame w and memo, `records`
         for the records.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x

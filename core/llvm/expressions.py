@@ -1,4 +1,4 @@
-"""Expressions of generated text → LLVM (see `lowering`)."""
+"""Expressions of generated text → LLVM (see `statements`)."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _lock = threading.Lock()
 
 
 class Native:
-    """A compiled function of the signature of `signatures`.
+    """A compiled function of the signature of `abi`.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Native:
 def native(function: Any) -> Any:
     """Compile a function of generated text, or load what was compiled of it before.
 
-    What `lowering` does not know, numba compiles: to the same numbers, in twenty times the time.
+    What `statements` does not know, numba compiles: to the same numbers, in twenty times the time.
     """
     symbol = function.__name__
     path = _path(function)

@@ -21,7 +21,7 @@ from core.llvm.operations import DOUBLE, RANK, ROWS, TRUTH, WHOLE, Thing, Unknow
 
 __all__ = ["lowered"]
 
-#: Types of the arguments of a function of `signatures`, which returns a whole number.
+#: Types of the arguments of a function of `abi`, which returns a whole number.
 _ENTRY = (DOUBLE, DOUBLE, ROWS, ROWS, ROWS)
 
 
@@ -65,7 +65,7 @@ class _Module:
 
 
 def lowered(function: Any, symbol: str) -> str:
-    """LLVM's text of a module that holds one function of the signature of `signatures`, and all that it calls.
+    """LLVM's text of a module that holds one function of the signature of `abi`, and all that it calls.
 
     Parameters
     ----------

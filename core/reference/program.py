@@ -48,7 +48,7 @@ class Program:
     Parameters
     ----------
     expressions : sequence of m expressions
-        In the symbols only, of the functions that `core.expressions` lets in.
+        In the symbols only, of the functions that `core.symbolic.expressions` lets in.
     symbols : sequence of symbols
     """
 

@@ -1,10 +1,10 @@
-"""Come to the surface where a step does not: a field may have no value beyond it. Jitted; inlined into `march`.
+"""Come to the surface where a step does not: a field may have no value beyond it. Jitted; inlined into `time_loop`.
 
-Heights and rates are as in `locating`.
+Heights and rates are as in `event_location`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
-# numba infers the types from the one signature in `march`.
+# numba infers the types from the one signature in `time_loop`.
 
 from __future__ import annotations
 

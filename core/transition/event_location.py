@@ -1,11 +1,11 @@
-"""Find the first crossing in a step, on the scheme itself. Jitted; inlined into `march`.
+"""Find the first crossing in a step, on the scheme itself. Jitted; inlined into `time_loop`.
 
 Throughout, σ = side·g is the height over the surface on the side occupied (positive there), and a *rate* is dσ/dt
 counted along the run: negative while it approaches the surface. Lengths s along a step have the sign of the step.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
-# numba infers the types from the one signature in `march`.
+# numba infers the types from the one signature in `time_loop`.
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _MARGIN = 16.0  # what g may be wrong by, in units of a first-order bound on its
 class Motion(NamedTuple):
     """A run at the start of a move: its compiled functions, its record and frame, and scratch."""
 
-    functions: Any  # addresses, as in `signatures.FUNCTIONS`
+    functions: Any  # addresses, as in `abi.FUNCTIONS`
     run: Any
     p: Any
     w: Any  # frame; x, carry, increment, place are parts of it

@@ -1,11 +1,11 @@
 """Land on the surface, perturb, jump, classify, switch: the paper's Algorithm 1, one move at a time.
 
 A *move* is a step, or the part of one up to the next crossing, or what a crossing has left of one. Jitted; inlined into
-`march`. Heights and rates are as in `locating`.
+`time_loop`. Heights and rates are as in `event_location`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
-# numba infers the types from the one signature in `march`.
+# numba infers the types from the one signature in `time_loop`.
 
 from __future__ import annotations
 

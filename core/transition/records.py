@@ -7,7 +7,7 @@ __all__ = ["HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "ROW", "RUN"]
 #: Of a system: the state does not jump; or where the jump leads is read from g there; or it leads to the surface again.
 NO_JUMP, JUMP_ANYWHERE, JUMP_TO_SURFACE = 0, 1, 2
 
-#: Everything a run carries from move to move besides its frame (`signatures.Frame`).
+#: Everything a run carries from move to move besides its frame (`abi.Frame`).
 RUN = np.dtype(
     [
         ("t", np.float64),  # start of the current move, and what its digits could not hold

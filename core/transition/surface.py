@@ -1,10 +1,10 @@
-"""What is looked at and written down at the surface: g, its rates, its rounding. Jitted; inlined into `march`.
+"""What is looked at and written down at the surface: g, its rates, its rounding. Jitted; inlined into `time_loop`.
 
-Heights and rates are as in `locating`.
+Heights and rates are as in `event_location`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
-# numba infers the types from the one signature in `march`.
+# numba infers the types from the one signature in `time_loop`.
 
 from __future__ import annotations
 

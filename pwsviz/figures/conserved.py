@@ -11,7 +11,6 @@ from bokeh.models.annotations import Span
 
 from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS, describe
 from pwsviz.figures.style import (
-    MACHINE_EPSILON,
     PURPLE,
     SIDES,
     VERMILION,
@@ -23,6 +22,7 @@ from pwsviz.figures.style import (
     plain_figure,
     unseen,
 )
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.animation import Landmarks
 from pwsviz.results.results import ErrorCurve

@@ -12,16 +12,8 @@ import core
 from core.studies.stability import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
 from pwsviz.figures.stability_text import side_words
-from pwsviz.figures.style import (
-    MACHINE_EPSILON,
-    VERMILION,
-    assign,
-    fit_to,
-    legend_below,
-    line_of,
-    mark_levels,
-    plain_figure,
-)
+from pwsviz.figures.style import VERMILION, assign, fit_to, legend_below, line_of, mark_levels, plain_figure
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 
 __all__ = ["DriftFigure", "GrazingFigure"]

@@ -18,7 +18,6 @@ from pwsviz.figures.style import (
     BROWN,
     GREEN,
     GREY,
-    MACHINE_EPSILON,
     OCHRE,
     ORANGE,
     PURPLE,
@@ -31,6 +30,7 @@ from pwsviz.figures.style import (
     line_of,
     plain_figure,
 )
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 
 __all__ = ["COLOURS", "MapFigure", "Shown"]

@@ -29,9 +29,6 @@ GREY = "#808080"
 SAND = "#A89A80"
 
 SIDES = {-1: SKY, 1: SAND}
-MACHINE_EPSILON = 2.220446049250313e-16
-
-
 HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 720px)"
 """Of a figure on the page: what the screen has left, within reason."""
 

@@ -30,7 +30,7 @@ from pwsviz.tabs.cost import CostTab
 from pwsviz.tabs.order import state_order_tab, time_order_tab
 from pwsviz.tabs.scheme import SchemeTab
 from pwsviz.tabs.stability import StabilityTab
-from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Desk
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser

@@ -11,6 +11,7 @@ import param
 
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.style import line_of
 from pwsviz.results.animation import Frames
 
 SPEEDS = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0, "4×": 4.0}
@@ -213,7 +214,8 @@ class Player(pn.viewable.Viewer):
 def _way(one: Frames) -> dict[str, Any]:
     """Return frames as the browser takes them."""
     x, y = one.places.T
+    line = line_of(one.method)
     return {
         "t": one.t.tolist(), "x": x.tolist(), "y": y.tolist(), "crossings": one.crossings.tolist(),
-        "colour": one.look.colour, "marker": one.look.marker,
+        "colour": line.colour, "marker": line.marker,
     }  # fmt: skip

@@ -12,6 +12,7 @@ import panel_material_ui as pmui
 import core
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import portrait_note
 from pwsviz.page.player import Player
@@ -19,7 +20,7 @@ from pwsviz.results.requests import beside_inputs, run_inputs
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.scene import Scene, Start
 from pwsviz.tasks.scheduler import Desk
-from pwsviz.text.words import as_text, complaint, run_lines
+from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 
 REMIND = 300

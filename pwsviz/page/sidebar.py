@@ -11,12 +11,13 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
+from pwsviz.figures.summaries import method_notes
 from pwsviz.geometry.projection import PLANE, Axes, planes
 from pwsviz.page.initial_states import Trajectories
 from pwsviz.scene.names import short_name
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
-from pwsviz.text.words import as_text, method_notes
+from pwsviz.text.words import as_text
 from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
 

@@ -8,7 +8,7 @@ import numpy as np
 import sympy
 
 import core
-from pwsviz.figures.style import MACHINE_EPSILON, Line, line_of
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats, Indices
 from pwsviz.geometry.projection import Axes, in_plane
 
@@ -39,11 +39,6 @@ class Frames:
     t: Floats
     places: Floats
     crossings: Floats
-
-    @property
-    def look(self) -> Line:
-        """How its curves are drawn."""
-        return line_of(self.method)
 
 
 @dataclass(frozen=True)

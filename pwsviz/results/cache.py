@@ -11,15 +11,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from pwsviz.tasks.cancellation import Cancelled
+
 Value = TypeVar("Value")
 
 
 MAX_VALUES = 10_000
 """Values kept at most, however small."""
-
-
-class Cancelled(Exception):  # noqa: N818  (not an error: the person has moved on)
-    """A computation was given up because nobody waits for it any more."""
 
 
 class Cache:

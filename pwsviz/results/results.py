@@ -19,12 +19,12 @@ from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop, closed_surfa
 from pwsviz.geometry.polyline_reduction import Floats, Mask, distinct_pixels, envelope, screen_path, spliced
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
-from pwsviz.results.cache import Cache, Cancelled, Value
+from pwsviz.results.cache import Cache, Value
 from pwsviz.results.invariant_error import accumulated_error
 from pwsviz.results.requests import CostInputs, Ground, RunInputs, Scheme, StabilityInputs, StudyInputs
 from pwsviz.scene.validation import MAX_STEPS
+from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
 
-Cancel = Callable[[], bool]
 Levels = tuple[tuple[int, tuple[float, ...]], ...]
 """Values of ψ for each side."""
 
@@ -55,19 +55,6 @@ _RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGEN
 
 COMPARABLE = 2.0
 """A closed surface that fits into a window this much larger than an orbit is shown whole beside it."""
-
-
-Report = Callable[[int, int, Any], object]
-"""Told how much of a study is done, of how much, and the study as far as it has come."""
-
-
-def silent(_done: int, _total: int, _partial: object) -> None:
-    """Leave progress unsaid."""
-
-
-def never() -> bool:
-    """Answer the question whether to give up with no."""
-    return False
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from bokeh.plotting import figure
 import core
 from pwsviz.export.tables import Table
 from pwsviz.figures.style import describe
-from pwsviz.results.results import Report, Results
+from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
-from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
@@ -39,7 +39,7 @@ class Tab(pn.viewable.Viewer):
     settings : tuple of str
         Settings of the scene whose change alters what is drawn, though nothing is computed anew.
     quiet, patience : float
-        As in `worker.Job`.
+        As in `latest_wins.Job`.
     """
 
     settings: tuple[str, ...] = ()

@@ -10,9 +10,9 @@ from pwsviz.figures.conserved import ConservedView, conserved_text
 from pwsviz.geometry.projection import conserved_note
 from pwsviz.results.animation import Landmarks
 from pwsviz.results.requests import ErrorInputs, run_inputs
-from pwsviz.results.results import ErrorCurve, Report
+from pwsviz.results.results import ErrorCurve
 from pwsviz.tabs.base import Tab
-from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.tasks.cancellation import Cancel, Report
 
 
 class ErrorPicture(NamedTuple):

@@ -11,10 +11,9 @@ import core
 from pwsviz.export.tables import Table
 from pwsviz.figures.cost import CostView, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
-from pwsviz.results.results import Report
 from pwsviz.scene.scene import COST_ACROSS, COST_UP, PEERS
 from pwsviz.tabs.base import LongTab
-from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.widgets.setting_buttons import choice
 
 

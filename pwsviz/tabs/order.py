@@ -9,11 +9,10 @@ from typing import Any
 import core
 from pwsviz.export.tables import Table, order_table
 from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
+from pwsviz.figures.summaries import study_text
 from pwsviz.results.requests import StudyInputs, study_inputs
-from pwsviz.results.results import Report
 from pwsviz.tabs.base import LongTab
-from pwsviz.tasks.latest_wins import Cancel
-from pwsviz.text.words import study_text
+from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.widgets.setting_buttons import choice
 
 

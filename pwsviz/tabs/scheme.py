@@ -7,9 +7,8 @@ from typing import Any
 from pwsviz.export.tables import Table
 from pwsviz.figures.scheme import SCHEME_STYLE, scheme_markup
 from pwsviz.results.requests import RunInputs, run_inputs
-from pwsviz.results.results import Report
 from pwsviz.tabs.base import Tab
-from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.widgets.panes import markup_pane
 from pwsviz.widgets.setting_buttons import choice
 

@@ -10,10 +10,9 @@ import core
 from pwsviz.export.tables import Table
 from pwsviz.figures.stability import StabilityView, stability_table, stability_text
 from pwsviz.results.requests import StabilityInputs
-from pwsviz.results.results import Report
 from pwsviz.scene.scene import STABILITY_PARTS, STABILITY_SHOWN
 from pwsviz.tabs.base import LongTab
-from pwsviz.tasks.latest_wins import Cancel
+from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.widgets.setting_buttons import choice
 
 

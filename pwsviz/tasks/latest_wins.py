@@ -10,11 +10,9 @@ from threading import Condition, Event, Thread
 from time import monotonic
 from typing import Any
 
-from pwsviz.results.cache import Cancelled
+from pwsviz.tasks.cancellation import Cancel, Cancelled
 
 logger = logging.getLogger(__name__)
-
-Cancel = Callable[[], bool]
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from threading import Lock
 from time import monotonic
 from typing import Any
 
-from pwsviz.results.results import Report
+from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.tasks.event_loop import Delivery
-from pwsviz.tasks.latest_wins import Cancel, Job, Lane
+from pwsviz.tasks.latest_wins import Job, Lane
 
 BETWEEN_REPORTS = 0.15
 """Seconds at least: a browser cannot paint partial results faster."""
@@ -52,7 +52,7 @@ class Desk:
         advance : callable, optional
             Is told of progress there, as long as nothing else was asked for.
         quiet, patience : float
-            As in `worker.Job`; what starts at once is taken to be short.
+            As in `latest_wins.Job`; what starts at once is taken to be short.
         """
         if self._asked.get(lane) == inputs:
             return False

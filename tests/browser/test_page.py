@@ -3,7 +3,8 @@
 import re
 
 import pytest
-from looking import (
+
+from tests.browser.looking import (
     GROUND,
     await_built,
     await_ground,

@@ -3,7 +3,8 @@
 import re
 
 import pytest
-from looking import await_built, field
+
+from tests.browser.looking import await_built, field
 
 pytestmark = pytest.mark.browser
 

@@ -5,7 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from looking import await_other_picture, await_painted, field, settled_picture, type_into
+
+from tests.browser.looking import await_other_picture, await_painted, field, settled_picture, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
 

@@ -1,4 +1,4 @@
-"""Double-double numbers of every size, and distances from exact values: what the tests of `core.doubled` share."""
+"""Double-double numbers of every size, and distances from exact values: what tests of `doubledouble` share."""
 
 from __future__ import annotations
 

@@ -9,7 +9,6 @@ import builtins
 import numpy as np
 import pytest
 import sympy
-from drawn_functions import drawn_expression, evaluated
 from scipy.integrate import solve_ivp
 
 import core
@@ -17,6 +16,7 @@ from core.codegen.functions import jump_text, levels_texts, look_text, module_te
 from core.codegen.step import StepCode
 from core.methods.taylor_step import reach_text
 from core.symbolic.expressions import parse, to_text
+from tests.families.drawn_functions import drawn_expression, evaluated
 
 PARAMETERS = {"k": core.Parameter("k", 1.3, (0.5, 2.5))}
 K = {"k": 1.3}

@@ -1,4 +1,4 @@
-"""Elementary functions of double-double numbers; see `doubled`.
+"""Elementary functions of double-double numbers; see `doubledouble.arithmetic`.
 
 Each reduces its argument with a table, and sums a short Taylor series of the rest: the first terms in double-double,
 the others, which count some 2⁻⁵³ times less, in double precision. Where a result overflows, underflows or is nan, it

@@ -1,7 +1,7 @@
 """Sums and products in twice the working precision: pairs hi + lo that are not renormalised after each operation.
 
-Half the operations of `doubled`, for what is worked out at every step. The relative error of a sum of products is some
-eps², as long as lo stays small beside hi: Lange, Rump, Faithfully rounded floating-point computations, ACM Trans.
+Half the operations of `arithmetic`, for what is worked out at every step. The relative error of a sum of products is
+some eps², as long as lo stays small beside hi: Lange, Rump, Faithfully rounded floating-point computations, ACM Trans.
 Math. Softw. 46 (2020).
 """
 

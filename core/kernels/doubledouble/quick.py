@@ -1,8 +1,8 @@
-"""Elementary functions of double-double numbers to some 2⁻⁷⁷, in a fraction of the time of `doubled_functions`.
+"""Elementary functions of double-double numbers to some 2⁻⁷⁷, in a fraction of the time of `doubledouble.elementary`.
 
 For what a step puts right, and the next step puts right again: of the Taylor series of the reduced argument only the
 first terms are pairs, the others, which count some 2⁻²⁶ times less, are in double precision. Outside the usual range,
-and where there is no finite result, they are the functions of `doubled_functions`.
+and where there is no finite result, they are the functions of `doubledouble.elementary`.
 
 Errors as measured, at most, relative to the larger of the result and 1: exp, sinh, cosh, tanh 2⁻⁷⁸, log 2⁻⁷⁷, tangent
 2⁻⁷⁶ up to |a| = 1.3; a^b 2⁻⁷⁷ (1 + |b|) relative, for 2⁻²⁰ ≤ a ≤ 2²⁰.

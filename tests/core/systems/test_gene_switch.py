@@ -1,10 +1,10 @@
 """Gene switch, against the matrix exponential of its linear sides."""
 
 import numpy as np
-from arcs import crossings
 from scipy.linalg import expm
 
 import core
+from tests.core.systems.arcs import crossings
 
 GENES = core.CATALOGUE["gene_switch"]
 SUPPLY, THRESHOLD, DECAY = 2.0, 0.8, 1.5

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from arcs import crossings
 
 import core
+from tests.core.systems.arcs import crossings
 
 MOVING = core.CATALOGUE["moving_interface"]
 EPS = np.finfo(float).eps

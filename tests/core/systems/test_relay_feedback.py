@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from arcs import crossings
 
 import core
 from core import Status
+from tests.core.systems.arcs import crossings
 
 RELAY = core.CATALOGUE["relay_feedback"]
 FORCE, DRAG, LEAD = 1.0, 0.05, 0.15

@@ -1,0 +1,65 @@
+"""What stands in words beside a figure: runs, studies, integrators that are left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+import core
+from pwsviz.figures.order import Row
+from pwsviz.figures.style import LEGEND_GLYPH, line_of
+from pwsviz.results.results import STUDY_CROSSINGS, Summary
+from pwsviz.scene.scene import Scene
+from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
+
+
+def run_line(summary: Summary) -> str:
+    """Return one run in figures, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
+    figures = f"{plural(summary.steps, 'step')}, {plural(summary.crossings, 'crossing')}, {duration(summary.seconds)}"
+    if math.isfinite(summary.worst_error):
+        figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'
+    return f'<div class="run">{swatch(summary.method)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
+
+
+def run_lines(summaries: Sequence[Summary]) -> str:
+    """Return a line for each run and, once for all that stopped for the same reason, where and why the first did."""
+    messages = {summary.status: summary.message for summary in reversed(summaries)}
+    messages.pop(core.Status.COMPLETED, None)
+    return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in messages.values())
+
+
+def swatch(method: str) -> str:
+    """Return a short piece of an integrator's line."""
+    line = line_of(method)
+    dashes = " ".join(map(str, line.dash))
+    return (
+        f'<svg width="{LEGEND_GLYPH}" height="8" aria-hidden="true"><line x1="0" y1="4" x2="{LEGEND_GLYPH}" y2="4" '
+        f'stroke="{line.colour}" stroke-width="2.5" stroke-dasharray="{dashes}"/></svg>'
+    )
+
+
+def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
+    """Return the slopes of a study in words: the same as the plot shows, for those who cannot see it."""
+    slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
+    words = f"{study.method}: {slopes}. Measured against: {study.reference}."
+    if not any(math.isfinite(row.slope) for row in rows):
+        words += " Too few errors are above round-off to fit a slope to."
+    if study.crossings != STUDY_CROSSINGS:
+        usual = ", ".join(map(str, STUDY_CROSSINGS))
+        words += f" The trajectory ends too early to look at crossings {usual} as usual."
+    return words
+
+
+def method_notes(scene: Scene) -> str:
+    """Return which of the chosen integrators are left out of what, and why."""
+    resting = [name for name in core.METHODS if name not in scene.offered]
+    notes = []
+    if resting:
+        notes.append(f"{listed(resting)} keep conserved quantities. None is known here, so they are left out.")
+    for name in [name for name in scene.used if core.METHODS[name].adaptive]:
+        lacks = "an order to study"
+        if scene.locate and scene.perturbation_order is not None:
+            lacks += " or a power of τ to disturb its crossing times by"
+        notes += [f"{name} chooses its own steps, none longer than τ: it lacks {lacks}."]
+    return as_text(" ".join(notes), "about")

@@ -1,0 +1,125 @@
+"""Compiled functions: kept, shared, and never recompiled when a slider moves."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+
+import core
+from core.compilation import compiled
+from core.integration.time_loop import compiled_march
+from core.kernels.abi import STEP
+
+ELLIPTIC = core.CATALOGUE["elliptic_curve"]
+
+_SECOND_PROCESS = """
+import core, numba
+from core.integration.time_loop import compiled_march
+run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 5.0))
+modules = core.compilation.compiled.compile_run(core.CATALOGUE["elliptic_curve"].laws, core.METHODS["dmm2"]).modules
+steps = [module.step for module in modules if hasattr(module, "step")]
+print(sum(compiled_march().stats.cache_hits.values()), sum(compiled_march().stats.cache_misses.values()))
+for step in steps:
+    print(step.cache_hits, 1 - step.cache_hits)
+"""
+
+
+def test_changing_parameters_compiles_nothing():
+    core.integrate(ELLIPTIC, (0.0, 1.0))
+    before = compiled.compile_run.cache_info().misses
+    for a in np.linspace(-3, -1, 5):
+        core.integrate(ELLIPTIC.with_parameters(a_plus=a, radius=1 + a / 10), (0.0, 1.0), tau=0.01 - a / 1000)
+    assert compiled.compile_run.cache_info().misses == before
+
+
+def test_one_loop_serves_every_system_and_method():
+    for name in ("harmonic_oscillator", "rigid_body"):
+        system = core.CATALOGUE[name]
+        for method in core.METHODS:
+            core.integrate(system, (0.0, 1.0), method=method)
+    assert len(compiled_march().signatures) == 1
+
+
+def test_a_second_process_loads_instead_of_compiling(tmp_path):
+    environment = {**os.environ, "PWSVIZ_CACHE": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
+    (tmp_path / "numba").mkdir()
+    printed = [
+        subprocess.run(
+            [sys.executable, "-c", _SECOND_PROCESS], env=environment, check=True, capture_output=True, text=True
+        ).stdout.split()
+        for _ in range(2)
+    ]
+    assert printed[0] == ["0", "1"] * 3
+    assert printed[1] == ["1", "0"] * 3
+
+
+def test_sides_of_the_same_law_are_compiled_once():
+    system = core.PiecewiseSystem("same", ("x", "y"), ("y", "-x"), ("y", "-x"), "y")
+    addresses = compiled.compile_run(system.laws, core.METHODS["rk2"]).addresses
+    assert addresses[STEP] == addresses[STEP + 1]
+
+
+def test_a_tampered_cache_file_is_not_run(tmp_path, monkeypatch):
+    monkeypatch.setenv("PWSVIZ_CACHE", str(tmp_path))
+    compiled._folder.cache_clear()
+    text = "VALUE = 1\n"
+    assert compiled._load(text).VALUE == 1
+    (path,) = tmp_path.glob("pws_*.py")
+    path.write_text("VALUE = 2\n")
+    compiled._load.cache_clear()
+    assert compiled._load(text).VALUE == 1
+    compiled._folder.cache_clear()
+
+
+def test_one_who_looks_through_the_modules_meanwhile_finds_none_gone_and_in_the_long_run_few_stay():
+    loaded = []
+    for number in range(2 * compiled.MAX_REGISTERED):
+        before = set(sys.modules)
+        loaded.append(compiled._load(f"NUMBER = {number}\n").__name__)
+        assert loaded[-1] in set(sys.modules) - before
+    assert [name for name in loaded if name in sys.modules] == loaded[-compiled.MAX_REGISTERED :]
+
+
+def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, monkeypatch):
+    tmp_path.chmod(0o777)
+    monkeypatch.setenv("PWSVIZ_CACHE", str(tmp_path))
+    compiled._folder.cache_clear()
+    assert compiled._folder() != tmp_path
+    compiled._folder.cache_clear()
+
+
+def test_the_cache_on_disk_is_bounded(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled, "MAX_FILES", 3)
+    for k in range(6):
+        path = tmp_path / f"pws_{k}.py"
+        path.write_text("")
+        os.utime(path, (k, k))
+    compiled._prune(tmp_path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["pws_3.py", "pws_4.py", "pws_5.py"]
+
+
+def test_a_cache_that_two_processes_prune_at_once_is_still_pruned(tmp_path, monkeypatch):
+    for age in range(5):
+        path = tmp_path / f"pws_{age}.py"
+        path.touch()
+        os.utime(path, (1e9 - age, 1e9 - age))
+
+    def listed_with_one_dropped_meanwhile(_folder, pattern):
+        return [*glob(tmp_path, pattern), *([tmp_path / "pws_gone.py"] if pattern == "pws_*.py" else [])]
+
+    glob = type(tmp_path).glob
+    monkeypatch.setattr(type(tmp_path), "glob", listed_with_one_dropped_meanwhile)
+    monkeypatch.setattr(compiled, "MAX_FILES", 2)
+    compiled._prune(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pws_0.py", "pws_1.py"]
+
+
+def test_a_module_in_use_is_the_last_to_be_pruned(tmp_path):
+    path = tmp_path / "pws_a.py"
+    assert not compiled._stands(path, "x = 1")
+    path.write_text("x = 1")
+    os.utime(path, (1, 1))
+    assert compiled._stands(path, "x = 1")
+    assert compiled._last_used(path) > 1e9
+    assert not compiled._stands(path, "x = 2")

@@ -1,0 +1,127 @@
+"""The plot of the conserved quantity draws what the arrays say, within what its axis can show."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pwsviz.figures.conserved import CEILING, FLOOR, NOWHERE, ConservedView, conserved_text, drawable
+from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS
+from pwsviz.geometry.numbers import MACHINE_EPSILON
+from pwsviz.results.animation import landmarks
+from pwsviz.results.requests import run_inputs
+from pwsviz.results.results import ErrorCurve, Results
+from pwsviz.scene.scene import Scene
+
+
+@cache
+def computed(**settings):
+    results, scene = Results(), Scene(**settings)
+    inputs = run_inputs(scene)
+    return results.error_curves(inputs), results.run(inputs[0])
+
+
+def shown(with_landmarks=True, **settings):
+    view, (curves, run) = ConservedView(), computed(**settings)
+    view.show(curves, landmarks(run, (0, 1)) if with_landmarks else None)
+    return view, curves, run
+
+
+def curve(error, method="dmm2", t_end=20.0):
+    error = np.asarray(error, dtype=float)
+    return ErrorCurve(method, np.linspace(0, t_end, len(error)), error, t_end, np.empty(0), np.array([-1]))
+
+
+def test_zero_is_drawn_at_the_floor_and_overflow_not_at_all():
+    drawn = drawable(np.array([0.0, 1e-10, 1e250, np.nan]))
+    assert list(drawn[:2]) == [FLOOR, 1e-10]
+    assert np.isnan(drawn[2:]).all()
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_bands_are_the_visits_to_a_side(side):
+    view, _, run = shown()
+    middles = (np.array(view.visits[side].data["start"]) + np.array(view.visits[side].data["end"])) / 2
+    assert len(middles) == np.sum(run.crossings.side == side) + (run.side[0] == side)
+    assert all(run.side[np.searchsorted(run.t, t) - 1] == side for t in middles)
+    assert view.entries[side].visible
+
+
+def test_bands_of_both_sides_cover_the_run_once():
+    view, _, run = shown()
+    lengths = [np.subtract(source.data["end"], source.data["start"]).sum() for source in view.visits.values()]
+    assert sum(lengths) == pytest.approx(run.t[-1])
+
+
+def test_sides_are_those_of_the_run_where_it_comes_back_to_the_same():
+    view, _, _ = shown(system="bouncing_ball")
+    assert len(view.visits[-1].data["start"]) == 0, "the ball is never below the ground"
+    assert not view.entries[-1].visible, "nor does the legend name it"
+    assert len(view.instants.data["t"]) > 10
+
+
+def test_a_run_with_very_many_crossings_has_no_bands():
+    view, _, _ = shown(t_end=2000.0, tau=0.05)
+    assert all(len(source.data["start"]) == 0 for source in view.visits.values())
+    assert len(view.instants.data["t"]) == 0
+
+
+@pytest.mark.parametrize(("system", "kind"), [("elliptic_curve", "transversal"), ("bouncing_ball", "jump")])
+def test_ticks_tell_number_time_kind_and_integrator(system, kind):
+    view, _, run = shown(system=system)
+    ticks = view.instants.data
+    assert np.array_equal(ticks["t"], run.crossings.t)
+    assert list(ticks["number"]) == list(range(1, len(run.crossings) + 1))
+    assert set(ticks["method"]) == {"dmm2"}
+    assert (ticks["kind"][0], ticks["marker"][0], ticks["colour"][0]) == (kind, KIND_MARKERS[kind], KIND_COLOURS[kind])
+
+
+def test_ticks_know_their_place_in_the_portrait():
+    view, _, run = shown()
+    assert np.array_equal(np.column_stack([view.instants.data["x"], view.instants.data["y"]]), run.crossings.x)
+
+
+def test_without_landmarks_ticks_are_there_but_know_no_place():
+    view, _, run = shown(with_landmarks=False)
+    assert np.array_equal(view.instants.data["t"], run.crossings.t)
+    assert np.isnan(view.instants.data["x"]).all()
+    assert set(view.instants.data["kind"]) == {"crossing"}
+
+
+def test_round_off_is_marked_where_it_can_be_told_from_machine_epsilon():
+    view, (curves, run) = ConservedView(), computed()
+    for level, marked in ((1e-12, 1e-12), (2 * MACHINE_EPSILON, NOWHERE), (np.nan, NOWHERE), (0.0, FLOOR)):
+        view.show(curves, replace(landmarks(run, (0, 1)), round_off=level))
+        assert view.levels.ticker.ticks == [MACHINE_EPSILON, FLOOR, marked]
+
+
+def test_screen_readers_hear_the_same_sentence():
+    view, curves, _ = shown()
+    said = view.figure.html_attributes
+    assert said["role"] == "img"
+    assert conserved_text(curves) in said["aria-label"]
+
+
+def test_the_sentence_tells_round_off_from_drift():
+    drifting = curve(np.linspace(0, 6.4e-7, 300), "rk2")
+    noise = curve(1e-16 * np.arange(9))
+    assert conserved_text([noise, drifting]) == "dmm2 stays below 8e-16; rk2 drifts to 7e-7 by t = 20."
+
+
+def test_an_error_that_comes_and_goes_is_no_drift():
+    waves = curve(1e-3 * np.sin(np.linspace(0, 60, 1000)) ** 2, "rk4")
+    assert conserved_text([waves]) == "rk4 stays below 1e-3."
+
+
+def test_an_error_beyond_the_axis_is_said_to_run_away():
+    grown = curve([0.0, 1e-3, 1.0, 10 * CEILING, np.inf], t_end=4.0)
+    assert conserved_text([grown]) == "dmm2 runs away beyond 1e+9 by t = 3."
+
+
+def test_no_error_at_all_is_said_so():
+    assert conserved_text([curve([0.0, 0.0, 0.0])]) == "dmm2 keeps ψ exactly."
+
+
+def test_where_no_conserved_quantity_is_known_nothing_is_said():
+    assert conserved_text([curve([np.nan, np.nan])]) == ""

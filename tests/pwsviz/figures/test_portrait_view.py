@@ -1,0 +1,186 @@
+"""The portrait draws what the arrays say, and passes on what the hand does."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from bokeh.events import Tap
+
+import core
+from core.transition.status import CROSSING_KINDS
+from pwsviz.figures.conserved import ConservedView
+from pwsviz.figures.portrait import BESIDE, KIND_MARKERS, PortraitView, extent
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.page.player import Player
+from pwsviz.results.animation import frames
+from pwsviz.results.requests import beside_inputs, run_inputs
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.scene import Scene
+
+TWO = ((-1.0, -1.0), (-0.5, 0.2))
+
+
+@cache
+def pictured(starts=TWO[:1], selected=0, axes=(0, 1), system="elliptic_curve"):
+    scene = Scene(system=system, starts=starts, selected=selected, axes=axes)
+    inputs = PortraitInputs(run_inputs(scene), beside_inputs(scene), axes)
+    return scene.declaration, Results().pictures(inputs)
+
+
+class Watched(PortraitView):
+    """A portrait that writes down what it passes on."""
+
+    def __init__(self):
+        self.told = []
+        super().__init__(
+            lambda window: None,
+            lambda *place: self.told.append(("place", *place)),
+            lambda *move: self.told.append(("move", *move)),
+            lambda index: self.told.append(("remove", index)),
+            lambda index: self.told.append(("select", index)),
+        )
+
+    def draw(self, starts=TWO[:1], selected=0, **options):
+        """Show a picture of these starts."""
+        system, pictures = pictured(starts, selected, **options)
+        a, b = pictures.inputs.axes
+        return self.show_orbits(system, pictures, [(start[a], start[b]) for start in starts], selected)
+
+    def do(self, act, index, x=0.0, y=0.0):
+        """Say what the browser would."""
+        count = self.hand.data["count"][0] + 1
+        self.hand.data = {"act": [act], "index": [index], "x": [x], "y": [y], "count": [count]}
+
+
+def test_the_view_holds_the_first_orbit():
+    _, pictures = pictured()
+    assert extent(pictures.orbits).covers(Window.around(pictures.orbits[0].path))
+
+
+def test_the_view_holds_trajectories_from_other_starts_but_none_that_is_far():
+    _, pictures = pictured(TWO, 1)
+    assert extent(pictures.orbits, pictures.beside).covers(Window.around(pictures.beside[0].path))
+    first = Window.around(pictures.orbits[0].path)
+    far = np.array([[first.x_high + BESIDE * 5 * first.width, 0.0]])
+    away = [type(one)(**{**vars(one), "path": far}) for one in pictures.beside]
+    assert extent(pictures.orbits, away) == extent(pictures.orbits)
+
+
+def test_other_starts_are_drawn_thinner_and_the_legend_names_each_integrator_once():
+    view = Watched()
+    view.draw(TWO, 1)
+    assert view.orbits.data["method"] == view.beside.data["method"] == ["dmm2", "rk2"]
+    assert all(np.less(view.beside.data["width"], view.orbits.data["width"]))
+    named = [renderer for item in view.figure.legend[0].items for renderer in item.renderers]
+    assert [renderer.data_source for renderer in named].count(view.orbits) == 1
+    assert view.beside not in [renderer.data_source for renderer in named]
+
+
+def test_stars_are_numbered_and_the_selected_one_is_the_largest():
+    view = Watched()
+    view.draw(TWO, 1)
+    stars = view.starts.data
+    assert list(zip(stars["x"], stars["y"], strict=True)) == list(TWO)
+    assert (stars["number"], stars["chosen"]) == (["1", "2"], [False, True])
+    assert stars["size"][1] > stars["size"][0]
+
+
+def test_marks_tell_number_time_kind_and_integrator():
+    view = Watched()
+    view.draw()
+    _, pictures = pictured()
+    marks = view.crossings.data
+    assert list(marks["method"]) == [orbit.method for orbit in pictures.orbits for _ in orbit.kinds]
+    assert np.array_equal(marks["time"], np.concatenate([orbit.times for orbit in pictures.orbits]))
+    assert np.array_equal(marks["number"], np.concatenate([orbit.numbers for orbit in pictures.orbits]))
+    assert set(marks["marker"]) == {KIND_MARKERS["transversal"]}
+    assert set(KIND_MARKERS) == set(CROSSING_KINDS)
+
+
+def test_a_projection_is_named_on_the_axes_and_brings_a_view_of_its_own():
+    view, start = Watched(), ((0.0, 2.0, 1.0),)
+    before = view.draw(start, system="rigid_body")
+    after = view.draw(start, system="rigid_body", axes=(0, 2))
+    assert view.figure.yaxis[0].axis_label == "y3"
+    assert "y2 not shown" in view.figure.xaxis[0].axis_label
+    assert view.starts.data["y"] == [1.0]
+    assert after != before
+
+
+@pytest.mark.parametrize(
+    ("act", "told"),
+    [
+        ("drag", ("move", 0, 0.5, -0.5)),
+        ("drop", ("move", 0, 0.5, -0.5)),
+        ("remove", ("remove", 0)),
+        ("select", ("select", 0)),
+    ],
+)
+def test_what_the_hand_does_is_passed_on(act, told):
+    view = Watched()
+    view.draw()
+    view.do(act, 0, 0.5, -0.5)
+    assert view.told == [told]
+
+
+@pytest.mark.parametrize(
+    ("act", "index", "x"), [("drag", 1, 0.0), ("remove", -1, 0.0), ("drag", 0, np.nan), ("explode", 0, 0.0)]
+)
+def test_what_cannot_be_is_not_passed_on(act, index, x):
+    view = Watched()
+    view.draw()
+    view.do(act, index, x)
+    assert view.told == []
+
+
+def test_a_click_is_passed_on_unless_it_is_beside_the_frame():
+    view = Watched()
+    view.figure.x_range.update(start=-2.0, end=2.0)
+    view.figure.y_range.update(start=-1.0, end=1.0)
+    for x, y in ((0.5, 0.5), (-2.1, 0.0), (0.0, 1.1)):
+        view.figure._trigger_event(Tap(view.figure, x=x, y=y))
+    assert view.told == [("place", 0.5, 0.5)]
+
+
+def test_the_view_stays_while_a_star_is_dragged_and_follows_when_it_is_dropped():
+    view, near, far = Watched(), TWO[:1], ((-1.0, -6.0),)
+    before = view.draw(near)
+    view.do("drag", 0, *far[0])
+    assert view.draw(far) == before
+    view.do("drop", 0, *far[0])
+    assert view.frame != before
+    assert view.frame == view.draw(far)
+
+
+def test_stars_are_sent_again_though_the_server_knows_no_change():
+    view = Watched()
+    view.draw()
+    sent = []
+    view.starts.on_change("data", lambda _attribute, _old, new: sent.append(new))
+    view.do("drop", 0, 5.0, 5.0)  # a move the scene may have refused: only the browser has it
+    view.show_starts(TWO[:1], 0)
+    assert [(one["x"], one["heard"]) for one in sent] == [([-1.0], [1])]
+
+
+def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
+    view = Watched()
+    view.draw()
+    assert "one trajectory, which starts at (-1, -1). dmm2 crosses" in view.figure.html_attributes["aria-label"]
+    view.draw(TWO, 1)
+    assert "2 trajectories; number 2 starts at (-0.5, 0.2)" in view.figure.html_attributes["aria-label"]
+    assert view.figure.html_attributes["role"] == "img"
+
+
+def test_a_closed_player_makes_and_sends_nothing():
+    player = Player(Watched(), ConservedView())
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 1.0), tau=1e-2)
+    player.show([frames(run, (0, 1))])
+    assert not player.wanted
+    assert player.bar is None
+    player.open = True
+    assert player.wanted
+    player.show([frames(run, (0, 1))])
+    assert player.bar.ways[0]["t"] == run.t.tolist()
+    player.open = False
+    player.show([frames(run, (0, 1))])
+    assert player.bar.ways == []

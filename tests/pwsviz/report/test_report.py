@@ -1,0 +1,289 @@
+"""The report: one page without anything from outside, and data equal to the core's."""
+
+import csv
+import io
+import os
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.__main__ import main
+from pwsviz.report import PAGE, figures_of_paper, write_report
+from pwsviz.report import write as writing
+from pwsviz.report.benchmarks import bench_tables, run_bench
+from pwsviz.results.results import STUDY_TAUS
+from pwsviz.scene.presets import PRESETS
+
+ROOT = Path(__file__).parents[3]
+FIGURES = ("fig:portraits", "fig:elliptic_time", "fig:CQ_elliptic")
+
+
+class Resources(HTMLParser):
+    """What a page would fetch, and the text people read."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.fetched, self.links, self.labels, self.text = [], [], [], []
+        self._silent = 0
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):  # noqa: D102
+        given = dict(attributes)
+        self.fetched += [given[name] for name in ("src", "srcset", "data", "poster") if given.get(name)]
+        if tag == "link":
+            self.fetched.append(given.get("href"))
+        if tag == "a":
+            self.links.append(given.get("href"))
+        self._silent += tag in ("script", "style")
+
+    def handle_endtag(self, tag):  # noqa: D102
+        self._silent -= tag in ("script", "style")
+
+    def handle_data(self, data):  # noqa: D102
+        if not self._silent:
+            self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder, say = tmp_path_factory.mktemp("report") / "new", io.StringIO()
+    files = []
+    write_report(folder, say, files, FIGURES, bench=False)
+    return folder, files, say.getvalue()
+
+
+@pytest.fixture(scope="module")
+def page(written):
+    return (written[0] / PAGE).read_text(encoding="utf-8")
+
+
+def model_of(page):
+    """The document that Bokeh draws, as it is written on the page."""
+    return re.search(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL).group(1)
+
+
+def table_of(path):
+    """Columns of a CSV, without the cells that fill them up."""
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    header, *rows = csv.reader(lines)
+    return {name: [cell for cell in column if cell] for name, *column in zip(header, *rows, strict=True)}
+
+
+def numbers(column):
+    return np.array([float(cell) for cell in column])
+
+
+def test_every_figure_of_the_paper_has_panels():
+    labels = list(figures_of_paper())
+    assert labels == [
+        "fig:vftypes", "fig:portraits", "fig:harmonic_timeError", "fig:harmonic_transition", "fig:CQ_harmonic",
+        "fig:elliptic_time", "fig:elliptic_transition", "fig:CQ_elliptic",
+    ]  # fmt: skip
+    assert all(figures_of_paper().values())
+    assert {preset.figure for preset in PRESETS.values()} - {""} == set(labels)
+
+
+def test_the_page_fetches_nothing(page):
+    assert Resources(page).fetched == []
+    styles = "".join(re.findall(r"<style[^>]*>(.*?)</style>", page, re.DOTALL))
+    assert not re.search(r"url\(|@import", styles)
+
+
+def test_the_page_holds_bokeh_and_weighs_little_more(page):
+    assert "Bokeh.embed" in page or "embed_items" in page
+    assert len(page.encode()) < 3.5e6
+
+
+def test_every_panel_says_what_it_shows_and_what_was_measured(page):
+    text = " ".join(" ".join(Resources(page).text).split())
+    for label in FIGURES:
+        for preset in figures_of_paper()[label]:
+            assert preset.look in text
+        assert label in text
+    assert "measured against: exact (Weierstrass ℘)" in text
+    assert re.search(r"crossing 30 (1\.99|2\.0)\d ", text)  # a fitted slope
+    assert re.search(r"dmm2 \(-1, -1\) 100,000 105 \de-16 ", text)  # steps, crossings, largest error
+    assert re.search(r"numpy \d", text)
+    assert re.search(r"\d+ cores", text)
+
+
+def test_figures_have_their_summary_for_those_who_cannot_see_them(page):
+    assert model_of(page).count('"aria-label"') == 4
+    assert "dmm2 stays below" in " ".join(Resources(page).text)
+
+
+def test_nothing_can_be_dragged(page):
+    assert "setPointerCapture" not in model_of(page)
+
+
+def test_every_file_named_on_the_page_is_there(written, page):
+    folder, files, _ = written
+    named = {link for link in Resources(page).links if not link.startswith("#")}
+    assert named == {file.name for file in files} - {PAGE}
+    assert all(file.exists() for file in files)
+    assert {file.name for file in folder.iterdir()} == {file.name for file in files}
+
+
+def test_anchors_lead_somewhere(page):
+    assert all(f'<section id="{link[1:]}">' in page for link in Resources(page).links if link.startswith("#"))
+
+
+def test_runs_are_those_of_the_core_to_the_last_digit(written):
+    table = table_of(written[0] / "portrait_elliptic.csv")
+    for name, start in (("dmm2.1", (-1, -1)), ("dmm2.2", (-1, -0.5)), ("dmm2.3", (-1.2, 0))):
+        run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), x0=start, tau=0.01)
+        assert np.array_equal(numbers(table[f"{name}.t"]), run.t)
+        assert np.array_equal(np.column_stack([numbers(table[f"{name}.{v}"]) for v in "xy"]), run.x)
+        assert np.array_equal(numbers(table[f"{name}.crossing_t"]), run.crossings.t)
+
+
+def test_errors_of_crossing_times_are_those_of_the_core(written):
+    table = table_of(written[0] / "elliptic_time.csv")
+    study = core.order_study(core.CATALOGUE["elliptic_curve"], STUDY_TAUS, x0=(-1, -1))
+    assert np.array_equal(numbers(table["tau"]), study.taus)
+    for k, row in zip((10, 20, 30), study.time_error, strict=True):
+        assert np.array_equal(numbers(table[f"time_error_{k}"]), row)
+
+
+def test_one_line_a_figure_is_said(written):
+    lines = written[2].splitlines()
+    assert [line.split("  ")[0] for line in lines] == [f"[{k}/3] {label}" for k, label in enumerate(FIGURES, start=1)]
+    assert all(re.search(r"… \d+\.\d s$", line) for line in lines)
+
+
+def test_a_summary_ends_the_command(tmp_path, capsys):
+    assert main(["report", "--out", str(tmp_path), "--no-bench", "--only", "fig:elliptic_time"]) == 0
+    assert re.search(r"^2 files are written to .* \(\d\.\d MB\); open .*report\.html\. \d+ s in all\.$",
+                     capsys.readouterr().out, re.MULTILINE)  # fmt: skip
+
+
+def test_an_unknown_figure_is_refused_before_anything_is_written(tmp_path, capsys):
+    assert main(["report", "--out", str(tmp_path / "new"), "--only", "fig:nothing"]) == 2
+    assert "'fig:nothing' is no figure of the paper; there are fig:vftypes" in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("place", ["file", "file/below"])
+def test_a_folder_that_cannot_be_written_is_said_at_once(place, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(writing, "draw_panel", lambda *_: pytest.fail("computed for nothing"))
+    (tmp_path / "file").write_text("")
+    assert main(["report", "--out", str(tmp_path / place), "--no-bench"]) == 1
+    words = capsys.readouterr().err
+    assert f"cannot write to {tmp_path / place}: " in words
+    assert "--out" in words
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() == 0, reason="the administrator may write anywhere")
+def test_a_folder_without_permission_is_said(tmp_path, capsys):
+    tmp_path.chmod(0o500)
+    assert main(["report", "--out", str(tmp_path), "--no-bench"]) == 1
+    assert f"cannot write to {tmp_path}" in capsys.readouterr().err
+
+
+def test_a_file_that_cannot_be_written_later_on_is_said(tmp_path, capsys):
+    (tmp_path / "elliptic_time.csv").mkdir()
+    assert main(["report", "--out", str(tmp_path), "--no-bench", "--only", "fig:elliptic_time"]) == 1
+    assert f"cannot write {tmp_path / 'elliptic_time.csv'}: " in capsys.readouterr().err
+
+
+def test_an_interrupted_report_keeps_and_names_what_there_is(tmp_path, capsys, monkeypatch):
+    draw = writing.draw_panel
+
+    def interrupted(preset, results):
+        if preset.figure == "fig:elliptic_transition":
+            raise KeyboardInterrupt
+        return draw(preset, results)
+
+    monkeypatch.setattr(writing, "draw_panel", interrupted)
+    only = [word for label in ("fig:elliptic_time", "fig:elliptic_transition") for word in ("--only", label)]
+    assert main(["report", "--out", str(tmp_path), *only]) == 130
+    assert "Interrupted; 2 files are written" in capsys.readouterr().err
+    text = (tmp_path / PAGE).read_text(encoding="utf-8")
+    assert "Given up before the end; missing: fig:elliptic_transition, Benchmark." in text
+    assert (tmp_path / "elliptic_time.csv").exists()
+
+
+# The benchmark -------------------------------------------------------------------------------------------------------
+
+SAID = """\
+Python 3.11, numpy 2
+A processor, 2 cores
+
+Cost in proportion to steps: dmm2, least
+time of the loop.
+  system           steps   ns a step
+  elliptic_curve   1,000        51.8
+
+Time to a state error after 500 crossings, in ms.
+
+  elliptic_curve: T = 18.92, 20 crossings
+                 1e-03 wall    loop   1e-06 wall    loop
+  dmm2                0.282   0.171            -       -
+  SciPy, events        12.8       -         15.8       -
+
+Ratios: wall time.
+  system           error    ours            heyoka
+  elliptic_curve   1e-03   0.122     prk8    0.048
+"""
+
+
+def test_tables_are_read_out_of_what_the_benchmark_prints():
+    tables = bench_tables(SAID)
+    assert list(tables) == ["cost-in-proportion-to-steps", "time-to-a-state-error-after"]
+    assert {name: list(column) for name, column in tables["cost-in-proportion-to-steps"].items()} == {
+        "system": ["elliptic_curve"], "steps": ["1000"], "ns a step": ["51.8"],
+    }  # fmt: skip
+    times = tables["time-to-a-state-error-after"]
+    assert list(times) == ["", "1e-03 wall", "loop", "1e-06 wall", "loop 2"]
+    assert list(times[""]) == ["dmm2", "SciPy, events"]
+    assert list(times["loop 2"]) == ["", ""]
+
+
+def test_a_table_with_empty_cells_is_left_to_the_text():
+    assert "ratios" not in bench_tables(SAID)
+
+
+def test_the_benchmark_is_on_the_page_and_beside_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(writing, "run_bench", lambda quick, heard: (heard("Cost in proportion to steps"), SAID)[1])
+    files, say = [], io.StringIO()
+    write_report(tmp_path, say, files, ["fig:elliptic_time"], quick=True)
+    assert "[2/2] Benchmark … a minute; Cost in proportion to steps: " in say.getvalue()
+    page = (tmp_path / PAGE).read_text(encoding="utf-8")
+    assert "SciPy, events        12.8" in page
+    assert "too small to state" in page
+    assert (tmp_path / "bench.txt").read_text(encoding="utf-8") == SAID
+    assert table_of(tmp_path / "bench-cost-in-proportion-to-steps.csv")["ns a step"] == ["51.8"]
+
+
+def test_a_benchmark_that_is_given_up_is_not_left_running(monkeypatch, tmp_path):
+    started = []
+
+    class Popen(subprocess.Popen):
+        def __init__(self, _command, **options):
+            code = "import time\nfor k in range(9): print(f'\\nsection {k}', flush=True)\ntime.sleep(600)"
+            super().__init__([sys.executable, "-c", code], **options)
+            started.append(self)
+
+    def give_up(_title):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pwsviz.report.benchmarks.subprocess.Popen", Popen)
+    with pytest.raises(KeyboardInterrupt):
+        run_bench(True, give_up)
+    assert started[0].wait(10) is not None
+
+
+def test_a_benchmark_that_fails_is_no_benchmark(monkeypatch):
+    class Popen(subprocess.Popen):
+        def __init__(self, _command, **options):
+            super().__init__([sys.executable, "-c", "import sys; print('some'); sys.exit(3)"], **options)
+
+    monkeypatch.setattr("pwsviz.report.benchmarks.subprocess.Popen", Popen)
+    with pytest.raises(subprocess.CalledProcessError):
+        run_bench(True, print)

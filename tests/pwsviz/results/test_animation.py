@@ -1,0 +1,76 @@
+"""Frames are the integrator's own steps; landmarks say where and what each crossing is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.results.animation import ROUND_OFF, frames, landmarks, round_off
+
+
+@pytest.fixture(scope="module")
+def run():
+    return core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), tau=1e-2)
+
+
+def test_few_steps_are_all_there(run):
+    shown = frames(run, (0, 1))
+    assert np.array_equal(shown.t, run.t)
+    assert np.array_equal(shown.places, run.x)
+    assert np.array_equal(shown.crossings, run.crossings.t)
+    assert shown.method == "dmm2"
+
+
+@pytest.mark.parametrize("limit", [1, 2, 3, 7, 100, 1999, 2000])
+def test_of_many_steps_every_kth_is_kept_and_both_ends(run, limit):
+    shown = frames(run, (0, 1), limit)
+    at = np.searchsorted(run.t, shown.t)
+    assert len(shown.t) <= limit + 1
+    assert np.array_equal(run.t[at], shown.t), "no time is made up"
+    assert np.array_equal(run.x[at], shown.places)
+    assert at[0] == 0
+    assert at[-1] == len(run.t) - 1
+    assert len(set(np.diff(at)[:-1])) <= 1
+
+
+def test_the_plane_is_that_of_the_axes(run):
+    assert np.array_equal(frames(run, (1, 0)).places, frames(run, (0, 1)).places[:, ::-1])
+    assert np.array_equal(landmarks(run, (1, 0)).places, run.crossings.x[:, ::-1])
+
+
+def test_states_that_are_not_finite_are_left_out(run):
+    broken = replace(run, x=np.where(np.arange(len(run.t))[:, None] >= 50, np.nan, run.x))
+    shown = frames(broken, (0, 1))
+    assert shown.t[-1] == run.t[49]
+    assert np.isfinite(shown.places).all()
+
+
+def test_a_bound_of_no_steps_is_refused(run):
+    with pytest.raises(ValueError, match="limit = 0"):
+        frames(run, (0, 1), limit=0)
+
+
+def test_landmarks_tell_every_crossing_also_where_one_hides_another(run):
+    marks = landmarks(run, (0, 1))
+    assert len(marks.places) == len(marks.kinds) == 21
+    assert np.allclose((marks.places**2).sum(axis=1), 1.0, atol=1e-12), "the surface is the unit circle"
+
+
+def test_landmarks_name_jumps():
+    ball = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 1.0), tau=1e-2)
+    assert landmarks(ball, (0, 1)).kinds[0] == "jump"
+
+
+def test_round_off_is_that_of_the_terms_and_not_of_their_difference():
+    hyperbola = core.PiecewiseSystem(
+        "saddle", ("x", "y"), ("y", "x"), ("y", "x"), "x - 1e9", ("x**2 - y**2",), ("x**2 - y**2",), x0=(1e4, 1e4)
+    )
+    run = core.integrate(hyperbola, (0.0, 1e-3), tau=1e-3)
+    largest = np.abs(run.x).max() ** 2
+    assert round_off(run) == pytest.approx(ROUND_OFF * np.finfo(float).eps * largest, rel=1e-12)
+
+
+def test_without_a_conserved_quantity_there_is_no_round_off_of_it():
+    run = core.integrate(core.CATALOGUE["relay_feedback"], (0.0, 1.0), tau=1e-2, method="rk2")
+    assert np.isnan(round_off(run))

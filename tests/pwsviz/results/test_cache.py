@@ -1,0 +1,81 @@
+"""The cache computes once, forgets the oldest, and hands over what was cancelled."""
+
+from threading import Barrier, Event, Thread
+
+import numpy as np
+import pytest
+
+from pwsviz.results.cache import Cache, nbytes
+from pwsviz.tasks.cancellation import Cancelled
+
+
+def test_second_request_computes_nothing():
+    cache = Cache()
+    assert [cache.get("square", 3, lambda: 9) for _ in range(5)] == [9] * 5
+    assert cache.computed == {"square": 1}
+
+
+def test_threads_that_ask_at_once_share_one_computation():
+    cache, barrier, answers = Cache(), Barrier(8), []
+    may_end = Event()
+
+    def compute():
+        may_end.wait(5)
+        return 1
+
+    def ask():
+        barrier.wait(5)
+        answers.append(cache.get("slow", 0, compute))
+
+    threads = [Thread(target=ask) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    may_end.set()
+    for thread in threads:
+        thread.join(5)
+    assert answers == [1] * 8
+    assert cache.computed["slow"] == 1
+
+
+def test_what_was_cancelled_is_computed_by_whoever_still_waits():
+    cache, started, answers = Cache(), Event(), []
+    stop = Event()
+
+    def cancelled():
+        started.set()
+        stop.wait(5)
+        raise Cancelled
+
+    def first():
+        with pytest.raises(Cancelled):
+            cache.get("run", 0, cancelled)
+
+    one = Thread(target=first)
+    one.start()
+    started.wait(5)
+    two = Thread(target=lambda: answers.append(cache.get("run", 0, lambda: "done")))
+    two.start()
+    stop.set()
+    one.join(5)
+    two.join(5)
+    assert answers == ["done"]
+
+
+def test_failures_are_not_remembered():
+    cache = Cache()
+    with pytest.raises(ZeroDivisionError):
+        cache.get("bad", 0, lambda: 1 / 0)
+    assert cache.get("bad", 0, lambda: 2) == 2
+
+
+def test_memory_is_bounded_and_the_oldest_goes_first():
+    cache = Cache(max_bytes=3000)
+    for k in range(5):
+        cache.get("array", k, lambda: np.zeros(100))
+    cache.get("array", 4, lambda: pytest.fail("was there"))
+    cache.get("array", 0, lambda: np.zeros(100))
+    assert cache.computed["array"] == 6
+
+
+def test_bytes_of_nested_arrays_are_counted():
+    assert nbytes([np.zeros(2), (np.zeros(3), "text")]) == 40

@@ -1,0 +1,245 @@
+"""Only what is visible is computed, nothing twice, and the arrays are what they say."""
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.polyline_reduction import RESOLUTION
+from pwsviz.results.invariant_error import accumulated_error
+from pwsviz.results.requests import Scheme, beside_inputs, run_inputs, study_inputs
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.scene import Scene
+from pwsviz.tasks.cancellation import Cancelled
+
+
+@pytest.fixture
+def results():
+    return Results()
+
+
+def portrait(scene):
+    return PortraitInputs(run_inputs(scene), beside_inputs(scene), scene.axes)
+
+
+def test_portrait_alone_draws_no_error_curve(results):
+    results.pictures(portrait(Scene()))
+    assert results.computed["run"] == 2
+    assert results.computed["curve"] == results.computed["study"] == results.computed["backdrop"] == 0
+
+
+def test_portrait_and_error_share_one_run_for_each_method(results):
+    for _ in range(2):
+        results.pictures(portrait(Scene()))
+        results.error_curves(run_inputs(Scene()))
+    assert dict(results.computed) == {"run": 2, "orbit": 2, "error": 2, "curve": 2, "summary": 2}
+
+
+def test_one_more_method_costs_one_more_run(results):
+    scene = Scene()
+    results.pictures(portrait(scene))
+    scene.accept("methods", ["dmm2", "rk2", "rk4"])
+    results.pictures(portrait(scene))
+    assert results.computed["run"] == 3
+
+
+def test_one_more_trajectory_costs_one_more_run_for_each_integrator(results):
+    scene = Scene()
+    results.pictures(portrait(scene))
+    scene.place((-0.5, 0.25))
+    pictures = results.pictures(portrait(scene))
+    assert results.computed["run"] == 4
+    assert [orbit.start for orbit in pictures.orbits] == [(-0.5, 0.25)] * 2
+    assert [orbit.start for orbit in pictures.beside] == [(-1.0, -1.0)] * 2
+    scene.selected = 0
+    results.pictures(portrait(scene))
+    assert results.computed["run"] == 4
+
+
+def test_another_projection_costs_no_run(results):
+    scene = Scene(system="kepler", methods=["rk4"])
+    flat = results.pictures(portrait(scene)).orbits[0]
+    scene.accept("axes", (2, 3))
+    tilted = results.pictures(portrait(scene)).orbits[0]
+    assert results.computed["run"] == 1
+    run = results.run(run_inputs(scene)[0])
+    assert np.array_equal(flat.path[0], run.x[0, :2])
+    assert np.array_equal(tilted.path[0], run.x[0, 2:])
+    assert np.array_equal(tilted.crossings[0], run.crossings.x[0, 2:])
+
+
+def test_the_order_study_does_not_depend_on_step_size_and_end_time():
+    scene = Scene()
+    before = study_inputs(scene)
+    scene.param.update(tau=5e-3, t_end=3.0)
+    assert study_inputs(scene) == before
+    scene.accept("x0.0", -0.9)
+    assert study_inputs(scene) != before
+
+
+def test_settings_without_effect_do_not_make_another_run():
+    scene = Scene()
+    before = run_inputs(scene)
+    scene.accept("perturbation_scale", 3.0)
+    assert run_inputs(scene) == before
+    scene.perturbation_order = 2
+    assert run_inputs(scene) != before
+    scene.locate = False
+    assert run_inputs(scene)[0].scheme == Scheme("dmm2", locate=False)
+
+
+def test_a_run_given_up_is_not_taken_for_a_result(results):
+    inputs = run_inputs(Scene())[0]
+    with pytest.raises(Cancelled):
+        results.run(inputs, cancel=lambda: True)
+    assert results.run(inputs).status is core.Status.COMPLETED
+
+
+@pytest.mark.parametrize("system", list(core.CATALOGUE))
+@pytest.mark.parametrize("tau", [1e-4, 1e-2])
+def test_a_portrait_has_few_vertices_and_its_kinks_on_the_surface(results, system, tau):
+    scene = Scene(system=system, tau=tau)
+    inputs = run_inputs(scene)[0]
+    run, orbit = results.run(inputs), results.orbit(inputs)
+    assert len(orbit.path) <= 4000
+    pixel = np.ptp(orbit.path[np.isfinite(orbit.path).all(axis=1)], axis=0).max() / RESOLUTION
+    for crossing in orbit.crossings:
+        assert np.nanmin(np.linalg.norm(orbit.path - crossing, axis=1)) <= 3 * pixel
+    assert (len(orbit.crossings) > 0) == (len(run.crossings) > 0)
+    met = {tuple(x[:2]): (t, x) for t, x in zip(run.crossings.t, run.crossings.x, strict=True)}
+    for crossing in orbit.crossings:
+        assert abs(scene.build().switching(*met[tuple(crossing)])) < 1e-12
+
+
+def test_a_jump_is_a_gap_in_the_path_and_a_line_of_its_own(results):
+    inputs = run_inputs(Scene(system="bouncing_ball"))[0]
+    run, orbit = results.run(inputs), results.orbit(inputs)
+    assert set(orbit.kinds) == {"jump"}
+    assert np.array_equal(orbit.jumps[0::3], orbit.crossings)
+    assert np.array_equal(orbit.jumps[1], run.crossings.x_after[0])
+    ends = np.isnan(orbit.path[:, 0]).nonzero()[0]
+    assert np.array_equal(orbit.path[ends[0] - 1], run.crossings.x[0])
+    assert np.array_equal(orbit.path[ends[0] + 1], run.crossings.x_after[0])
+
+
+def test_a_run_that_ends_where_it_slides_is_shown_whole(results):
+    inputs = run_inputs(Scene(system="coulomb_friction"))[0]
+    run, orbit = results.run(inputs), results.orbit(inputs)
+    assert orbit.kinds[-1] == "sliding"
+    assert np.array_equal(orbit.path[[0, -1]], run.x[[0, -1]])
+    assert results.summary(inputs).crossings == len(run.crossings) - 1, "where it stops it does not cross"
+
+
+def test_a_tolerance_matters_to_methods_that_choose_their_steps_and_to_no_other(results):
+    scene = Scene(methods=["dmm2", "taylor"], tau=1.0)
+    steady, free = run_inputs(scene)
+    scene.accept("tolerance", 1e-4)
+    assert run_inputs(scene)[0] == steady
+    coarse, fine = results.run(run_inputs(scene)[1]), results.run(free)
+    assert coarse.evaluations < fine.evaluations
+    assert 1e-8 < np.abs(coarse.x[-1] - fine.x[-1]).max() < 1e-1
+
+
+def test_crossing_times_of_a_method_without_a_step_size_are_not_disturbed(results):
+    scene = Scene(methods=["taylor"], perturbation_order=2)
+    assert results.run(run_inputs(scene)[0]).status is core.Status.COMPLETED
+
+
+def test_error_curves_have_no_more_points_than_pixels(results):
+    curve = results.error_curve(run_inputs(Scene(tau=2e-5))[0])
+    assert len(curve.t) == len(curve.error) <= 2400
+
+
+@pytest.mark.parametrize("system", ["harmonic_oscillator", "elliptic_curve"])
+def test_accumulated_error_is_the_distance_from_the_exact_levels(results, system):
+    """Both systems of the paper return to the same level on each side, so the sum over visits telescopes."""
+    scene = Scene(system=system, methods=["rk2"])
+    run = results.run(run_inputs(scene)[0])
+    error = accumulated_error(run)
+    assert error[0] == 0.0
+    first = run.side == run.side[0]
+    psi = run.system.conserved(int(run.side[0]), 0.0, run.x)[:, 0]
+    drift = np.abs(psi - psi[0])
+    inner = first & (run.segment >= 4)
+    ratio = error[inner] / drift[inner]
+    assert 0.1 < np.median(ratio) < 10
+    assert error.max() > 1e-6
+
+
+def test_the_conservative_method_stays_at_round_off(results):
+    for key, system in core.CATALOGUE.items():
+        if system.psi_minus:
+            assert results.summary(run_inputs(Scene(system=key, methods=["dmm2"]))[0]).worst_error < 1e-13
+
+
+def test_the_backdrop_is_kept_for_another_start_on_the_same_levels(results):
+    scene, window = Scene(), Window(-2.0, 2.0, -2.0, 2.0)
+    ground = run_inputs(scene)[0].ground
+    levels = results.orbit(run_inputs(scene)[0]).levels
+    first = results.backdrop(ground, window, levels)
+    scene.accept("tau", 5e-3)
+    assert results.orbit(run_inputs(scene)[0]).levels == levels
+    assert results.backdrop(ground, window, levels) is first
+    g = scene.build().switching(0.0, first.surface[np.isfinite(first.surface).all(axis=1)])
+    assert np.abs(g).max() < 1e-2
+
+
+def test_level_sets_stay_on_their_side(results):
+    scene = Scene()
+    levels = results.orbit(run_inputs(scene)[0]).levels
+    ground = results.backdrop(run_inputs(scene)[0].ground, Window(-2.0, 2.0, -2.0, 2.0), levels)
+    for side in (-1, 1):
+        for lines in (ground.levels[side], ground.orbit_levels[side]):
+            points = lines[np.isfinite(lines).all(axis=1)]
+            assert len(points) > 10
+            assert (side * scene.build().switching(0.0, points) > -0.02).all()
+        tails = ground.arrows[side][0::6] / 2 + ground.arrows[side][1::6] / 2
+        assert (side * scene.build().switching(0.0, tails) > 0).all()
+
+
+def test_the_study_measures_slope_two(results):
+    study = results.study(study_inputs(Scene()))
+    assert np.abs(study.state_slope - 2).max() < 0.1
+    assert results.study(study_inputs(Scene(tau=1e-3))) is study
+
+
+@pytest.mark.parametrize(
+    ("how", "least", "most"),
+    [
+        ({}, 0.0, 4e-15),
+        ({"perturbation_order": 1}, 0.05, 5.0),
+        ({"transition": "none"}, 0.02, 2.0),
+        ({"method": "rk2"}, 1e-4, 1e-2),
+    ],
+)
+def test_what_is_lost_at_crossings_counts_as_much_as_what_is_lost_between(how, least, most):
+    # Against the exact levels (psi = 0 outside, 2 cos(4 pi/7) inside): round-off, 0.42, 0.18 and 6e-4.
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), tau=1e-2, **how)
+    assert least <= accumulated_error(run).max() <= most
+
+
+@pytest.mark.parametrize(
+    ("system", "crossings"),
+    [("elliptic_curve", (10, 20, 30)), ("coulomb_friction", (1, 2)), ("relay_feedback", (2, 4, 6))],
+)
+def test_a_study_looks_at_the_crossings_there_are(results, system, crossings):
+    study = results.study(study_inputs(Scene(system=system)))
+    assert study.crossings == crossings
+    assert np.isfinite(study.state_error).mean() > 0.8
+
+
+@pytest.mark.parametrize(("system", "found"), [("type_upward", "one"), ("type_repelling", "none")])
+def test_a_study_without_crossings_is_refused_at_once(results, system, found):
+    with pytest.raises(ValueError, match=f"needs two crossings at least; this trajectory has {found}"):
+        results.study(study_inputs(Scene(system=system)))
+
+
+@pytest.mark.parametrize("system", list(core.CATALOGUE))
+def test_errors_of_every_system_are_known_where_it_has_a_conserved_quantity(results, system):
+    scene = Scene(system=system, methods=["dmm2", "rk2"])
+    known = bool(scene.build().psi_minus)
+    for inputs in run_inputs(scene):
+        curve = results.error_curve(inputs)
+        assert np.isfinite(curve.error).all() == known
+        assert len(curve.sides) == 1 + len(curve.crossings)
+        assert known or np.isnan(results.summary(inputs).worst_error)

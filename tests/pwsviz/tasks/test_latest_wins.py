@@ -1,0 +1,72 @@
+"""Only the newest request counts, and nothing that goes wrong is lost."""
+
+from threading import Event
+
+from pwsviz.tasks.cancellation import Cancelled
+from pwsviz.tasks.latest_wins import Job, Lane
+
+
+def test_requests_that_were_overtaken_are_never_started():
+    lane, seen, started, gate = Lane(), [], Event(), Event()
+    lane.submit(Job(lambda _: started.set() or gate.wait(5), seen.append))
+    assert started.wait(5)
+    for k in range(20):
+        lane.submit(Job(lambda _, k=k: k, seen.append))
+    gate.set()
+    assert lane.join(5)
+    assert seen == [True, 19]
+
+
+def test_a_job_that_takes_longer_than_its_patience_is_given_up_for_a_newer_one():
+    lane, seen, started = Lane(), [], Event()
+
+    def long(given_up):
+        started.set()
+        while not given_up():
+            pass
+        raise Cancelled
+
+    lane.submit(Job(long, seen.append, patience=0.05))
+    assert started.wait(5)
+    lane.submit(Job(lambda _: "new", seen.append))
+    assert lane.join(5)
+    assert seen == ["new"]
+
+
+def test_a_job_that_wants_quiet_starts_when_requests_rest():
+    lane, started = Lane(), []
+    for k in range(10):
+        lane.submit(Job(lambda _, k=k: started.append(k), lambda _: None, quiet=0.05))
+    assert lane.join(5)
+    assert started == [9]
+
+
+def test_exceptions_are_delivered():
+    lane, seen = Lane(), []
+    lane.submit(Job(lambda _: int("x"), seen.append))
+    assert lane.join(5)
+    assert isinstance(seen[0], ValueError)
+
+
+def test_cancel_drops_what_waits():
+    lane, seen = Lane(), []
+    lane.submit(Job(lambda _: 1, seen.append, quiet=10.0))
+    lane.cancel()
+    assert lane.join(5)
+    assert seen == []
+
+
+def test_a_short_job_is_finished_although_a_newer_one_waits():
+    lane, seen, started, gate = Lane(), [], Event(), Event()
+
+    def short(given_up):
+        started.set()
+        gate.wait(5)
+        return given_up()
+
+    lane.submit(Job(short, seen.append, patience=60.0))
+    assert started.wait(5)
+    lane.submit(Job(lambda _: "new", seen.append))
+    gate.set()
+    assert lane.join(5)
+    assert seen == [False, "new"]

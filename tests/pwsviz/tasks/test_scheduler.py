@@ -1,0 +1,93 @@
+"""Work goes to threads by lanes, and only what is still wanted comes back."""
+
+from threading import Event
+from time import sleep
+
+import pytest
+
+from pwsviz.tasks.cancellation import Cancelled
+from pwsviz.tasks.scheduler import Desk
+
+
+@pytest.fixture
+def desk():
+    made = Desk()
+    yield made
+    made.close()
+
+
+def test_the_same_is_asked_for_once(desk):
+    seen = []
+    assert desk.ask("a", 1, lambda _cancel, _report: "one", seen.append)
+    assert desk.settle(5)
+    assert not desk.ask("a", 1, lambda _cancel, _report: "again", seen.append)
+    desk.forget("a")
+    assert desk.ask("a", 1, lambda _cancel, _report: "again", seen.append)
+    assert desk.settle(5)
+    assert seen == ["one", "again"]
+
+
+def test_what_was_cancelled_may_be_asked_for_again(desk):
+    seen, started = [], Event()
+
+    def endless(cancel, _report):
+        started.set()
+        while not cancel():
+            pass
+        raise Cancelled
+
+    desk.ask("a", 1, endless, seen.append)
+    assert started.wait(5)
+    assert desk.cancel("a")
+    assert desk.settle(5)
+    assert not desk.cancel("a"), "nothing is under way"
+    assert desk.ask("a", 1, lambda _cancel, _report: "done", seen.append)
+    assert desk.settle(5)
+    assert seen == ["done"]
+
+
+def test_progress_is_told_while_it_is_wanted_and_not_too_often(desk):
+    told, seen = [], []
+
+    def study(_cancel, report):
+        for done in range(1, 1001):
+            report(done, 1000, "part")
+        return "whole"
+
+    desk.ask("a", 1, study, seen.append, lambda *news: told.append(news))
+    assert desk.settle(5)
+    assert seen == ["whole"]
+    assert told[0] == (1, 1000, "part")
+    assert len(told) < 20
+
+
+def test_what_is_short_does_not_wait_for_what_is_long(desk):
+    gate, seen = Event(), []
+    desk.ask("long", 1, lambda _cancel, _report: gate.wait(5), seen.append, quiet=1e-3)
+    desk.ask("short", 1, lambda _cancel, _report: "short", lambda outcome: (seen.append(outcome), gate.set()))
+    assert desk.settle(5)
+    assert seen == ["short", True]
+
+
+def test_short_work_is_done_one_at_a_time(desk):
+    under_way, most = [], []
+
+    def short(_cancel, _report):
+        under_way.append(1)
+        most.append(len(under_way))
+        sleep(0.005)
+        under_way.pop()
+
+    for k in range(8):
+        desk.ask(f"lane {k}", 1, short, lambda _: None)
+    assert desk.settle(5)
+    assert most == [1] * 8
+
+
+def test_a_closed_desk_delivers_nothing(desk):
+    gate, seen = Event(), []
+    desk.ask("a", 1, lambda _cancel, _report: gate.wait(5), seen.append)
+    desk.close()
+    gate.set()
+    assert desk.settle(5)
+    assert seen == []

@@ -1,0 +1,90 @@
+"""Words on the page: exact figures, and never markup from outside."""
+
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import core
+from pwsviz.figures.summaries import method_notes, run_line, run_lines
+from pwsviz.results.results import Summary
+from pwsviz.scene.names import short_name
+from pwsviz.scene.scene import Scene
+from pwsviz.text.words import as_text, complaint, duration, listed, plural, rounded_up
+
+
+def summary(**changes):
+    values = {
+        "method": "dmm2", "steps": 60000, "crossings": 1, "seconds": 0.00481,
+        "worst_error": 8.2e-16, "status": core.Status.COMPLETED, "message": "",
+    }  # fmt: skip
+    return Summary(**(values | changes))
+
+
+def test_a_run_in_one_line():
+    words = re.sub("<.*?>", "", run_line(summary()))
+    assert words == "dmm2: 60,000 steps, 1 crossing, 4.81 ms, |Δψ| ≤ 9e-16"
+
+
+def test_runs_that_stopped_say_why_once():
+    stopped = summary(status=core.Status.ESCAPED, message="t = 1: ran away <b>")
+    later = summary(status=core.Status.ESCAPED, message="t = 1.1: ran away <b>")
+    lines = run_lines([stopped, later, summary(message="fine")])
+    assert lines.count("ran away &lt;b&gt;") == 1
+    assert "t = 1:" in lines
+    assert "fine" not in lines
+
+
+def test_integrators_that_are_left_out_are_named_with_the_reason():
+    assert method_notes(Scene()) == ""
+    assert "dmm2, dmm4, dmm6, dmm8 and prk8 keep conserved" in method_notes(Scene(system="gene_switch"))
+    free = Scene(methods=["taylor"])
+    assert "taylor chooses its own steps" in method_notes(free)
+    assert "disturb" not in method_notes(free)
+    free.perturbation_order = 2
+    assert "disturb" in method_notes(free)
+
+
+def test_names_are_listed_as_one_says_them():
+    assert [listed(names) for names in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+
+
+def test_without_a_conserved_quantity_there_is_no_bound():
+    assert "Δψ" not in run_line(summary(worst_error=math.nan))
+
+
+def test_nothing_is_taken_for_markup():
+    assert as_text("<script>alert(1)</script> & more") == (
+        '<p class="">&lt;script&gt;alert(1)&lt;/script&gt; &amp; more</p>'
+    )
+    assert "<img" not in complaint(ValueError("<img src=x>"))
+    assert "<img" not in complaint(RuntimeError("<img src=x>"))
+
+
+@given(st.floats(1e-300, 1e300))
+def test_a_bound_rounded_up_is_still_a_bound(value):
+    assert float(rounded_up(value)) >= value * (1 - 1e-11)
+    assert float(rounded_up(value)) <= 2.01 * value
+
+
+def test_words_for_counts_and_times():
+    assert plural(1, "step") == "1 step"
+    assert plural(2000, "step") == "2,000 steps"
+    assert duration(0.0048) == "4.8 ms"
+    assert duration(2.5) == "2.50 s"
+
+
+@pytest.mark.parametrize(
+    ("parameter", "shown"),
+    [
+        (core.Parameter("a_minus", 1.0), "a₋"),
+        (core.Parameter("omega2_plus", 1.0, latex=r"\omega^2_{+}"), "ω²₊"),
+        (core.Parameter("radius", 1.0, latex="r"), "radius"),
+        (core.Parameter("k", 1.0), "k"),
+        (core.Parameter("strange", 1.0, latex=r"\frac{1}{2}"), "strange"),
+    ],
+)
+def test_parameters_are_named_as_plain_text_can(parameter, shown):
+    assert short_name(parameter) == shown
