@@ -4,7 +4,7 @@ from core.compilation.compiled import compile_beside
 from core.diagnostics import Diagnosis, diagnose
 from core.integrate import integrate
 from core.integration.trajectory import Crossing, Crossings, Status, Trajectory
-from core.methods.registry import METHODS, Method
+from core.methods import METHODS, Method
 from core.reference import reference_solution
 from core.studies.cost import WorkPrecision, work_precision
 from core.studies.order import OrderStudy, order_study

@@ -16,7 +16,7 @@ from core.integration.runner import Runner, Settings, no_crossings
 from core.integration.trajectory import Status, Trajectory
 from core.interface.arguments import count, number, numbers
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS, Method, method_named
+from core.methods import METHODS, Method, method_named
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 

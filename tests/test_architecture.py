@@ -88,9 +88,7 @@ def test_imports_lead_down(path):
             assert FLOOR[room] < FLOOR[own], f"{name_of(path)} imports {name}, which stands no lower"
 
 
-@pytest.mark.parametrize(
-    "path", [p for p in SOURCES if p.parts[-2] in ("scene", "results", "geometry")], ids=name_of
-)
+@pytest.mark.parametrize("path", [p for p in SOURCES if p.parts[-2] in ("scene", "results", "geometry")], ids=name_of)
 def test_what_a_picture_shows_is_worked_out_without_a_page(path):
     assert not {name.split(".")[0] for name in imported(path)} & {"panel", "bokeh", "tornado"}
 

@@ -150,18 +150,27 @@ class StepCode:
         """Lines that take the state to the end of the step."""
         return [f"y{k} = x{k} + (c{k} + d{k})" for k in range(len(self.x))]
 
-    def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = ()) -> list[Symbol]:
+    def field_at(self, side: Side, t: Expr, increment: Sequence[Expr]) -> list[Expr]:
+        """f as expressions, at time t and the start of the step moved by an increment of unknowns: for `solve`."""
+        moved = [x + (c + u) for x, c, u in zip(self.x, self._names.carry, increment, strict=True)]
+        at = {**self._names.symbols, **dict(zip(side.variables, moved, strict=True)), TIME: t}
+        return [f.xreplace(at) for f in side.field]
+
+    def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = (), stages: int = 1) -> list[Symbol]:
         """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from Euler's step.
+
+        Of several stages the unknowns d0, d1, … are those of the first, then of the second, and so on.
 
         In increment form, so that what is iterated is small and its round-off too; the last correction is the one
         after which quadratic convergence leaves less than half an ulp, or the one that no longer shrinks.
         """
-        d = len(self.x)
-        unknowns = [*self.increment, *multipliers]
-        inner = self._arrive + (self._newton if self._few else self._newton_of_many)(residuals, unknowns)
+        d = stages * len(self.x)
+        unknowns = [*named("d", d), *multipliers]
+        newton = self._newton if self._few else self._newton_of_many
+        inner = self._arrive + newton(residuals, unknowns, d)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
         slopes = self.field(self.t)
-        start = [f"{u} = h*{f}" for u, f in zip(unknowns, slopes, strict=False)]
+        start = [f"{u} = h*{f}" for u, f in zip(unknowns, stages * slopes, strict=False)]
         start += [f"{u} = 0.0" for u in multipliers]
         inner += _verdict(len(unknowns), d, "scale > 0.0" if self._few and len(unknowns) == d <= _SMALL else "True")
         self._lines += ["full, parts, part, scale, before = h, 1, 1, 1.0, 1.0", "t1 = t + h", *start]
@@ -172,9 +181,9 @@ class StepCode:
         self._evaluations.append("corrections")
         return list(self.increment)
 
-    def _newton_of_many(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
+    def _newton_of_many(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol], d: int) -> list[str]:
         """Lines that leave the next correction in r0, r1 and so on; where there are many unknowns, by way of arrays."""
-        n, d = len(residuals), len(self.x)
+        n = len(residuals)
         moves = dict(zip(self.end, unknowns, strict=False))
         lines, values, entries = jacobian(residuals, unknowns, moves, self._temporaries)
         if n <= WRITTEN_OUT:
@@ -190,12 +199,12 @@ class StepCode:
         )
         return lines + [f"r{k} = right[{k}]" for k in range(n)]
 
-    def _newton(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> list[str]:
+    def _newton(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol], d: int) -> list[str]:
         """Lines that leave the next correction in r0, r1 and so on."""
-        d = len(self.x)
         # The end of the step moves with the increment: y = x + d.
         jacobian = [
-            [r.diff(u) + (r.diff(self.end[k]) if k < d else 0) for k, u in enumerate(unknowns)] for r in residuals
+            [r.diff(u) + (r.diff(self.end[k]) if k < len(self.end) else 0) for k, u in enumerate(unknowns)]
+            for r in residuals
         ]
         n = len(residuals)
         targets = [f"r{i}" for i in range(n)]

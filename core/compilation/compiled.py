@@ -31,7 +31,7 @@ from core.compilation.worker_pool import Workshop, serve
 from core.interface.arguments import count, number
 from core.kernels.abi import EXCESS, FUNCTIONS, JUMP, LOOK, POLISH, REACH, SETTLE, STEP
 from core.kernels.digest import imported_modules, source_digest
-from core.methods.registry import METHODS, Method
+from core.methods import METHODS, Method
 from core.methods.taylor_step import reach_text
 from core.symbolic.laws import Laws
 
@@ -150,7 +150,7 @@ def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int, str]
     """Texts of modules, each with its side, 0 or 1 (0 where both have it); what takes longest to compile first."""
     sides = (laws.sides[-1], laws.sides[1])
     codes = [(side, StepCode(laws, side)) for side in sides]
-    yield from enumerate(module_text([code.text(method.build(side, code))]) for side, code in codes)
+    yield from enumerate(module_text([code.text(method.scheme.write(side, code))]) for side, code in codes)
     if method.adaptive:
         yield from enumerate(module_text([reach_text(laws, side)]) for side in sides)
     yield from enumerate(module_text([polish_text(laws, side, method.conservative)]) for side in sides)

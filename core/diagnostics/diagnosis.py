@@ -20,7 +20,7 @@ from core.diagnostics.resolution import unresolved
 from core.diagnostics.scheme import Scheme
 from core.integration.trajectory import Crossings, Status, Trajectory
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS
+from core.methods import METHODS
 
 __all__ = ["Diagnosis", "diagnose", "step_warning"]
 

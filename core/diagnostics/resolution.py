@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS
+from core.methods import METHODS
 
 __all__ = ["unresolved"]
 

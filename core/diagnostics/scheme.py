@@ -19,15 +19,19 @@ from sympy import Symbol
 
 from core.kernels import divided_differences
 from core.kernels.arrays import Floats
+from core.methods import METHODS, Composition, DiscreteMultiplier, Method
+from core.methods.runge_kutta import CLASSICAL, RK4, ButcherTableau
 from core.symbolic.laws import Laws
 from core.symbolic.multiplier import DividedDifference
 from core.system import PiecewiseSystem
 
-__all__ = ["Scheme", "largest_component"]
+__all__ = ["Scheme", "largest_component", "stand_in"]
 
 #: The step's equation is solved by the contraction of lem:wellposed-lemma1, to so many parts of the velocity; where
 #: it does not get there in so many passes it does not contract, or not to speak of.
 _SOLVED, _PASSES = 1e-13, 100
+#: Order up to which an explicit method is taken as it is.
+_LOW = 4
 
 DiscreteFunction = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
 
@@ -36,9 +40,9 @@ DiscreteFunction = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
 class Scheme:
     """A method on a system, as the theory sees it.
 
-    "dmm2" is taken as it is, and stands for the compositions of its steps too: all of these are shorter than τ. The
-    explicit midpoint is taken as it is, and one classical Runge-Kutta step stands for every other method, whose mean
-    velocity differs from it by O(τ⁴) and the method's own error.
+    A discrete multiplier method is taken as it is, and stands for the compositions of its steps too: all of these are
+    shorter than τ. An explicit method of low order is taken as it is, and one classical Runge-Kutta step stands for
+    every other method, whose mean velocity differs from it by O(τ⁴) and the method's own error.
     """
 
     system: PiecewiseSystem
@@ -47,7 +51,7 @@ class Scheme:
     @property
     def implicit(self) -> bool:
         """Whether a step is the solution of an equation."""
-        return self.method.startswith("dmm")
+        return isinstance(METHODS[self.method].scheme, DiscreteMultiplier | Composition)
 
     def discrete(self, side: int, t0: Floats, x0: Floats, t1: Floats, x1: Floats) -> Floats:
         """fᵗ of dmm2 at times (...) and states (..., d), broadcast against each other -> (..., d)."""
@@ -58,20 +62,21 @@ class Scheme:
 
         nan where the step's equation is not solved by iterating the map T of lem:wellposed-lemma1.
         """
-        if self.method == "rk2":
-            middle = x + 0.5 * h[:, None] * self.system.field(side, t, x)
-            return self.system.field(side, t + 0.5 * h, middle)
-        guess = self.runge_kutta(side, t, x, h)
-        return self._solved(side, t, x, h, guess) if self.implicit else guess
+        scheme = stand_in(self.method).scheme
+        if isinstance(scheme, ButcherTableau):
+            return self._explicit(scheme, side, t, x, h)
+        return self._solved(side, t, x, h, self.runge_kutta(side, t, x, h))
 
     def runge_kutta(self, side: int, t: Floats, x: Floats, h: Floats) -> Floats:
         """Mean velocity of one step of the classical Runge-Kutta method with the field of a side."""
-        f, step = self.system.field, h[:, None]
-        k1 = f(side, t, x)
-        k2 = f(side, t + h / 2, x + step / 2 * k1)
-        k3 = f(side, t + h / 2, x + step / 2 * k2)
-        k4 = f(side, t + h, x + step * k3)
-        return (k1 + 2 * (k2 + k3) + k4) / 6
+        return self._explicit(CLASSICAL, side, t, x, h)
+
+    def _explicit(self, tableau: ButcherTableau, side: int, t: Floats, x: Floats, h: Floats) -> Floats:
+        slopes: list[Floats] = []
+        for node, row in zip(tableau.nodes, tableau.rows, strict=True):
+            moved = sum((float(a) * k for a, k in zip(row, slopes, strict=False) if a), np.zeros_like(x))
+            slopes.append(self.system.field(side, t + float(node) * h, x + h[:, None] * moved))
+        return sum((float(b) * k for b, k in zip(tableau.weights, slopes, strict=True)), np.zeros_like(x))
 
     def _solved(self, side: int, t: Floats, x: Floats, h: Floats, v: Floats) -> Floats:
         open_rows = np.ones(len(t), dtype=bool)
@@ -84,6 +89,15 @@ class Scheme:
                 break
         v[open_rows] = np.nan
         return v
+
+
+def stand_in(method: str) -> Method:
+    """The method whose steps a `Scheme` takes for those of a method: itself, or one that is near enough."""
+    scheme = METHODS[method].scheme
+    if isinstance(scheme, Composition):
+        return next(m for m in METHODS.values() if m.scheme is scheme.of)
+    low = isinstance(scheme, ButcherTableau) and scheme.explicit and scheme.order <= _LOW
+    return METHODS[method] if low or isinstance(scheme, DiscreteMultiplier) else RK4
 
 
 def largest_component(vectors: Floats) -> Floats:

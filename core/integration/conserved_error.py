@@ -18,7 +18,7 @@ from core.kernels.abi import EXCESS, SETTLE, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS
-from core.methods.registry import METHODS
+from core.methods import METHODS
 from core.system import PiecewiseSystem
 
 __all__ = ["excess_along", "with_exits"]

@@ -26,7 +26,7 @@ from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import OPTIONS, internal
 from core.kernels.taylor_coefficients import STRIDE, order_of
-from core.methods.registry import Method
+from core.methods import Method
 from core.methods.taylor_step import memo_rows
 from core.system import PiecewiseSystem
 

@@ -8,7 +8,7 @@ from core.integration.dense_output import Stepper, Track
 from core.integration.runner import Rows, Runner
 from core.integration.trajectory import Status
 from core.kernels.arrays import Floats
-from core.methods.registry import Method
+from core.methods import Method
 
 __all__ = ["Sampler"]
 

@@ -22,7 +22,7 @@ from core.kernels.abi import ORDER, TOLERANCE, Frame
 from core.kernels.arrays import Floats
 from core.kernels.root_isolation import scratch_shape
 from core.kernels.taylor_coefficients import STRIDE, order_of
-from core.methods.registry import Method
+from core.methods import Method
 from core.methods.taylor_step import memo_rows
 from core.system import MAX_DIMENSION, PiecewiseSystem
 from core.transition.event_location import MAX_LOOKS

@@ -15,7 +15,7 @@ from core.integration.conserved_error import excess_along, with_exits
 from core.integration.dense_output import Stepper, Track
 from core.interface.arguments import listed, numbers
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS
+from core.methods import METHODS
 from core.system import PiecewiseSystem
 from core.transition.status import CROSSING_KINDS, Status
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.integration.runner import Runner, Settings
 from core.integration.trajectory import Crossings, Status
-from core.methods.registry import METHODS
+from core.methods import METHODS
 from core.system import PiecewiseSystem
 
 __all__ = ["TaylorSolution"]

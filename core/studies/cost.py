@@ -14,7 +14,7 @@ from core.integrate import checked_method, checked_settings, checked_start
 from core.interface.arguments import count, listed, number
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS, Method
+from core.methods import METHODS, Method
 from core.reference import Solution, reference_solution
 from core.studies.measure import Measured, Problem, measure
 from core.studies.peers import PEERS

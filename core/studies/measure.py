@@ -14,7 +14,7 @@ import numpy as np
 from core.integrate import integrate
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS
+from core.methods import METHODS
 from core.studies.peers import PEERS, Arcs, Numbers, Stopped, peer_arcs
 from core.system import PiecewiseSystem
 

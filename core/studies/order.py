@@ -15,7 +15,7 @@ from core.integration.runner import Runner, Settings
 from core.integration.trajectory import Status
 from core.interface.arguments import count, listed, number
 from core.kernels.arrays import Floats
-from core.methods.registry import Method
+from core.methods import Method
 from core.reference import Solution, reference_solution
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of

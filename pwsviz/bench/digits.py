@@ -6,8 +6,6 @@ solved for or how a crossing is found. It is a thousand times slower, and expect
 
 from __future__ import annotations
 
-import inspect
-import re
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple, TypeAlias
@@ -16,10 +14,11 @@ import mpmath
 import numpy as np
 import sympy
 from numpy.typing import NDArray
-from scipy.integrate._ivp import dop853_coefficients
 from sympy import Expr, Symbol
 
 import core
+from core.methods import Composition, Projected
+from core.methods.runge_kutta import ButcherTableau
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Side
 from core.symbolic.multiplier import DIFFERENCES
@@ -31,14 +30,6 @@ Reals: TypeAlias = list[Real]
 Step: TypeAlias = Callable[["_Side", Real, Reals, Real], Reals]
 
 _MOST_ITERATIONS = 100
-#: Kahan and Li's weights in more digits than a double has (Math. Comp. 66, 1997: s9odr6a and s17odr8a).
-_KAHAN_LI = {
-    "dmm6": ("0.39216144400731413927925056", "0.33259913678935943859974864", "-0.70624617255763935980996482",
-             "0.08221359629355080023149045"),
-    "dmm8": ("0.13020248308889008087881763", "0.56116298177510838456196441", "-0.38947496264484728640807860",
-             "0.15884190655515560089621075", "-0.39590389413323757733623154", "0.18453964097831570709183254",
-             "0.25837438768632204729397911", "0.29501172360931029887096624"),
-}  # fmt: skip
 
 
 class Met(NamedTuple):
@@ -148,14 +139,25 @@ def _difference(phi: Callable[[Real], Real]) -> Callable[[Real, Real], Real]:
 
 
 def _step_of(method: str) -> Step:
-    if method in ("dmm2", "dmm4", *_KAHAN_LI):
-        half = [1 / (4 - mpmath.cbrt(4))] * 2 if method == "dmm4" else map(mpmath.mpf, _KAHAN_LI.get(method, ()))
-        half = list(half)
-        weights = [*half, 1 - 2 * mpmath.fsum(half), *reversed(half)]
-        return lambda side, t, x, h: _composed(side, t, x, h, weights)
-    tableau = _TABLEAUX[method.removeprefix("p")]()
-    onto = method.startswith("p")
-    return lambda side, t, x, h: _explicit(side, t, x, h, tableau, onto)
+    """A step from the declaration of its method."""
+    scheme = core.METHODS[method].scheme
+    if isinstance(scheme, Projected):
+        tableau = _Tableau.of(scheme.of)
+        return lambda side, t, x, h: _arrived(x, _moved_onto_levels(side, t, x, h, _explicit(side, t, x, h, tableau)))
+    if isinstance(scheme, ButcherTableau):
+        tableau, change = _Tableau.of(scheme), _explicit if scheme.explicit else _implicit
+        return lambda side, t, x, h: _arrived(x, change(side, t, x, h, tableau))
+    weights = [_digits(w) for w in scheme.weights] if isinstance(scheme, Composition) else [mpmath.mpf(1)]
+    return lambda side, t, x, h: _composed(side, t, x, h, weights)
+
+
+def _digits(number: Expr) -> Real:
+    """A number of a declaration, in the digits of here."""
+    return mpmath.mpf(str(sympy.N(number, mpmath.mp.dps + 5)))
+
+
+def _arrived(x: Reals, change: Reals) -> Reals:
+    return [a + b for a, b in zip(x, change, strict=True)]
 
 
 def _composed(side: _Side, t: Real, x: Reals, h: Real, weights: Sequence[Real]) -> Reals:
@@ -194,16 +196,40 @@ class _Tableau(NamedTuple):
     rows: list[Reals]
     weights: Reals
 
+    @classmethod
+    def of(cls, scheme: ButcherTableau) -> _Tableau:
+        rows = [[_digits(a) for a in row] for row in scheme.rows]
+        return cls([mpmath.fsum(row) for row in rows], rows, [_digits(b) for b in scheme.weights])
 
-def _explicit(side: _Side, t: Real, x: Reals, h: Real, tableau: _Tableau, onto: bool) -> Reals:
+
+def _explicit(side: _Side, t: Real, x: Reals, h: Real, tableau: _Tableau) -> Reals:
     slopes: list[Reals] = []
     for node, row in zip(tableau.nodes, tableau.rows, strict=True):
-        moved = [a + h * mpmath.fdot(row, (s[i] for s in slopes)) for i, a in enumerate(x)]
-        slopes.append(side.field(t + node * h, *moved))
-    change = [h * mpmath.fdot(tableau.weights, (s[i] for s in slopes)) for i in range(side.d)]
-    if onto:
-        change = _moved_onto_levels(side, t, x, h, change)
-    return [a + b for a, b in zip(x, change, strict=True)]
+        slopes.append(side.field(t + node * h, *_moved(x, h, row, slopes)))
+    return _combined(h, tableau.weights, slopes, side.d)
+
+
+def _implicit(side: _Side, t: Real, x: Reals, h: Real, tableau: _Tableau) -> Reals:
+    """Iterate the stages until they no longer change: a factor of h a time."""
+    slopes = [side.field(t, *x)] * len(tableau.rows)
+    for _ in range(_MOST_ITERATIONS):
+        new = [
+            side.field(t + node * h, *_moved(x, h, row, slopes))
+            for node, row in zip(tableau.nodes, tableau.rows, strict=True)
+        ]
+        size = max(abs(a - b) for k, m in zip(new, slopes, strict=True) for a, b in zip(k, m, strict=True))
+        slopes = new
+        if size * h <= 10 * mpmath.eps * max(map(abs, x)):
+            return _combined(h, tableau.weights, slopes, side.d)
+    raise ValueError(f"a step of {float(h):g} at t = {float(t):g} cannot be solved for: shorter steps may do")
+
+
+def _moved(x: Reals, h: Real, row: Reals, slopes: Sequence[Reals]) -> Reals:
+    return [a + h * mpmath.fsum(r * s[i] for r, s in zip(row, slopes, strict=False)) for i, a in enumerate(x)]
+
+
+def _combined(h: Real, weights: Reals, slopes: Sequence[Reals], d: int) -> Reals:
+    return [h * mpmath.fdot(weights, [s[i] for s in slopes]) for i in range(d)]
 
 
 def _moved_onto_levels(side: _Side, t: Real, x: Reals, h: Real, change: Reals) -> Reals:
@@ -239,28 +265,3 @@ def _root(height: Callable[[Real], Real], h: Real, sign: int, after: Real) -> Re
         if abs(q[0] - p[0]) <= mpmath.sqrt(mpmath.eps) * h:  # the next would err by its square
             return q[0] - q[1] * (q[0] - p[0]) / (q[1] - p[1]) if q[1] != p[1] else q[0]
     raise ValueError(f"the surface was not found in a step of {float(h):g}")
-
-
-def _rk2() -> _Tableau:
-    return _Tableau([0, mpmath.mpf(1) / 2], [[], [mpmath.mpf(1) / 2]], [0, 1])
-
-
-def _rk4() -> _Tableau:
-    half, sixth = mpmath.mpf(1) / 2, mpmath.mpf(1) / 6
-    return _Tableau([0, half, half, 1], [[], [half], [0, half], [0, 0, 1]], [sixth, 2 * sixth, 2 * sixth, sixth])
-
-
-def _rk8() -> _Tableau:
-    """DOP853, from the text of SciPy's module: it has thirty digits, of which the arrays keep sixteen.
-
-    The nodes are the sums of the rows.
-    """
-    text = inspect.getsource(dop853_coefficients)
-    entries = {(int(i), int(j)): mpmath.mpf(v) for i, j, v in re.findall(r"A\[(\d+), (\d+)\] = (\S+)", text)}
-    stages = range(dop853_coefficients.N_STAGES)
-    rows = [[entries.get((i, j), mpmath.mpf(0)) for j in range(i)] for i in stages]
-    weights = [entries.get((len(stages), j), mpmath.mpf(0)) for j in stages]
-    return _Tableau([mpmath.fsum(row) for row in rows], rows, weights)
-
-
-_TABLEAUX = {"rk2": _rk2, "rk4": _rk4, "rk8": _rk8}

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 import core
+from core.diagnostics.scheme import stand_in
 from core.kernels.arrays import Floats
 from pwsviz.text.mathml import name_markup
 
@@ -122,11 +123,12 @@ def _readable(warning: str) -> str:
 
 def _stand_in(method: str) -> str:
     """Say of which step the discrete constants are, where it is another's than the method's own."""
-    if method in ("dmm2", "rk2"):
+    whole = stand_in(method)
+    if whole.name == method:
         return ""
     whose = (
-        "one step of dmm2, longer than any of its own"
-        if core.METHODS[method].symmetric
+        f"one step of {whole.name}, longer than any of its own"
+        if whole.conservative
         else "one classical Runge-Kutta step"
     )
     return f"<p>For {escape(method)}, the constants of the scheme are those of {whose}.</p>"

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from html import escape
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import sympy
 from sympy import Expr, Symbol
 
 import core
-from core.codegen.step import StepCode
+from core.methods import Composition, DiscreteMultiplier, Projected
+from core.methods.runge_kutta import ButcherTableau
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws, Side
 from core.symbolic.multiplier import DividedDifference
@@ -35,7 +35,6 @@ SCHEME_STYLE = """
 """
 """The style sheet of what `scheme_markup` returns."""
 
-_MOST_STAGES = 4  #: of a Runge-Kutta method whose weights are shown
 _SIDES = {-1: ("-", "Where g < 0"), 1: ("+", "Where g > 0"), 0: (r"\pm", "On both sides")}
 
 
@@ -180,20 +179,18 @@ def _alone(entries: Sequence[Expr] | sympy.MatrixBase) -> Shown:
 def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
     chosen = core.METHODS[method]
     sheet.say(chosen.doc)
-    if not chosen.conservative:
-        _write_runge_kutta(sheet, _recorded(laws, method))
+    scheme = chosen.scheme
+    if isinstance(scheme, ButcherTableau):
+        _write_runge_kutta(sheet, scheme)
         return
-    if chosen.build is core.METHODS["dmm2"].build:
+    if isinstance(scheme, Composition):
+        _write_composition(sheet, [float(weight) for weight in scheme.weights])
+    if isinstance(scheme, Composition | DiscreteMultiplier):
         _write_multipliers(sheet, laws, _write_field)
         return
-    record = _recorded(laws, method)
-    if record.weights:
-        _write_composition(sheet, record.weights)
-        _write_multipliers(sheet, laws, _write_field)
-        return
-    if record.stages:
-        sheet.say(f"First an increment Δ from a Runge-Kutta method of {len(record.stages)} stages:")
-        _write_runge_kutta(sheet, record)
+    if isinstance(scheme, Projected):
+        sheet.say(f"First an increment Δ from a Runge-Kutta method of {len(scheme.of.rows)} stages:")
+        _write_runge_kutta(sheet, scheme.of)
     else:
         sheet.say("First an increment Δ from the Taylor series of the solution, its coefficients by recurrence from f:")
         sheet.formula(r"\Delta = \tau x'_{k} + \tau^{2} x''_{k} / 2! + \cdots + \tau^{n} x^{(n)}_{k} / n !")
@@ -256,66 +253,29 @@ def _write_field(sheet: _Sheet, sign: str, side: Side) -> None:
         sheet.rate(str(variable), component)
 
 
-# Methods as they write themselves ------------------------------------------------------------------------------------
-
-
-@dataclass
-class _Record:
-    """Takes the place of a `StepCode` and notes what a method's builder asks of it, in symbols."""
-
-    x: tuple[Symbol, ...]
-    t: Symbol
-    h: Symbol
-    stages: list[tuple[Expr, list[Expr]]]
-    weights: tuple[float, ...] = ()
-    increments: Sequence[Expr] = ()
-
-    def field(self, t: Expr, increment: Sequence[Expr] | None = None) -> list[Symbol]:
-        self.stages.append((t, list(increment or [sympy.Integer(0)])))
-        return [Symbol(f"k{len(self.stages)}")]
-
-    def compose(self, weights: Sequence[float], build: Callable[[], Sequence[Expr]]) -> list[Symbol]:
-        self.weights = tuple(weights)
-        return list(self.x)
-
-    def polynomial(self) -> list[Symbol]:
-        return list(self.x)
-
-    def hold(self, increments: Sequence[Expr]) -> Sequence[Expr]:
-        return increments
-
-    def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> Sequence[Expr]:
-        return increments
-
-
-def _recorded(laws: Laws, method: str) -> _Record:
-    record = _Record((Symbol("x"),), Symbol("t"), Symbol("h"), [])
-    record.increments = core.METHODS[method].build(laws.sides[1], cast(StepCode, record))
-    return record
-
-
-def _write_runge_kutta(sheet: _Sheet, record: _Record) -> None:
-    count = len(record.stages)
+def _write_runge_kutta(sheet: _Sheet, tableau: ButcherTableau) -> None:
+    count = len(tableau.rows)
+    earlier = "j<i" if tableau.explicit else "j"
     sheet.formula(
-        r"k_{i} = f ( t_{k} + c_{i} \tau , x_{k} + \tau \sum_{j<i} a_{i,j} k_{j} ) , i = 1 , \ldots , " + str(count)
+        rf"k_{{i}} = f ( t_{{k}} + c_{{i}} \tau , x_{{k}} + \tau \sum_{{{earlier}}} a_{{i,j}} k_{{j}} ) , "
+        rf"i = 1 , \ldots , {count}"
     )
     sheet.formula(r"\Delta = \tau \sum_{i} b_{i} k_{i}")
-    if count > _MOST_STAGES:
-        sheet.say("Its weights are those of DOP853 (Hairer, Nørsett, Wanner, Solving ODEs I, II.5).")
+    if tableau.source:
+        sheet.say(tableau.source)
         return
-    slopes = [Symbol(f"k{i + 1}") for i in range(count)]
     rows = [
-        [f"{i + 1}", _math((t - record.t).coeff(record.h)), *_weights(increment[0], slopes, record.h)]
-        for i, (t, increment) in enumerate(record.stages)
+        [f"{i + 1}", _math(node), *_weights(row, count)]
+        for i, (node, row) in enumerate(zip(tableau.nodes, tableau.rows, strict=True))
     ]
-    rows.append(["Δ", "", *_weights(record.increments[0], slopes, record.h)])
+    rows.append(["Δ", "", *_weights(tableau.weights, count)])
     columns = [f"<math>{name_markup(f'k_{{{i + 1}}}')}</math>" for i in range(count)]
     sheet.table(["stage", "<math><mi>c</mi></math>", *columns], rows)
 
 
-def _weights(increment: Expr, slopes: Sequence[Symbol], h: Symbol) -> list[str]:
-    weights = [sympy.expand(increment).coeff(k) / h for k in slopes]
-    return [_math(weight) if weight != 0 else "" for weight in weights]
+def _weights(weights: Sequence[Expr], count: int) -> list[str]:
+    row = [_math(weight) if weight != 0 else "" for weight in weights]
+    return row + [""] * (count - len(row))
 
 
 def _math(expression: Expr) -> str:

@@ -23,8 +23,8 @@ import core
 
 # The palette of Okabe and Ito, legible in the common kinds of colour blindness, on light and dark ground alike.
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
-# Three more, as far from those and from one another as these are, in the same kinds of colour blindness.
-VIOLET, OCHRE, BROWN = "#9000F0", "#C0A860", "#786030"
+# Four more, as far from those and from one another as these are, in the same kinds of colour blindness.
+VIOLET, OCHRE, BROWN, BERRY = "#9000F0", "#C0A860", "#786030", "#903C6C"
 GREY = "#808080"
 SAND = "#A89A80"
 
@@ -45,18 +45,23 @@ class Line(NamedTuple):
     width: float
 
 
-LINES = (
-    Line(BLUE, (), "circle", 4.5),
-    Line(SKY, (14, 4), "hex", 1.6),
-    Line(PURPLE, (10, 4, 2, 4), "diamond", 1.6),
-    Line(ORANGE, (3, 3), "inverted_triangle", 2.4),
-    Line(VERMILION, (8, 6), "square", 1.6),
-    Line(GREEN, (4, 4), "triangle", 1.6),
-    Line(BROWN, (10, 4, 2, 4, 2, 4), "star", 1.6),
-    Line(OCHRE, (6, 2), "plus", 2.4),
-    Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),
-)
-"""One for each integrator, in the order of `core.METHODS`: no two agree in colour, nor in dash."""
+LOOKS: dict[str, tuple[Line, ...]] = {
+    "DiscreteMultiplier": (Line(BLUE, (), "circle", 4.5),),
+    "Composition": (
+        Line(SKY, (14, 4), "hex", 1.6),
+        Line(PURPLE, (10, 4, 2, 4), "diamond", 1.6),
+        Line(ORANGE, (3, 3), "inverted_triangle", 2.4),
+    ),
+    "ButcherTableau": (
+        Line(VERMILION, (8, 6), "square", 1.6),
+        Line(GREEN, (4, 4), "triangle", 1.6),
+        Line(BROWN, (10, 4, 2, 4, 2, 4), "star", 1.6),
+        Line(BERRY, (2, 5), "y", 2.4),
+    ),
+    "Projected": (Line(OCHRE, (6, 2), "plus", 2.4),),
+    "TaylorSeries": (Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),),
+}
+"""Of each family's integrators, in their order, and then again from the first: no two agree in colour, nor in dash."""
 
 LEGEND_GLYPH = 34
 """Pixels of line in a legend: the longest pattern of dashes once and a little more."""
@@ -64,7 +69,10 @@ LEGEND_GLYPH = 34
 
 def line_of(method: str) -> Line:
     """Return the look of an integrator, the same in every plot."""
-    return LINES[list(core.METHODS).index(method)]
+    family = type(core.METHODS[method].scheme)
+    looks = LOOKS[family.__name__]
+    members = [name for name, one in core.METHODS.items() if type(one.scheme) is family]
+    return looks[members.index(method) % len(looks)]
 
 
 def plain_figure(summary: str, **options: Any) -> figure:

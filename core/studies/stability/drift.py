@@ -14,7 +14,7 @@ from core.integrate import integrate
 from core.integration.trajectory import Status, Trajectory
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS
+from core.methods import METHODS
 from core.studies.stability.plan import Plan
 from core.studies.tasks import as_completed
 from core.system import PiecewiseSystem

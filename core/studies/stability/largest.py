@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.integration.trajectory import Status
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
-from core.methods.registry import METHODS
+from core.methods import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
 from core.studies.tasks import as_completed

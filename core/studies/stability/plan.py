@@ -11,7 +11,7 @@ import numpy as np
 from core.integrate import checked_method, checked_settings, checked_start
 from core.interface.arguments import count, listed, number
 from core.kernels.arrays import Floats
-from core.methods.registry import Method
+from core.methods import Method
 from core.studies.stability.verdict import reference_run
 from core.system import PiecewiseSystem, Start
 

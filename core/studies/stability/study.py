@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from core.interface.arguments import listed
-from core.methods.registry import Method
+from core.methods import Method
 from core.studies.stability import drift, grazing, largest, outcomes
 from core.studies.stability.drift import Drift
 from core.studies.stability.grazing import Grazing

@@ -17,7 +17,7 @@ from core.kernels.scratch import scratch
 from core.kernels.taylor_coefficients import STRIDE
 from core.llvm import statements
 from core.llvm.operations import Unknown
-from core.methods.registry import METHODS
+from core.methods import METHODS
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 SIZE = 40

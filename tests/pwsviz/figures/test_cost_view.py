@@ -8,7 +8,7 @@ import pytest
 import core
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
 from pwsviz.figures.cost import PEER_LINES, CostView, cost_rows, cost_text
-from pwsviz.figures.style import LINES, line_of
+from pwsviz.figures.style import line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
 
@@ -74,7 +74,7 @@ def test_integrators_look_as_everywhere_and_peers_like_none_of_them():
     view.show(BOTH, "seconds", "state")
     assert view.curves.data["colour"][0] == line_of("dmm2").colour
     assert view.curves.data["dash"] == [list(line_of("dmm2").dash), list(PEER_LINES["scipy"].dash)]
-    looks = [*LINES, *PEER_LINES.values()]
+    looks = [*map(line_of, core.METHODS), *PEER_LINES.values()]
     assert len({line.dash for line in looks}) == len({line.marker for line in looks}) == len(looks)
     assert len({line.colour for line in looks}) == len(looks)
 

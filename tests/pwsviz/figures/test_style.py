@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.figures.style import LEGEND_GLYPH, LINES, line_of
+from pwsviz.figures.style import LEGEND_GLYPH, line_of
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
 SIGHT = {
@@ -36,9 +36,9 @@ def test_every_integrator_has_a_look_of_its_own():
 @pytest.mark.parametrize("seen", SIGHT.values(), ids=SIGHT)
 def test_no_two_colours_are_close_in_any_sight(seen):
     # A difference of 2.3 is just noticed side by side; the palette of Okabe and Ito keeps 16 among those used here.
-    for a, b in combinations(LINES, 2):
+    for a, b in combinations(map(line_of, core.METHODS), 2):
         assert np.linalg.norm(lab(a.colour, seen) - lab(b.colour, seen)) > 15
 
 
 def test_a_legend_shows_every_dash_once():
-    assert all(sum(line.dash) <= LEGEND_GLYPH for line in LINES)
+    assert all(sum(line.dash) <= LEGEND_GLYPH for line in map(line_of, core.METHODS))

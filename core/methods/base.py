@@ -1,0 +1,84 @@
+"""What a method is: a name, what it does in a sentence, and a scheme, from which everything else follows."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sympy import Expr
+
+from core.codegen.step import StepCode
+from core.symbolic.laws import Side
+
+__all__ = ["Method", "Scheme"]
+
+
+class Scheme(ABC):
+    """A one-step map, as data.
+
+    Attributes
+    ----------
+    order
+        Order of its global error; None where it is chosen from a tolerance.
+    conservative
+        Whether it keeps the conserved quantities to round-off.
+    symmetric
+        Whether a step back undoes a step forward.
+    needs_conserved
+        Whether it makes no sense without a conserved quantity.
+    """
+
+    order: int | None
+    conservative: bool = False
+    symmetric: bool = False
+    needs_conserved: bool = False
+
+    @abstractmethod
+    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """Write one step; returns its increments."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A one-step method."""
+
+    name: str
+    """Its key in METHODS."""
+    scheme: Scheme
+    """What a step is."""
+    doc: str
+    """What it is, in a sentence."""
+
+    @property
+    def order(self) -> int | None:
+        """Order of its global error; None where it is chosen from the tolerance."""
+        return self.scheme.order
+
+    @property
+    def conservative(self) -> bool:
+        """Whether it keeps the conserved quantities to round-off."""
+        return self.scheme.conservative
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether a step back undoes a step forward."""
+        return self.scheme.symmetric
+
+    @property
+    def needs_conserved(self) -> bool:
+        """Whether it makes no sense without a conserved quantity."""
+        return self.scheme.needs_conserved
+
+    @property
+    def adaptive(self) -> bool:
+        """Whether it chooses its own step size, from a tolerance."""
+        return self.order is None
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def __repr__(self) -> str:
+        order = "order by tolerance" if self.order is None else f"order {self.order}"
+        kept = [word for word, so in (("conservative", self.conservative), ("symmetric", self.symmetric)) if so]
+        return f"<Method {self.name}: {', '.join([order, *kept])}>"

@@ -1,0 +1,114 @@
+"""The Discrete Multiplier Method, and compositions of its steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sympy import Expr, Float, Integer, Matrix, cbrt, symbols
+
+from core.codegen.step import StepCode
+from core.methods.base import Method, Scheme
+from core.symbolic.laws import Side
+
+__all__ = ["DMM2", "DMM4", "DMM6", "DMM8", "Composition", "DiscreteMultiplier"]
+
+
+@dataclass(frozen=True)
+class DiscreteMultiplier(Scheme):
+    """x₁ = x₀ + h fᵗ(t₀, x₀, t₁, x₁), paper (eq:twoSchemes)."""
+
+    order: int = 2
+    conservative = symmetric = needs_conserved = True
+
+    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """Write one step, which gives ψ back what rounding has taken."""
+        return step.hold(self.write_bare(side, step))
+
+    def write_bare(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """Write the scheme as such.
+
+        Where ψ does not fix the orbit alone, the minimal-norm DMM is solved as a saddle-point system with multipliers
+        λ, which has no inverse of ΛᵗΛᵗᵀ in it:  Δ − h f̄ + Λᵗᵀ λ = 0,  Λᵗ Δ + h s_t = 0.
+        """
+        discrete = side.discrete
+        d, m = len(side.field), len(side.conserved)
+        increment = Matrix(step.increment)
+        if discrete.factor is not None or m == 0:
+            return step.solve(list(increment - step.h * Matrix(step.at_ends(discrete.expression))))
+        multipliers = symbols(f"l:{m}")
+        rows = Matrix(m, d, step.at_ends(discrete.gradient))
+        mean_field = Matrix(step.at_ends(discrete.mean_field))
+        time_slope = Matrix(step.at_ends(discrete.time_slope))
+        motion = increment - step.h * mean_field + rows.T * Matrix(multipliers)
+        conservation = rows * increment + step.h * time_slope
+        return step.solve([*motion, *conservation], multipliers)
+
+
+@dataclass(frozen=True)
+class Composition(Scheme):
+    """Steps of another scheme with these weights, the one in the middle that makes the sum 1, and these again back.
+
+    Symmetric and conservative because the other is; the weights raise its order.
+    """
+
+    half: tuple[Expr, ...]
+    of: DiscreteMultiplier
+    order: int
+    conservative = symmetric = needs_conserved = True
+
+    @property
+    def weights(self) -> tuple[Expr, ...]:
+        """All weights, exact or to thirty digits."""
+        middle = 1 - 2 * sum(self.half, Integer(0))
+        return (*self.half, middle, *reversed(self.half))
+
+    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """Write one step, which gives ψ back what rounding has taken."""
+        weights = [float(weight) for weight in self.weights]
+        return step.hold(step.compose(weights, lambda: self.of.write_bare(side, step)))
+
+
+def _decimals(*texts: str) -> tuple[Expr, ...]:
+    return tuple(Float(text, 40) for text in texts)
+
+
+_DMM = DiscreteMultiplier()
+
+DMM2 = Method("dmm2", _DMM, "Discrete Multiplier Method: keeps every ψ to round-off, symmetric.")
+
+#: Suzuki, Phys. Lett. A 146 (1990).
+DMM4 = Method(
+    "dmm4",
+    Composition((1 / (4 - cbrt(4)),) * 2, _DMM, 4),
+    "Five steps of dmm2 (Suzuki): ψ kept, symmetric.",
+)
+
+#: Kahan, Li, Math. Comp. 66 (1997), s9odr6a; see Hairer, Lubich, Wanner, Geometric Numerical Integration, V.3.2.
+DMM6 = Method(
+    "dmm6",
+    Composition(
+        _decimals(
+            "0.39216144400731413927925056", "0.33259913678935943859974864", "-0.70624617255763935980996482",
+            "0.08221359629355080023149045",
+        ),
+        _DMM,
+        6,
+    ),
+    "Nine of dmm2 (Kahan, Li): ψ kept, symmetric.",
+)  # fmt: skip
+
+#: As before, s17odr8a.
+DMM8 = Method(
+    "dmm8",
+    Composition(
+        _decimals(
+            "0.13020248308889008087881763", "0.56116298177510838456196441", "-0.38947496264484728640807860",
+            "0.15884190655515560089621075", "-0.39590389413323757733623154", "0.18453964097831570709183254",
+            "0.25837438768632204729397911", "0.29501172360931029887096624",
+        ),
+        _DMM,
+        8,
+    ),
+    "17 of dmm2 (Kahan, Li): ψ kept, symmetric.",
+)  # fmt: skip

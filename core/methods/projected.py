@@ -1,0 +1,49 @@
+"""Methods whose increment is moved along the discrete gradient until ψ is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sympy import Expr
+
+from core.codegen.step import StepCode
+from core.methods.base import Method, Scheme
+from core.methods.runge_kutta import DOP853, ButcherTableau
+from core.symbolic.laws import Side
+
+__all__ = ["PRK8", "TAYLOR", "Projected", "TaylorSeries"]
+
+
+@dataclass(frozen=True)
+class Projected(Scheme):
+    """A one-step map, its increment moved along the discrete gradient."""
+
+    of: ButcherTableau
+    conservative = needs_conserved = True
+
+    @property
+    def order(self) -> int:  # type: ignore[override]
+        """That of the map."""
+        return self.of.order
+
+    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """Write the map, and the move."""
+        return step.move_onto_levels(self.of.write(side, step))
+
+
+@dataclass(frozen=True)
+class TaylorSeries(Scheme):
+    """The Taylor series of the solution, its increment moved along the discrete gradient."""
+
+    order: None = None
+    conservative = True
+
+    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """Write the series, whose coefficients are prepared once for all lengths of the step, and the move."""
+        return step.move_onto_levels(step.polynomial(), prepared=True)
+
+
+PRK8 = Method("prk8", Projected(DOP853), "rk8 moved onto ψ: a conservative method that is explicit.")
+
+TAYLOR = Method("taylor", TaylorSeries(), "Taylor series moved onto ψ; order and step from a tolerance.")

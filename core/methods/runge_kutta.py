@@ -1,0 +1,149 @@
+"""Runge-Kutta methods: a tableau is all there is to one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from sympy import Expr, Float, Integer, Rational, Symbol, sqrt, symbols
+
+from core.codegen.printing import fma
+from core.codegen.step import StepCode
+from core.methods.base import Method, Scheme
+from core.methods.dop853 import ROWS, WEIGHTS
+from core.symbolic.laws import Side
+
+__all__ = ["CLASSICAL", "DOP853", "GAUSS4", "RK2", "RK4", "RK8", "ButcherTableau"]
+
+
+@dataclass(frozen=True)
+class ButcherTableau(Scheme):
+    """kᵢ = f(t + cᵢ h, x + h Σ aᵢⱼ kⱼ), Δ = h Σ bᵢ kᵢ, with cᵢ = Σ aᵢⱼ.
+
+    Attributes
+    ----------
+    rows
+        aᵢⱼ, of each stage: numbers that are exact, or have thirty digits. A row may leave out zeros at its end.
+    weights
+        bᵢ.
+    order, symmetric
+        As in `Scheme`.
+    source
+        Where the numbers are from, in words; empty where they are few enough to be shown.
+    """
+
+    rows: tuple[tuple[Expr, ...], ...]
+    weights: tuple[Expr, ...]
+    order: int
+    symmetric: bool = False
+    source: str = ""
+
+    @cached_property
+    def nodes(self) -> tuple[Expr, ...]:
+        """cᵢ."""
+        return tuple(sum(row, Integer(0)) for row in self.rows)
+
+    @cached_property
+    def explicit(self) -> bool:
+        """Whether each stage follows from those before it."""
+        return not any(a for i, row in enumerate(self.rows) for a in row[i:])
+
+    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """Write one step: stage after stage, or all of them by Newton's method."""
+        return self._write_explicit(step) if self.explicit else self._write_implicit(side, step)
+
+    def _write_explicit(self, step: StepCode) -> Sequence[Expr]:
+        slopes: list[Sequence[Expr]] = []
+        for node, row in zip(self.nodes, self.rows, strict=True):
+            at = step.t + _short(node) * step.h if node else step.t
+            slopes.append(step.field(at, _weighted(step.h, row, slopes) if slopes else None))
+        return _weighted(step.h, self.weights, slopes)
+
+    def _write_implicit(self, side: Side, step: StepCode) -> Sequence[Expr]:
+        """The unknowns are h kᵢ, all of them at once."""
+        d, stages = len(step.x), len(self.rows)
+        unknowns = symbols(f"d:{stages * d}")
+        parts = [unknowns[i * d : (i + 1) * d] for i in range(stages)]
+        residuals: list[Expr] = []
+        for node, row, own in zip(self.nodes, self.rows, parts, strict=True):
+            moved = _combined(row, parts, d)
+            slopes = step.field_at(side, step.t + _short(node) * step.h, moved)
+            residuals += [u - step.h * f for u, f in zip(own, slopes, strict=True)]
+        step.solve(residuals, stages=stages)
+        return _combined(self.weights, parts, d)
+
+
+def _short(number: Expr) -> Expr:
+    """A number as a double holds it, where it is given in decimals."""
+    return Float(float(number)) if number.has(Float) else number
+
+
+def _weighted(h: Symbol, weights: Sequence[Expr], slopes: Sequence[Sequence[Expr]]) -> list[Expr]:
+    """h Σ bₖ kₖ, the slope that was worked out last being added last: the rest is there before it is."""
+    used = [(_short(b), slope) for b, slope in zip(weights, slopes, strict=False) if b]
+    if len(used) == 1:
+        ((b, slope),) = used
+        return [h * b * k for k in slope]
+    sums = [Integer(0)] * len(slopes[0])
+    for b, slope in used:
+        sums = [fma(b, k, total) if total else b * k for k, total in zip(slope, sums, strict=True)]
+    return [h * total for total in sums]
+
+
+def _combined(weights: Sequence[Expr], parts: Sequence[Sequence[Symbol]], d: int) -> list[Expr]:
+    """Σ bₖ uₖ of the unknowns of all stages."""
+    return [sum((_short(b) * part[i] for b, part in zip(weights, parts, strict=False)), Integer(0)) for i in range(d)]
+
+
+def _decimals(texts: Sequence[str]) -> tuple[Expr, ...]:
+    return tuple(Float(text, 40) if "." in text else Integer(text) for text in texts)
+
+
+_HALF = Rational(1, 2)
+
+RK2 = Method(
+    "rk2",
+    ButcherTableau(((), (_HALF,)), (Integer(0), Integer(1)), 2),
+    "Explicit midpoint: the paper's baseline, whose ψ drifts.",
+)
+
+CLASSICAL = ButcherTableau(
+    ((), (_HALF,), (Integer(0), _HALF), (Integer(0), Integer(0), Integer(1))),
+    (Rational(1, 6), Rational(1, 3), Rational(1, 3), Rational(1, 6)),
+    4,
+)
+
+RK4 = Method(
+    "rk4",
+    CLASSICAL,
+    "Classical Runge-Kutta: accurate for a while, ψ drifts slowly.",
+)
+
+DOP853 = ButcherTableau(
+    tuple(map(_decimals, ROWS)),
+    _decimals(WEIGHTS),
+    8,
+    source="Its weights are those of DOP853 (Hairer, Nørsett, Wanner, Solving ODEs I, II.5).",
+)
+
+RK8 = Method(
+    "rk8",
+    DOP853,
+    "Dormand and Prince's explicit method of order 8: ψ drifts, slower.",
+)
+
+#: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VI.4: symmetric, symplectic.
+GAUSS4 = Method(
+    "gauss4",
+    ButcherTableau(
+        (
+            (Rational(1, 4), Rational(1, 4) - sqrt(3) / 6),
+            (Rational(1, 4) + sqrt(3) / 6, Rational(1, 4)),
+        ),
+        (_HALF, _HALF),
+        4,
+        symmetric=True,
+    ),
+    "Gauss's implicit method of two stages: symplectic, keeps quadratic ψ and no other.",
+)
