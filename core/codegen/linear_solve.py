@@ -123,17 +123,19 @@ def least_change(
     changes: Sequence[Symbol],
     temporaries: Iterable[Symbol],
     slopes: Sequence[Sequence[Expr]] | None = None,
+    least: float = DEPENDENT,
 ) -> list[str]:
     """Lines that give `changes` the v along the rows A with B·v = r0, r1, …: v = Aᵀ(BAᵀ)⁻¹r, B being `slopes`, or A.
 
-    With B = A the smallest such v. Rows that vanish, or depend on those before them but for round-off, bind nothing;
+    With B = A the smallest such v. Rows that vanish, or depend on those before them, bind nothing: where the square of
+    the sine between them is below `least`;
     nor do those that nearly depend on them where r is rounding beside the row and the state (`state`), see
     `with_pivots`; of several rows `firm` tells whether none nearly depends on others. The entries of A are those of
     `row_lines`, and lost.
     """
     m, d = len(along), len(along[0])
     if m > FEW:
-        return _change_in_loops(along, changes, temporaries, slopes)
+        return _change_in_loops(along, changes, temporaries, slopes, least)
     against = along if slopes is None else [[Symbol(f"b{j}_{k}") for k in range(d)] for j in range(m)]
     lines = []
     if slopes is not None:
@@ -153,8 +155,7 @@ def least_change(
             lines += [
                 f"near = abs(j{k}_{k}) <= {NEARLY} * s{k}",
                 "firm = firm and not near",
-                f"if near and (abs(r{k}) <= {SPARED} * math.sqrt(s{k}) * state "
-                f"or abs(j{k}_{k}) <= {DEPENDENT} * s{k}):",
+                f"if near and (abs(r{k}) <= {SPARED} * math.sqrt(s{k}) * state or abs(j{k}_{k}) <= {least!r} * s{k}):",
                 f"    j{k}_{k} = math.inf",
             ]
         lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0")
@@ -174,6 +175,7 @@ def _change_in_loops(
     changes: Sequence[Symbol],
     temporaries: Iterable[Symbol],
     slopes: Sequence[Sequence[Expr]] | None,
+    least: float,
 ) -> list[str]:
     m, d = len(along), len(along[0])
     lines = [
@@ -184,7 +186,7 @@ def _change_in_loops(
     against = entries if slopes is None else [e for row in slopes for e in row]
     lines += assignments([f"slopes[{k}]" for k in range(m * d)], against, temporaries, thorough=False)
     lines += [f"excesses[{k}] = r{k}" for k in range(m)]
-    lines.append(f"firm = change_along(rows, slopes, excesses, room, change, {m}, {d}, state)")
+    lines.append(f"firm = change_along(rows, slopes, excesses, room, change, {m}, {d}, state, {least!r})")
     return lines + [f"{e} = change[{k}]" for k, e in enumerate(changes)]
 
 

@@ -93,7 +93,7 @@ def substitute_back(a, r, n):
         r[k] = known * a[k * n + k]
 
 
-def change_along(a, b, r, j, e, m, d, state):
+def change_along(a, b, r, j, e, m, d, state, least):
     """The v along the rows of a with b·v = r, v = aᵀ(b aᵀ)⁻¹r, as `linear_solve.least_change` does.
 
     Rows that vanish, or depend on others, may bind nothing.
@@ -112,6 +112,8 @@ def change_along(a, b, r, j, e, m, d, state):
         Rows and columns.
     state
         Size of the state.
+    least
+        Square of the sine to other rows, below which a row binds nothing.
 
     Returns
     -------
@@ -133,7 +135,7 @@ def change_along(a, b, r, j, e, m, d, state):
         inverse = 1.0 / pivot if pivot != 0.0 else 0.0
         if k > 0 and abs(pivot) <= NEARLY * e[k]:
             firm = False
-            if abs(r[k]) <= SPARED * math.sqrt(e[k]) * state or abs(pivot) <= DEPENDENT * e[k]:
+            if abs(r[k]) <= SPARED * math.sqrt(e[k]) * state or abs(pivot) <= least * e[k]:
                 inverse = 0.0
         j[k * m + k] = inverse
         for i in range(k + 1, m):

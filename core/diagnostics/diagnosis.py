@@ -178,8 +178,9 @@ _BOUNDS = (
 def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
     for name, bound, consequence in _BOUNDS:
         values = getattr(constants, name)
-        if name == "window_hat":  # where it is 0 there is a better word for it
+        if name == "window_hat":
             yield from _failures(tau, t, constants.alpha_hat2)
+        if name != "window":  # no step would be short enough: the bound tells nothing, or there is a better word
             values = np.where(values > 0.0, values, np.nan)
         rows = np.flatnonzero(values < tau)
         if rows.size:

@@ -28,6 +28,8 @@ _MARGIN = 3.0
 _APART, _APART_KEPT, _TOLERANCES = 0.05, 1e-6, 1e3
 #: And by rounding, in parts of the state.
 _ROUNDING = 2.0**-44
+#: The least unit of a coordinate, in parts of the largest.
+_SLIGHT = 1e-9
 #: Steps from where the run has entered a side, besides those that the loop has kept.
 _MOST_ENTRIES = 64
 
@@ -100,7 +102,8 @@ class _Steps:
     def too_long_for_the_field(self) -> Iterator[str]:
         """Tell of a step that does not lead where shorter ones do, each from where the step itself leads to by then.
 
-        Coordinates are compared in units of how far each moves in the steps looked at.
+        Coordinates are compared in units of how far each moves in the steps looked at; what moves a billionth of
+        the way of others may be their rounding.
         """
         places = _places(3 * len(self.t)) if self.method.adaptive else _FEW
         times = self.t[:, None] + self.h[:, None] * places
@@ -109,6 +112,7 @@ class _Steps:
             apart = np.abs(self._again(times, whole) - whole[:, 2:]).max(axis=1)
             way = np.abs(whole - whole[:, :1]).max(axis=1)
             unit = np.nanmax(way, axis=0, initial=0.0)
+            unit = np.maximum(unit, _SLIGHT * unit.max(initial=0.0))
             unit = np.where(unit > 0.0, unit, 1.0)
             least = self._least * np.abs(whole).max(axis=1)
             part = np.where(apart > least, apart / unit, 0.0).max(axis=1) / (way / unit).max(axis=1)
@@ -132,26 +136,24 @@ class _Steps:
 
     def _again(self, times: Floats, whole: Floats) -> Floats:
         """States at all places but the first two, by a step from the place before."""
-        again = np.empty_like(whole[:, 2:])
-        pieces = again.shape[1]
-        for first in (0, 1):  # every other piece, so that each ends before the next one begins
-            here = np.arange(first, pieces, 2)
-            if len(here):
-                t, x = times[:, 1 + here], whole[:, 1 + here]
-                side = np.repeat(self.side, len(here))
-                found = self._states(t.ravel(), x.reshape(-1, x.shape[2]), side, times[:, 2 + here].reshape(-1, 1))
-                again[:, here] = found.reshape(x.shape)
-        return again
+        t, x = times[:, 1:-1], whole[:, 1:-1]
+        side = np.repeat(self.side, t.shape[1])
+        found = self._states(t.ravel(), x.reshape(-1, x.shape[2]), side, times[:, 2:].reshape(-1, 1))
+        return found.reshape(x.shape)
 
     def _states(self, t: Floats, x: Floats, side: Integers, times: Floats) -> Floats:
         """States on the scheme, (k, places, d), at times after each of k states; nan where a step has no solution."""
-        if not len(t):
-            return np.empty((*times.shape, x.shape[1]))
-        number, x = np.arange(len(t)), np.ascontiguousarray(x)
-        track = Track(t, x, side, number, t, x, side)
-        found = self.stepper.find(track, times.ravel())
-        found.x[found.solved :] = np.nan
-        return found.x.reshape(*times.shape, x.shape[1])
+        states = np.empty((*times.shape, x.shape[1]))
+        for first in (0, 1):  # every other step, so that each ends before the next one begins
+            rows = slice(first, None, 2)
+            if not len(t[rows]):
+                continue
+            begin, start, number = t[rows].copy(), np.ascontiguousarray(x[rows]), np.arange(len(t[rows]))
+            track = Track(begin, start, side[rows].copy(), number, begin, start, side[rows].copy())
+            found = self.stepper.find(track, times[rows].ravel())
+            found.x[found.solved :] = np.nan
+            states[rows] = found.x.reshape(*times[rows].shape, x.shape[1])
+        return states
 
 
 def _places(steps: int) -> Floats:

@@ -17,8 +17,8 @@ import numpy as np
 from core.kernels.jit import always_inlined, jitted
 
 __all__ = [
-    "LEAST_ORDER", "MAX_ORDER", "STRIDE", "correction_of_unit", "order_of", "power_near", "power_of_two", "reach",
-    "reach_of_height", "unsigned",
+    "LEAST_ORDER", "MAX_ORDER", "STRIDE", "correction_of_unit", "is_at_rest", "order_of", "power_near", "power_of_two",
+    "reach", "reach_of_height", "unsigned",
 ]  # fmt: skip
 
 #: Outside these orders a step gains less than it costs.
@@ -190,6 +190,16 @@ def reach_of_height(c, d, order, tolerance):
 def correction_of_unit(length):
     """What a unit of time has to be multiplied by, a step of which this length came out as too short in it, or nan."""
     return power_of_two(length) if length > 0.0 else _OVERFLOWN
+
+
+@jitted
+def is_at_rest(c, d, order):
+    """Whether all coefficients but the first of rows 0 … d vanish: neither the state moves nor the height."""
+    for i in range(d + 1):
+        for k in range(1, order + 1):
+            if c[i, k] != 0.0:
+                return False
+    return True
 
 
 def order_of(tolerance: float) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -65,7 +66,8 @@ class Composition(Scheme):
 
     def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
         """Write one step, which gives ψ back what rounding has taken."""
-        weights = [float(weight) for weight in self.weights]
+        half = [float(weight) for weight in self.half]
+        weights = (*half, 1 - 2 * math.fsum(half), *reversed(half))  # so that they add up to 1 in doubles, too
         return step.hold(step.compose(weights, lambda: self.of.write_bare(side, step)))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import Expr, Float, Integer, Rational, Symbol, sqrt, symbols
+from sympy import Expr, Float, Integer, Rational, Symbol, ilcm, sqrt, symbols
 
 from core.codegen.printing import fma
 from core.codegen.step import StepCode
@@ -82,9 +82,9 @@ def _short(number: Expr) -> Expr:
 def _weighted(h: Symbol, weights: Sequence[Expr], slopes: Sequence[Sequence[Expr]]) -> list[Expr]:
     """h Σ bₖ kₖ, the slope that was worked out last being added last: the rest is there before it is."""
     used = [(_short(b), slope) for b, slope in zip(weights, slopes, strict=False) if b]
-    if len(used) == 1:
-        ((b, slope),) = used
-        return [h * b * k for k in slope]
+    if all(b.is_Rational for b, _ in used):  # whole numbers first: of constant slopes the sum is exact
+        whole = ilcm(*(b.q for b, _ in used))
+        return [h / whole * sum(b * whole * slope[i] for b, slope in used) for i in range(len(slopes[0]))]
     sums = [Integer(0)] * len(slopes[0])
     for b, slope in used:
         sums = [fma(b, k, total) if total else b * k for k, total in zip(slope, sums, strict=True)]

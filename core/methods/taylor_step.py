@@ -19,8 +19,8 @@ __all__ = ["memo_rows", "reach_text"]
 
 #: Steps are at most so many units of the system's own time long: powers of more could leave floating point.
 _LONGEST = 2.0**20
-#: Where nothing moves, coefficients are zero, and powers of this length are still numbers.
-_LONGEST_AT_REST = 2.0**40
+#: Where nothing moves, any unit of time will do, and a long one needs few steps.
+_AT_REST = 2.0**500
 #: A step shorter than this needs another unit: with 24 coefficients, powers of less could leave floating point.
 _SHORTEST = 2.0**-24
 #: To work coefficients out: beside the state, at the state, and in three other units of time.
@@ -46,9 +46,9 @@ def reach_text(laws: Laws, side: Side) -> str:
     lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
     lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, side, code))]
     lines += _excess_lines(laws, side)
+    lines += [f"if length == math.inf and is_at_rest(c, {len(laws.x)}, order):", f"    unit *= {_AT_REST}"]
     lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", "length = limit if limit < length else length"]
-    lines.append(f"longest = {_LONGEST_AT_REST} if length == math.inf else {_LONGEST}")
-    lines += [f"w[{LENGTH}] = unit*(longest if length > longest else length)", "return 1"]
+    lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
     return function_text("reach", lines)
 
 

@@ -65,6 +65,8 @@ def _simplify(points, tolerance, fixed, kept):
         x, y = points[i, 0] - points[anchor, 0], points[i, 1] - points[anchor, 1]
         r = np.sqrt(x * x + y * y)
         within = r >= far and (open_ or (low_x * y - low_y * x >= 0.0 and high_x * y - high_y * x <= 0.0))
+        if not open_ and tolerance == 0.0 and low_x * x + low_y * y <= 0.0:
+            within = False  # the cone is a line, and this is its other half
         if i - 1 > anchor and (fixed[i - 1] or not within):
             anchor = kept[count] = i - 1
             count, far, open_ = count + 1, 0.0, True

@@ -347,7 +347,7 @@ def test_arguments_that_make_no_sense_are_refused_with_the_value(change, words):
 
 def test_conservative_methods_say_so_where_nothing_is_conserved():
     system = one_law("none", ("y", "-x - y/10"), psi=(), x0=(1.0, 0.0))
-    with pytest.raises(ValueError, match="use one of rk2, rk4, rk8, taylor"):
+    with pytest.raises(ValueError, match="use one of rk2, rk4, rk8, gauss4, taylor"):
         core.integrate(system, (0.0, 1.0), method="dmm2")
 
 

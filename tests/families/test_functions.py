@@ -30,7 +30,7 @@ def texts_of(system, method):
     laws = system.laws
     for side in laws.sides.values():
         code = StepCode(laws, side)
-        yield code.text(method.build(side, code))
+        yield code.text(method.scheme.write(side, code))
         yield from levels_texts(laws, side)
         yield polish_text(laws, side, method.conservative)
         if method.adaptive:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy
 
-from core.codegen.linear_solve import KEPT, least_change, with_pivots
+from core.codegen.linear_solve import DEPENDENT, KEPT, least_change, with_pivots
 from core.codegen.linear_solve_loops import change_along, solve_with_pivots
 
 EPS = np.finfo(float).eps
@@ -92,7 +92,7 @@ def test_a_gradient_nearly_dependent_on_another_binds_unless_its_psi_is_kept_but
 def changed(rows, slopes, right):
     m, d = rows.shape
     e = np.empty(d)
-    change_along(rows.ravel().copy(), slopes.ravel().copy(), right.copy(), np.empty(m * m), e, m, d, 1.0)
+    change_along(rows.ravel().copy(), slopes.ravel().copy(), right.copy(), np.empty(m * m), e, m, d, 1.0, DEPENDENT)
     return e
 
 

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -42,6 +42,7 @@ def circle(n, turns=1.0, drift=0.0):
     return np.column_stack([np.cos(t), np.sin(t)]) * (1 + drift * t)[:, None]
 
 
+@example(np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0]]), 0.0)
 @given(polylines, st.floats(0, 50))
 def test_simplified_curve_stays_within_tolerance(points, tolerance):
     kept = simplify(points, tolerance)

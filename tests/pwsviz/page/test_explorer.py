@@ -336,7 +336,7 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
 def test_a_system_without_conserved_quantities_offers_what_can_be_used(explorer):
     explorer.scene.system = "relay_feedback"
     explorer.settle(20)
-    assert explorer.sidebar.methods.options == ["rk2", "rk4", "rk8", "taylor"]
+    assert explorer.sidebar.methods.options == ["rk2", "rk4", "rk8", "gauss4", "taylor"]
     assert explorer.sidebar.methods.value == ["rk2"]
     assert "keep conserved quantities" in explorer.sidebar.methods_note.object
     explorer.scene.system = "elliptic_curve"

@@ -126,7 +126,7 @@ def test_the_order_study_follows_when_its_method_is_dropped():
 def test_integrators_rest_where_they_cannot_be_used_and_come_back():
     scene = Scene(methods=["dmm2", "rk2", "prk8"])
     scene.system = "relay_feedback"
-    assert scene.offered == ["rk2", "rk4", "rk8", "taylor"]
+    assert scene.offered == ["rk2", "rk4", "rk8", "gauss4", "taylor"]
     assert scene.used == scene.steady == ["rk2"]
     scene.accept("methods", ["rk4"])
     assert scene.used == ["rk4"]
