@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import Expr, Float, Integer, Rational, Symbol, ilcm, sqrt, symbols
+from sympy import Expr, Float, Integer, Rational, Symbol, sqrt, symbols
 
 from core.codegen.printing import fma
 from core.codegen.step import StepCode
@@ -83,7 +84,7 @@ def _weighted(h: Symbol, weights: Sequence[Expr], slopes: Sequence[Sequence[Expr
     """h Σ bₖ kₖ, the slope that was worked out last being added last: the rest is there before it is."""
     used = [(_short(b), slope) for b, slope in zip(weights, slopes, strict=False) if b]
     if all(b.is_Rational for b, _ in used):  # whole numbers first: of constant slopes the sum is exact
-        whole = ilcm(*(b.q for b, _ in used))
+        whole = math.lcm(*(int(b.q) for b, _ in used))
         return [h / whole * sum(b * whole * slope[i] for b, slope in used) for i in range(len(slopes[0]))]
     sums = [Integer(0)] * len(slopes[0])
     for b, slope in used:
