@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.dense_output import Stepper, Track
-from core.integration.trajectory import Trajectory
+from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
@@ -48,6 +48,8 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     samples = samples[samples[:, 2] != 0.0]
     t, side, h, x = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2], samples[:, 3:]
     kept = _Steps(run, t, x, side, h)
+    if run.status is Status.ESCAPED:  # where the solution runs away no step is short enough
+        return tuple(kept.too_long_for_g())
     return (*kept.too_long_for_g(), *kept.too_long_for_the_field(), *_first_steps(run).too_long_for_the_field())
 
 

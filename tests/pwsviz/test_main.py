@@ -66,7 +66,7 @@ def test_help_of_report_names_every_figure(capsys):
 
 def test_help_is_there_without_loading_what_serving_must_not_fork():
     barred = "('core', 'numba', 'panel')"
-    code = f"import sys, pwsviz.__main__, pwsviz.serving; print([m for m in {barred} if m in sys.modules])"
+    code = f"import sys, pwsviz.__main__, pwsviz.server.serving; print([m for m in {barred} if m in sys.modules])"
     out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=ROOT).stdout
     assert out.strip() == "[]"
 
