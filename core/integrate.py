@@ -24,8 +24,10 @@ __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
 
 _TRANSITIONS = ("mannshardt", "none")
 _RECORDS = ("steps", "crossings", "end")
-_TAU, _TOLERANCE = 1e-2, 1e-12
-_EPS, _COARSEST = 2.0**-52, 1e-2
+_TAU = 1e-2  #: step size where none is given
+_TOLERANCE = 1e-12  #: the same of a method that chooses its steps
+_EPS = 2.0**-52
+_COARSEST = 1e-2  #: largest tolerance
 _MAX_COUNTED = 10**9  #: crossings that are counted and not kept
 _UNLIMITED = 2**62  #: fits the loop's counters
 _MAX_ROWS = 10**7  #: with record="steps", where max_steps is not given

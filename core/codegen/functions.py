@@ -13,26 +13,28 @@ from core.codegen import linear_solve_loops
 from core.codegen.linear_solve import FEW, least_change, row_lines, size_line
 from core.codegen.printing import assignments, doubled_assignments, magnitude, named
 from core.codegen.rounding import rounding_bound
-from core.kernels import abi, divided_differences, scratch, taylor_coefficients
+from core.kernels import abi, divided_differences, stack_array, taylor_coefficients
 from core.kernels.doubledouble import arithmetic, elementary, error_free, pair_arithmetic, quick, tables
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws, Side
 
 __all__ = [
-    "Names", "excess_lines", "function_text", "jump_text", "levels_texts", "look_text", "module_text",
-    "polish_text",
+    "Names", "evaluate_switching_text", "function_text", "jump_text", "level_residual_lines", "levels_texts",
+    "module_text", "project_to_surface_text",
 ]  # fmt: skip
 
 _EPS = 2.0**-52
-#: A place on the surface is moved by this part of the state at most: by more than round-off it cannot be wrong.
-_POLISH, _POLISH_OF_HALF = 1e-12, 1e-6
-#: Where it is moved to is not asked of rows whose sine to others is below the root of this: it would move far.
+#: A projection to the surface moves by at most this part of the state: the place is wrong by round-off alone.
+_FARTHEST = 1e-12
+#: The same where gradients of ψ nearly depend on each other, and the state is known to half its digits.
+_FARTHEST_OF_HALF = 1e-6
+#: A gradient whose squared sine to the others is below this takes no part in the projection: it would move far.
 _TANGENT = 2.0**-25
 
 #: Modules of jitted functions that generated text calls, and of the tables that these use.
 _JITTED = (
-    abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, pair_arithmetic, quick, scratch,
-    tables, taylor_coefficients,
+    abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, pair_arithmetic, quick,
+    stack_array, tables, taylor_coefficients,
 )  # fmt: skip
 _HOME = {name: module.__name__ for module in _JITTED for name in getattr(module, "__all__", ())}
 
@@ -40,7 +42,7 @@ _HOME = {name: module.__name__ for module in _JITTED for name in getattr(module,
 def function_text(name: str, lines: Sequence[str]) -> str:
     """Text of one compiled function, which is kept on disk."""
     body = "\n".join(f"    {line}" for line in lines)
-    return f"@native\ndef {name}(t, h, p, w, memo):\n{body}\n"
+    return f"@native\ndef {name}(t, h, p, w, scratch):\n{body}\n"
 
 
 def module_text(functions: Iterable[str]) -> str:
@@ -93,8 +95,8 @@ class Names:
         return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries, quick)
 
 
-def look_text(laws: Laws) -> str:
-    """Text of `look`: g and its rates at a place."""
+def evaluate_switching_text(laws: Laws) -> str:
+    """Text of `evaluate_switching`: g and its rates at a place."""
     names = Names(laws)
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
     slack = sympy.Add(*(magnitude(u * v) for u, v in zip(laws.gradient, laws.x, strict=True))) * sympy.Float(_EPS)
@@ -102,7 +104,7 @@ def look_text(laws: Laws) -> str:
     values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, slack, doubt])
     places = (abi.G, abi.RATES, abi.RATES + 1, abi.SLACK, abi.DOUBT)
     targets = [f"w[{k}]" for k in places]
-    return function_text("look", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
+    return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
 
 
 def jump_text(laws: Laws) -> str:
@@ -113,10 +115,10 @@ def jump_text(laws: Laws) -> str:
     return function_text("jump", [*names.unpack, *assignments(targets, after, names.temporaries), "return 0"])
 
 
-def excess_lines(names: Names, side: Side, quick: bool = False) -> list[str]:
+def level_residual_lines(names: Names, side: Side, quick: bool = False) -> list[str]:
     """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double.
 
-    In a step, or on the surface, it may be `quick`: what is wrong with one excess is not added to the next.
+    In a step, or on the surface, it may be `quick`: what is wrong with one residual is not added to the next.
     """
     m, level = len(side.conserved), names.frame.level
     lines = names.doubled([f"u{j}" for j in range(m)], side.conserved, quick)
@@ -127,20 +129,23 @@ def excess_lines(names: Names, side: Side, quick: bool = False) -> list[str]:
 
 
 def levels_texts(laws: Laws, side: Side) -> list[str]:
-    """Texts of `settle` and `excess` of a side."""
+    """Texts of `set_levels` and `level_residual` of a mode."""
     names = Names(laws)
     m, level = len(side.conserved), names.frame.level
-    settle = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], side.conserved)]
+    levels = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], side.conserved)]
     for j in range(m):
-        settle += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
-    settle.append(f"w[{abi.SETTLED}] = 1.0")
-    excess = [*names.unpack, *excess_lines(names, side)]
-    excess += [f"w[{names.frame.excess + j}] = {f'r{j}' if j < m else 'math.nan'}" for j in range(names.frame.m)]
-    return [function_text(name, [*lines, "return 0"]) for name, lines in (("settle", settle), ("excess", excess))]
+        levels += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
+    levels.append(f"w[{abi.LEVELS_SET}] = 1.0")
+    residual = [*names.unpack, *level_residual_lines(names, side)]
+    residual += [
+        f"w[{names.frame.level_residual + j}] = {f'r{j}' if j < m else 'math.nan'}" for j in range(names.frame.m)
+    ]
+    functions = (("set_levels", levels), ("level_residual", residual))
+    return [function_text(name, [*lines, "return 0"]) for name, lines in functions]
 
 
-def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
-    """Text of `polish`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
+def project_to_surface_text(laws: Laws, side: Side, conservative: bool) -> str:
+    """Text of `project_to_surface`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
 
     Where the surface and the orbit are nearly tangent no place is well determined, and it is left as it is.
     """
@@ -148,7 +153,7 @@ def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
     conserved = side.conserved if conservative else ()
     m, d = len(conserved), len(laws.x)
     moves = named("a", d)
-    lines = [*names.unpack, *(excess_lines(names, side, quick=True) if conservative else [])]
+    lines = [*names.unpack, *(level_residual_lines(names, side, quick=True) if conservative else [])]
     lines += [*names.doubled([f"r{m}"], [laws.g], quick=True), f"r{m} += r{m}_low"]
     gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
     rows, worked_out = row_lines(gradients, names.temporaries)
@@ -156,11 +161,11 @@ def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
     lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)
     size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
     lines += [f"size, speed = {size}, {speed}", f"w[{abi.DELAY}] = 0.0"]
-    most = str(_POLISH)
+    most = str(_FARTHEST)
     if (
         1 < m < FEW
     ):  # steps that keep dependent ψ are known to half the digits only; g, whose row is the last, is not so
-        most = f"({_POLISH} if firm or near else {_POLISH_OF_HALF})"
+        most = f"({_FARTHEST} if firm or near else {_FARTHEST_OF_HALF})"
     lines.append(f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * size or not speed > 0.0:")
     lines.append("    return 0")
     along = " + ".join(f"a{k} * (f{k} / speed)" for k in range(d))
@@ -170,4 +175,4 @@ def polish_text(laws: Laws, side: Side, conservative: bool) -> str:
     for k in range(d):
         x, c = (f"w[{start + k}]" for start in (names.frame.x, names.frame.carry))
         lines.append(f"{x}, {c} = two_sum(x{k}, c{k} - a{k})")
-    return function_text("polish", [*lines, "return 0"])
+    return function_text("project_to_surface", [*lines, "return 0"])

@@ -30,15 +30,18 @@ FEW = 4
 #: Up to so many unknowns a solution that is written out takes less time than one in `linear_solve_loops`.
 WRITTEN_OUT = 10
 
-#: A pivot of so many parts of what it was before others were eliminated is round-off.
+#: A pivot below this part of what it was before elimination is round-off.
 DEPENDENT = 4 * 2.0**-52
 #: A gradient is nearly dependent on others where the square of its sine to them is below this.
 NEARLY = 1e-4
-#: Outside these bounds products of gradients are scaled first.
-LEAST, MOST = 1e-250, 1e250
-#: And so many parts of gradient times state are what ψ may change by when its multiplier is left alone; so many, of
-#: what it changes by when others are kept, leave it alone.
-KEPT, SPARED = 64 * 2.0**-52, 4 * 2.0**-52
+#: Products of gradients below this are scaled first …
+LEAST = 1e-250
+#: … and products above this.
+MOST = 1e250
+#: A ψ whose multiplier is left alone may change by this part of gradient times state.
+KEPT = 64 * 2.0**-52
+#: A multiplier is left alone where its ψ, with the others kept, changes by less than this part.
+SPARED = 4 * 2.0**-52
 
 
 def by_cofactors(matrix: sympy.Matrix, temporaries: Iterable[Symbol]) -> list[str]:
@@ -179,7 +182,7 @@ def _change_in_loops(
 ) -> list[str]:
     m, d = len(along), len(along[0])
     lines = [
-        f"rows, slopes, excesses, room, change = {', '.join(f'scratch({n})' for n in (m * d, m * d, m, m * m, d))}"
+        f"rows, slopes, excesses, room, change = {', '.join(f'stack_array({n})' for n in (m * d, m * d, m, m * m, d))}"
     ]
     entries = [g for row in along for g in row]
     lines += [f"rows[{k}] = {g}" for k, g in enumerate(entries)]

@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from core.codegen.derivatives import jacobian
-from core.codegen.functions import Names, excess_lines, function_text
+from core.codegen.functions import Names, function_text, level_residual_lines
 from core.codegen.linear_solve import (
     FEW,
     KEPT,
@@ -28,37 +28,44 @@ from core.symbolic.laws import Laws, Side
 
 __all__ = ["StepCode"]
 
-#: Newton's corrections: at most so many, and how large (relative to the state) one that no longer shrinks may be.
+#: Newton's method makes at most so many corrections.
 _MAX_CORRECTIONS = 30
+#: A correction that no longer shrinks is accepted below this part of the state: it is round-off.
 _STAGNATION = 16 * 2.0**-52
-#: Corrections converge quadratically where one is that small (relative to the increment) and the next (relative to it).
-_CLOSE, _CLOSING = 0.1, 1e-2
-#: The second correction is below this part of the first where the solution is the one near by: Kantorovich's theorem
-#: asks for a quarter.
+#: Convergence is quadratic where a correction is below this part of the increment …
+_CLOSE = 0.1
+#: … and the next one below this part of the correction.
+_CLOSING = 1e-2
+#: The solution found is the one near h = 0 where the second correction is below this part of the first: Kantorovich's
+#: theorem asks for a quarter.
 _CONTRACTION = 0.1
-#: Nor need it be asked where the first is that small (relative to the increment).
+#: A first correction below this part of the increment needs no such proof.
 _NEARBY = 1e-3
-#: Equations are linear whose second correction is this part of the first.
+#: The equations are linear where the second correction is below this part of the first.
 _LINEAR = 1e-6
-#: A part of a step is too far a way where the first correction is more than this part of the increment.
+#: A step is divided where the first correction exceeds this part of the increment.
 _FAR = 0.05
-#: The determinant of the equations, 1 at h = 0, may change by this factor in a part of a step.
+#: The determinant of the equations, 1 at h = 0, may change by this factor in one part of a step.
 _NEAR = 0.6
-#: Parts at most in which a solution is followed from h = 0.
+#: A solution is followed from h = 0 in at most so many parts of the step.
 _MOST_PARTS = 1024
-#: A move onto ψ that is this small (relative to the increment) leaves an error of its square.
+#: A projection onto ψ below this part of the increment leaves an error of its square, and is the last.
 _SETTLED = 1e-8
+#: A step is projected onto ψ at most so many times.
 _MAX_MOVES = 8
-#: Nor does a variable-step method end a step with a move of so many parts of the state (where gradients nearly depend
-#: on each other, ψ tells it to half the digits), or of so many times the tolerance.
-_ASTRAY, _LOST, _FREEDOM = 2.0**-40, 2.0**-20, 2.0**10
-#: And one of so many parts of the state is of the size of its rounding.
+#: A variable step is too long where the projection moves it by more than this part of the state …
+_ASTRAY = 2.0**-40
+#: … or by this part where the gradients nearly depend on each other: ψ then tells the state to half the digits …
+_LOST = 2.0**-20
+#: … and by more than so many times the tolerance.
+_FREEDOM = 2.0**10
+#: A correction below 4 ulp of the state is round-off.
 _NOTHING = 4 * 2.0**-52
-#: What rounding of a step can have taken from ψ moves the state by no more than this part of the increment.
+#: The round-off that one step adds to ψ moves the state by less than this part of the increment.
 _ROUNDING = 1e-6
-#: Up to so many unknowns a system is solved by cofactors.
+#: Linear systems of at most so many unknowns are solved by cofactors.
 _SMALL = 3
-#: From so many characters on, f is a function that is called: beside its own time that of a call is nothing.
+#: A field whose text has more characters is compiled as a function of its own: the call takes no time beside it.
 _LONG = 2500
 
 
@@ -122,7 +129,7 @@ class StepCode:
         values = [next(self._temporaries) for _ in x]
         if not self._called:
             self._called = self._apart
-            self._lines.append(f"place, rates = scratch({len(x)}), scratch({len(x)})")
+            self._lines.append(f"place, rates = stack_array({len(x)}), stack_array({len(x)})")
         self._lines += [f"place[{k}] = {y}" for k, y in enumerate(x)]
         self._lines.append(f"field({printed(t)}, place, p, rates)")
         self._lines += [f"{value} = rates[{k}]" for k, value in enumerate(values)]
@@ -189,7 +196,7 @@ class StepCode:
         if n <= WRITTEN_OUT:
             lines += [f"j{i}_{k} = {entries.get((i, k), '0.0')}" for i in range(n) for k in range(n)]
             return [*lines, *(f"r{i} = {value}" for i, value in enumerate(values)), *with_pivots(n, d)]
-        lines = [f"matrix, right, sizes = scratch({n * n}), scratch({n}), scratch({n})", *lines]
+        lines = [f"matrix, right, sizes = stack_array({n * n}), stack_array({n}), stack_array({n})", *lines]
         lines += [f"right[{i}] = {value}" for i, value in enumerate(values)]
         lines += [f"for entry in range({n * n}):", "    matrix[entry] = 0.0"]
         lines += [f"matrix[{i * n + k}] = {entry}" for (i, k), entry in entries.items()]
@@ -239,7 +246,7 @@ class StepCode:
         return self.let([Symbol(f"w{k}") + Symbol(f"z{k}") for k in d])
 
     def polynomial(self) -> list[Symbol]:
-        """The increment at h of the Taylor polynomial that `reach` has left in memo.
+        """The increment at h of the Taylor polynomial that `prepare_step` has left in scratch.
 
         Even and odd powers apart: two chains of half the length (Horner in h²), and those of all rows overlap.
         """
@@ -249,7 +256,7 @@ class StepCode:
             for k in d
             for line in (f"d{k} = fma(d{k}, square, c[{k}, j])", f"z{k} = fma(z{k}, square, c[{k}, j + 1])")
         ]
-        self._lines += [f"order = int(w[{abi.ORDER}])", f"c = carray(memo, ({len(d)}, {STRIDE}))"]
+        self._lines += [f"order = int(w[{abi.ORDER}])", f"c = carray(scratch, ({len(d)}, {STRIDE}))"]
         self._lines += [f"part = h * w[{abi.PER_UNIT}]", "square = part*part", "top = order - 1 + order % 2"]
         self._lines += [f"d{k}, z{k} = c[{k}, top], 0.0 if top == order else c[{k}, order]" for k in d]
         self._lines += ["for j in range(top - 2, 0, -2):", *(f"    {line}" for line in inner)]
@@ -266,7 +273,7 @@ class StepCode:
             return list(increments)
         changes = named("e", len(self.x))
         given = self.let(increments)
-        self._lines += excess_lines(self._names, self._side, quick=True)
+        self._lines += level_residual_lines(self._names, self._side, quick=True)
         # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
         gradients, lines = row_lines(self._gradients_at_end(), self._temporaries)
         self._lines += [*lines, size_line(self.x), *least_change(gradients, changes, self._temporaries)]
@@ -285,10 +292,10 @@ class StepCode:
         return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._side.conserved]
 
     def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> list[Expr]:
-        """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(excess at the start).
+        """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(ψ less its level).
 
-        With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The excess is
-        worked out here, or has been by `reach` where the step is `prepared`.
+        With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The residual is
+        worked out here, or has been by `prepare_step` where the step is `prepared`.
         """
         side, d = self._side, len(self.x)
         m = len(side.conserved)
@@ -296,9 +303,9 @@ class StepCode:
             return list(increments)
         lines = [*self._assign([f"d{k}" for k in range(d)], increments), "t1 = t + h", size_line(self.x)]
         if prepared:
-            lines += [f"o{j} = w[{self._names.frame.excess + j}]" for j in range(m)]
+            lines += [f"o{j} = w[{self._names.frame.level_residual + j}]" for j in range(m)]
         else:
-            lines += [*excess_lines(self._names, side, quick=True), *(f"o{j} = r{j}" for j in range(m))]
+            lines += [*level_residual_lines(self._names, side, quick=True), *(f"o{j} = r{j}" for j in range(m))]
         gradient = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
         rows, inner = row_lines(gradient.tolist(), self._temporaries)
         slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))

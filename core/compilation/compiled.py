@@ -24,15 +24,21 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from core.codegen.functions import jump_text, levels_texts, look_text, module_text, polish_text
+from core.codegen.functions import (
+    evaluate_switching_text,
+    jump_text,
+    levels_texts,
+    module_text,
+    project_to_surface_text,
+)
 from core.codegen.step import StepCode
 from core.compilation.practice import examples
 from core.compilation.worker_pool import Workshop, serve
 from core.interface.arguments import count, number
-from core.kernels.abi import EXCESS, FUNCTIONS, JUMP, LOOK, POLISH, REACH, SETTLE, STEP
+from core.kernels.abi import FUNCTIONS
 from core.kernels.digest import imported_modules, source_digest
 from core.methods import METHODS, Method
-from core.methods.taylor_step import reach_text
+from core.methods.taylor_step import prepare_step_text
 from core.symbolic.laws import Laws
 
 __all__ = ["Compiled", "compile_beside", "compile_run"]
@@ -42,25 +48,19 @@ MAX_FILES = 1000  #: kept on disk
 MAX_REGISTERED = 50  #: kept in `sys.modules`
 
 _PATIENCE = 120.0  #: seconds to wait for other processes; then what they have not compiled is compiled here
-#: Modules that a process practises on before it takes any: step, polish, levels and surface of the first example.
+#: Modules that a process practises on before it takes any: step, projection, levels and surface of the first example.
 _BEFORE = 4
 
 _lock = threading.RLock()
 _registered: dict[str, None] = {}
 _workshop: Workshop | None = None
 
-#: Generated functions by name, and where their addresses go; that of side +1 after that of side −1.
-_PLACES = {
-    "look": LOOK, "jump": JUMP, "step": STEP, "reach": REACH, "settle": SETTLE, "excess": EXCESS, "polish": POLISH,
-}  # fmt: skip
-_ON_BOTH_SIDES = frozenset(_PLACES) - {"look", "jump"}
-
 
 class Compiled(NamedTuple):
     """The compiled functions of a system and method."""
 
     addresses: NDArray[np.int64]
-    """In the order of `abi.FUNCTIONS`; 0 where a run has no use for one."""
+    """(modes, functions) in the order of `abi.FUNCTIONS`; 0 where a run has no use for one."""
     modules: tuple[ModuleType, ...]
     """What keeps their machine code alive."""
 
@@ -72,23 +72,23 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
     Parameters
     ----------
     levels
-        Whether ψ is looked at along the run though the method does not keep it.
+        Also compile ψ, so that a run that does not conserve it can be monitored.
     """
     texts, given_out = [], []
     with _lock:
-        for other, text in _texts(laws, method, levels):
-            texts.append((other, text))
+        for modes, text in _texts(laws, method, levels):
+            texts.append((modes, text))
             if _workshop is not None and not _is_compiled(text):
                 given_out.append(_workshop.begin(text))
     wait(filter(None, given_out), _PATIENCE)
-    addresses, modules = np.zeros(len(FUNCTIONS), dtype=np.int64), []
-    for other, text in texts:
+    addresses, modules = np.zeros((len(laws.sides), len(FUNCTIONS)), dtype=np.int64), []
+    for modes, text in texts:
         with _lock:
             module = _load(text)
         modules.append(module)
-        for name, place in _PLACES.items():
+        for k, name in enumerate(FUNCTIONS):
             if hasattr(module, name):
-                addresses[place + (other if name in _ON_BOTH_SIDES else 0)] = getattr(module, name).address
+                addresses[modes, k] = getattr(module, name).address
     return Compiled(addresses, tuple(modules))
 
 
@@ -134,7 +134,7 @@ def serve_workshop() -> None:
 
 
 def _practice_texts() -> Iterator[str]:
-    """Of two sides that are the same, one is enough."""
+    """Of two modes that are the same, one is enough."""
     for laws in examples():
         for method in ("dmm2", "rk4"):
             yield from dict.fromkeys(text for _, text in _texts(laws, METHODS[method], levels=True))
@@ -146,17 +146,17 @@ def _practise(folder: Path, text: str) -> None:
     _import(path)
 
 
-def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int, str]]:
-    """Texts of modules, each with its side, 0 or 1 (0 where both have it); what takes longest to compile first."""
-    sides = (laws.sides[-1], laws.sides[1])
+def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int | list[int], str]]:
+    """Texts of modules, each with the mode or the modes that it is of; what takes longest to compile first."""
+    sides = tuple(laws.sides.values())
     codes = [(side, StepCode(laws, side)) for side in sides]
     yield from enumerate(module_text([code.text(method.scheme.write(side, code))]) for side, code in codes)
     if method.adaptive:
-        yield from enumerate(module_text([reach_text(laws, side)]) for side in sides)
-    yield from enumerate(module_text([polish_text(laws, side, method.conservative)]) for side in sides)
+        yield from enumerate(module_text([prepare_step_text(laws, side)]) for side in sides)
+    yield from enumerate(module_text([project_to_surface_text(laws, side, method.conservative)]) for side in sides)
     if method.conservative or levels:
         yield from enumerate(module_text(levels_texts(laws, side)) for side in sides)
-    yield 0, module_text([look_text(laws), jump_text(laws)])
+    yield list(range(len(sides))), module_text([evaluate_switching_text(laws), jump_text(laws)])
 
 
 def _is_compiled(text: str) -> bool:

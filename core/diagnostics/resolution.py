@@ -16,21 +16,27 @@ __all__ = ["unresolved"]
 
 Integers = NDArray[np.int64]
 
-#: How many times the field or g is looked at in all, and in a step: what is narrower than a thirtieth of a step may be
-#: hidden, and where few steps are looked at a seven hundredth.
-_LOOKS, _FEWEST, _MOST = 6144, 48, 1024
-#: Where in a step of fixed size the field is looked at, which that has been chosen for.
+#: The field or g is evaluated at so many places in all …
+_PLACES = 6144
+#: … at least at so many of each step: a feature narrower than a thirtieth of the step may be hidden …
+_FEWEST = 48
+#: … and at most at so many, where few steps are examined: a seven hundredth.
+_MOST = 1024
+#: Places in a step of fixed size, in parts of it: the size has been chosen for the field.
 _FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
-#: What g may be off the cubic between the places that are looked at, in parts of what it is off there.
+#: Between the places g may differ from a cubic by so many times what it differs there.
 _MARGIN = 3.0
-#: A step and the shorter ones that lead the same way may differ by this part of the way; those of a method that keeps
-#: a tolerance by that part, and by so many times the tolerance.
-_APART, _APART_KEPT, _TOLERANCES = 0.05, 1e-6, 1e3
-#: And by rounding, in parts of the state.
+#: A step and the shorter ones that lead the same way may differ by this part of the way …
+_APART = 0.05
+#: … those of a method that keeps a tolerance by this part …
+_APART_KEPT = 1e-6
+#: … or by so many times the tolerance …
+_TOLERANCES = 1e3
+#: … and all of them by rounding, in parts of the state.
 _ROUNDING = 2.0**-44
 #: The least unit of a coordinate, in parts of the largest.
 _SLIGHT = 1e-9
-#: Steps from where the run has entered a side, besides those that the loop has kept.
+#: Steps from where the run has entered a mode, besides those that the loop has kept.
 _MOST_ENTRIES = 64
 
 
@@ -160,7 +166,7 @@ class _Steps:
 
 def _places(steps: int) -> Floats:
     """Where in each of so many steps to look, from 0 to 1: at no equal distances, behind which a wave could hide."""
-    count = min(max(_LOOKS // max(steps, 1), _FEWEST), _MOST)
+    count = min(max(_PLACES // max(steps, 1), _FEWEST), _MOST)
     return np.concatenate([[0.0], np.sort((np.arange(1, count) * 0.6180339887498949) % 1.0), [1.0]])
 
 

@@ -27,9 +27,10 @@ from core.system import PiecewiseSystem
 
 __all__ = ["Scheme", "largest_component", "stand_in"]
 
-#: The step's equation is solved by the contraction of lem:wellposed-lemma1, to so many parts of the velocity; where
-#: it does not get there in so many passes it does not contract, or not to speak of.
-_SOLVED, _PASSES = 1e-13, 100
+#: The step's equation is solved by the contraction of lem:wellposed-lemma1, to this part of the velocity.
+_SOLVED = 1e-13
+#: An iteration that takes more passes does not contract, or too slowly.
+_PASSES = 100
 #: Order up to which an explicit method is taken as it is.
 _LOW = 4
 

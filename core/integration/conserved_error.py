@@ -14,17 +14,18 @@ from numba import njit, types
 from numpy.typing import NDArray
 
 from core.compilation.compiled import compile_run
-from core.kernels.abi import EXCESS, SETTLE, Frame, call
+from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS
 from core.methods import METHODS
 from core.system import PiecewiseSystem
+from core.transition.records import mode_of
 
-__all__ = ["excess_along", "with_exits"]
+__all__ = ["level_residual_along", "with_exits"]
 
 
-def excess_along(
+def level_residual_along(
     system: PiecewiseSystem,
     method: str,
     t: Floats,
@@ -53,9 +54,9 @@ def excess_along(
     excess = np.full((len(t), m), np.nan)
     if m and len(t):
         functions = compile_run(system.laws, METHODS[method], levels=True)
-        w, memo = Frame(d, m).empty(), np.empty((1, 1))
+        w, scratch = Frame(d, m).empty(), np.empty((1, 1))
         rows = (np.ascontiguousarray(a) for a in (t, x, side, segment, entered_t, entered_x))
-        _compiled()(functions.addresses, system.parameter_array.copy(), w, memo, d, *rows, excess)
+        _compiled()(functions.addresses, system.parameter_array.copy(), w, scratch, d, *rows, excess)
     return excess
 
 
@@ -91,27 +92,27 @@ def _compiled() -> Callable[..., None]:
     """Compile the loop over rows, or load it from numba's cache."""
     vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
     signature: Any = types.void(
-        whole, vector, vector, matrix, types.int64, vector, matrix, whole, whole, vector, matrix, matrix
+        types.int64[:, ::1], vector, vector, matrix, types.int64, vector, matrix, whole, whole, vector, matrix, matrix
     )
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(signature, cache=True, nogil=True, **OPTIONS)
-    def along(functions, p, w, memo, d, t, x, side, segment, entered_t, entered_x, excess):
+    def along(functions, p, w, scratch, d, t, x, side, segment, entered_t, entered_x, excess):
         sources  # noqa: B018 - part of the key that numba caches under
         place, found = w[head : head + d], w[w.size - excess.shape[1] :]
         now = -1
         for row in range(t.size):
             if side[row] == 0:  # it could not leave the surface it started on
                 continue
-            plus = side[row] > 0
+            mode = mode_of(side[row])
             if segment[row] != now:
                 now = segment[row]
                 for i in range(d):
                     place[i] = entered_x[now, i]
-                call(functions[SETTLE + plus], entered_t[now], 0.0, p, w, memo)
+                call(functions[mode, SET_LEVELS], entered_t[now], 0.0, p, w, scratch)
             for i in range(d):
                 place[i] = x[row, i]
-            call(functions[EXCESS + plus], t[row], 0.0, p, w, memo)
+            call(functions[mode, LEVEL_RESIDUAL], t[row], 0.0, p, w, scratch)
             for j in range(found.size):
                 excess[row, j] = found[j]
 

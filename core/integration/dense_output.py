@@ -20,15 +20,16 @@ from numba import njit, types
 from numpy.typing import NDArray
 
 from core.compilation.compiled import compile_run
-from core.kernels.abi import ORDER, REACH, SETTLE, SETTLED, STEP, TOLERANCE, Frame, call
+from core.kernels.abi import LEVELS_SET, ORDER, PREPARE, SET_LEVELS, STEP, TOLERANCE, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import OPTIONS, internal
 from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
-from core.methods.taylor_step import memo_rows
+from core.methods.taylor_step import coefficient_rows
 from core.system import PiecewiseSystem
+from core.transition.records import mode_of
 
 __all__ = ["Found", "Stepper", "Track"]
 
@@ -77,11 +78,11 @@ class Stepper:
     def __init__(self, system: PiecewiseSystem, method: Method, tolerance: float) -> None:
         d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
         self._compiled, self._along = compile_run(system.laws, method), _compiled()
-        self._p, self._w, self._memo = system.parameter_array.copy(), Frame(d, m).empty(), np.empty((1, 1))
+        self._p, self._w, self._scratch = system.parameter_array.copy(), Frame(d, m).empty(), np.empty((1, 1))
         self._d, self._adaptive, self._conservative = d, method.adaptive, method.conservative
         if method.adaptive:
             self._w[ORDER], self._w[TOLERANCE] = order_of(tolerance), tolerance
-            self._memo = np.empty((memo_rows(system.laws), STRIDE))
+            self._scratch = np.empty((coefficient_rows(system.laws), STRIDE))
 
     def find(self, track: Track, times: Floats) -> Found:
         """States at times within the track, in the order of the run.
@@ -93,30 +94,30 @@ class Stepper:
         sign = 1.0 if track.t[-1] >= track.t[0] else -1.0
         arrays = (np.ascontiguousarray(a) for a in track[:-1])
         solved = self._along(
-            self._compiled.addresses, self._p, self._w, self._memo, self._d, self._adaptive, self._conservative, sign,
-            *arrays, track.first, times, x, side, segment,
+            self._compiled.addresses, self._p, self._w, self._scratch, self._d, self._adaptive, self._conservative,
+            sign, *arrays, track.first, times, x, side, segment,
         )  # fmt: skip
         return Found(x, side, segment, int(solved))
 
 
 @internal
-def expand(functions, t, h, plus, p, w, memo):
+def expand(functions, t, h, mode, p, w, scratch):
     """Let a variable-step method expand the solution at the state in the frame."""
-    w[SETTLED] = 0.0  # its levels may have been settled at another state
-    call(functions[REACH + plus], t, h, p, w, memo)
+    w[LEVELS_SET] = 0.0  # its levels may have been set at another state
+    call(functions[mode, PREPARE], t, h, p, w, scratch)
 
 
 @internal
-def is_solved(functions, t, h, plus, p, w, memo, increment):
+def try_step(functions, t, h, mode, p, w, scratch, increment):
     """Try a step from the state in the frame; returns whether it leads anywhere."""
-    solved = call(functions[STEP + plus], t, h, p, w, memo) >= 0
+    solved = call(functions[mode, STEP], t, h, p, w, scratch) >= 0
     for i in range(increment.size):
         solved = solved and abs(increment[i]) < math.inf
     return solved
 
 
 @internal
-def is_solved_in_parts(functions, t, h, plus, adaptive, p, w, memo, x, carry, increment, start):
+def step_in_parts(functions, t, h, mode, adaptive, p, w, scratch, x, carry, increment, start):
     """Go the way of a step in 2, 4, 8 … shorter ones; returns whether that leads anywhere, and then x has it."""
     parts = 1
     for _ in range(_HALVINGS):
@@ -127,8 +128,8 @@ def is_solved_in_parts(functions, t, h, plus, adaptive, p, w, memo, x, carry, in
         for k in range(parts):
             now = t + h * (k / parts)
             if adaptive:
-                expand(functions, now, h / parts, plus, p, w, memo)
-            if not is_solved(functions, now, h / parts, plus, p, w, memo, increment):
+                expand(functions, now, h / parts, mode, p, w, scratch)
+            if not try_step(functions, now, h / parts, mode, p, w, scratch, increment):
                 solved = False
                 break
             for i in range(x.size):
@@ -156,9 +157,10 @@ def _signature() -> Any:
     vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
     times, states = types.Array(types.float64, 1, "C", readonly=True), types.Array(types.float64, 2, "C", readonly=True)
     numbers = types.Array(types.int64, 1, "C", readonly=True)
+    addresses = types.Array(types.int64, 2, "C", readonly=True)
     track = (times, states, numbers, numbers, times, states, numbers)
     return types.int64(
-        numbers, vector, vector, matrix, types.int64, types.boolean, types.boolean, types.float64,
+        addresses, vector, vector, matrix, types.int64, types.boolean, types.boolean, types.float64,
         *track, types.int64, times, matrix, whole, whole,
     )  # fmt: skip
 
@@ -170,20 +172,20 @@ def _compiled() -> Callable[..., int]:
 
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
     def along(
-        functions, p, w, memo, d, adaptive, conservative, sign,
+        functions, p, w, scratch, d, adaptive, conservative, sign,
         t, x, side, segment, entered_t, entered_x, entered_side, first, times, found, sides, segments,
     ):  # fmt: skip
         sources  # noqa: B018 - part of the key that numba caches under
         place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
-        row, now = -1, -1  # the row before, and the segment whose levels are settled
-        here, start, begin, plus, fresh = 0, x[0], t[0], 0, True
+        row, now = -1, -1  # the row before, and the segment whose levels are set
+        here, start, begin, mode, fresh = 0, x[0], t[0], 0, True
         for k in range(times.size):
             time = times[k]
             before = row
             row = last_row(t, sign, max(row, 0), time)
             if row != before:
                 here, start, begin, fresh = segment[row], x[row], t[row], True
-                plus = 1 if side[row] > 0 else 0
+                mode = mode_of(side[row])
             # A crossing that a perturbation has moved counts from its time on, and within its step.
             while row + 1 < t.size and here < segment[row + 1]:
                 entry = here + 1 - first
@@ -191,7 +193,7 @@ def _compiled() -> Callable[..., int]:
                 if ahead or (time == t[row] and entered_t[entry] != time):
                     break
                 here, start, begin, fresh = here + 1, entered_x[entry], entered_t[entry], True
-                plus = 1 if entered_side[entry] > 0 else 0
+                mode = mode_of(entered_side[entry])
             segments[k] = here
             sides[k] = side[row] if here == segment[row] else entered_side[here - first]
             h = time - begin
@@ -204,18 +206,18 @@ def _compiled() -> Callable[..., int]:
                     now = here
                     for i in range(d):
                         place[i], carry[i] = entered_x[here - first, i], 0.0
-                    call(functions[SETTLE + plus], entered_t[here - first], 0.0, p, w, memo)
+                    call(functions[mode, SET_LEVELS], entered_t[here - first], 0.0, p, w, scratch)
                 for i in range(d):
                     place[i], carry[i] = start[i], 0.0
                 if adaptive:
-                    expand(functions, begin, h, plus, p, w, memo)
+                    expand(functions, begin, h, mode, p, w, scratch)
                 fresh = False
-            if is_solved(functions, begin, h, plus, p, w, memo, increment):
+            if try_step(functions, begin, h, mode, p, w, scratch, increment):
                 for i in range(d):
                     found[k, i] = place[i] + increment[i]
                 continue
             fresh = True
-            if not is_solved_in_parts(functions, begin, h, plus, adaptive, p, w, memo, place, carry, increment, start):
+            if not step_in_parts(functions, begin, h, mode, adaptive, p, w, scratch, place, carry, increment, start):
                 return k
             for i in range(d):
                 found[k, i] = place[i]

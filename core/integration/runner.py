@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from core.compilation.compiled import compile_run
 from core.integration.failure import GROWTH, ends_beyond, runs_away
+from core.integration.guards import guard_table
 from core.integration.tangency import sides_entered
 from core.integration.time_loop import compiled_march
 from core.integration.trajectory import Crossings
@@ -23,22 +24,29 @@ from core.kernels.arrays import Floats
 from core.kernels.root_isolation import scratch_shape
 from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
-from core.methods.taylor_step import memo_rows
+from core.methods.taylor_step import coefficient_rows
 from core.system import MAX_DIMENSION, PiecewiseSystem
-from core.transition.event_location import MAX_LOOKS
-from core.transition.records import HIT, JUMP_ANYWHERE, JUMP_TO_SURFACE, ROW, RUN
+from core.transition.event_location import MAX_NODES
+from core.transition.records import HIT, NO_MODE, ROW, RUN, SIGNS
 from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 
-#: Steps between looks at the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
+#: Steps between two readings of the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
 _CHUNK = 131072
-_HITS, _FEW = 4096, 1024  #: crossings to a call of the loop; where they are not kept, few enough to stay in the cache
-_SAMPLES = 128  #: steps that are looked into once a run is over (`diagnostics.resolution`), out of all its steps
+#: Crossings that one call of the loop can keep.
+_HITS = 4096
+#: The same where crossings are not kept: few enough to stay in the processor's cache.
+_FEW = 1024
+#: Steps out of all of a run that `diagnostics.resolution` examines once the run is over.
+_SAMPLES = 128
 _KINDS = np.array(CROSSING_KINDS)
-_UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)  #: to first order, of a start on the surface
-_MARGIN = 0.1  #: of the time that a solution is followed, by which its pole may be misplaced
-_AHEAD = 16.0  #: steps from a failed one within which a solution that runs away does so
+#: Where a start on the surface leads may be told by the second derivative of g where the first gives one of these.
+_UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
+#: A pole of the solution may be misplaced by this part of the time that the run has followed it.
+_MARGIN = 0.1
+#: A solution that runs away does so within so many steps from one that fails.
+_AHEAD = 16.0
 
 
 @dataclass(frozen=True)
@@ -73,7 +81,8 @@ class Runner:
     Attributes
     ----------
     status, t, x, side, first_side
-        Where the run is now, and the side it started on (0 if it could not leave the surface).
+        Where the run is now, and the sides it is and was first on: 0 before the first step, and where it could not
+        leave the surface.
     rows
         States recorded at every step, where asked for.
     envelope
@@ -100,18 +109,17 @@ class Runner:
         self.rows = Rows([], [], [], [])
         self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
         self.status, self.seconds = Status.RUNNING, 0.0
-        self.first_side = 0
         self._run = np.zeros(1, dtype=RUN)
         self._run["t"] = self._run["met"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._run["follow"] = settings.transition
+        self._run["mode"] = self._run["first_mode"] = NO_MODE
         self._run["edged"] = system.laws.edged
-        if system.jump is not None:
-            self._run["jump"] = JUMP_TO_SURFACE if system.laws.jump_stays else JUMP_ANYWHERE
+        self._guards = guard_table(system.laws)
         self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
         self._run["stride"], self._samples = 1, np.empty((_SAMPLES, 3 + d))
-        self._memo = np.empty((1, 1))
-        self._scratch: tuple[Floats, ...] = (np.empty((MAX_LOOKS, 3)), np.empty((1, 1)))
+        self._coefficients = np.empty((1, 1))
+        self._workspace: tuple[Floats, ...] = (np.empty((MAX_NODES, 3)), np.empty((1, 1)))
         if method.adaptive:
             self._prepare_series()
 
@@ -119,8 +127,8 @@ class Runner:
         order = order_of(self.settings.tolerance)
         self._run["adaptive"] = 1
         self._w[ORDER], self._w[TOLERANCE] = order, self.settings.tolerance
-        self._memo = np.empty((memo_rows(self.system.laws), STRIDE))
-        self._scratch = (self._scratch[0], np.empty(scratch_shape(order)))
+        self._coefficients = np.empty((coefficient_rows(self.system.laws), STRIDE))
+        self._workspace = (self._workspace[0], np.empty(scratch_shape(order)))
 
     @property
     def t(self) -> float:
@@ -135,12 +143,23 @@ class Runner:
     @property
     def side(self) -> int:
         """Side occupied; 0 before the first step."""
-        return int(self._run["side"][0])
+        return self._side_of("mode")
+
+    @property
+    def first_side(self) -> int:
+        """Side on which the run began; 0 before the first step."""
+        return self._side_of("first_mode")
+
+    def _side_of(self, field: str) -> int:
+        mode = int(self._run[field][0])
+        return 0 if mode == NO_MODE else int(SIGNS[mode])
 
     @property
     def samples(self) -> Floats:
         """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
-        return self._samples[: int(self._run["samples"][0])]
+        samples = self._samples[: int(self._run["samples"][0])].copy()
+        samples[:, 1] = SIGNS[samples[:, 1].astype(np.int64)]
+        return samples
 
     @property
     def longest(self) -> float:
@@ -192,7 +211,7 @@ class Runner:
         if self.status in _UNDECIDED and self.side == 0 and self.first_side == 0:
             sides = sides_entered(self.system, self.t, self.x, sign)
             if len(sides) == 1:
-                self._run["first_side"] = self.first_side = sides[0]
+                self._run["first_mode"] = SIGNS.tolist().index(sides[0])
                 return self.advance(t_end, record, keep_hits, after)
             self.status = Status.REPELLING if sides else self.status
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
@@ -206,7 +225,7 @@ class Runner:
         frame = Frame(self.system.dimension, 0)
         other._x = other._w[frame.x : frame.carry]
         other._samples = self._samples.copy()
-        other._memo, other._scratch = self._memo.copy(), tuple(a.copy() for a in self._scratch)
+        other._coefficients, other._workspace = self._coefficients.copy(), tuple(a.copy() for a in self._workspace)
         return other
 
     def glance(self, t: float) -> Floats | None:
@@ -262,32 +281,29 @@ class Runner:
         rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
         crossings = _HITS if keep_hits else _FEW
         hits = (np.empty(crossings, dtype=HIT), np.empty((crossings, 3, d)))
-        entered = self.side == 0
         started = time.thread_time()
         status = self._march(
-            self._compiled.addresses, self._run, self._p, self._w, d, self._memo, *self._scratch, budget,
-            rows, rows_x, *hits, self.envelope, self._samples,
+            self._compiled.addresses, self._guards, self._run, self._p, self._w, d, self._coefficients,
+            *self._workspace, budget, rows, rows_x, *hits, self.envelope, self._samples,
         )  # fmt: skip
         self.seconds += time.thread_time() - started
         self._collect(int(self._run["rows"][0]), rows, rows_x)
         if n := int(self._run["hits"][0]):
             chunk = (hits[0][:n], hits[1][:n])
             self._hit_chunks = [*self._hit_chunks, chunk] if keep_hits else [*self._hit_chunks[-1:], chunk]
-        if entered:
-            self.first_side = int(self._run["first_side"][0])
         return Status(status)
 
     def _collect(self, n: int, rows: NDArray[Any], rows_x: Floats) -> None:
         if n:
             self.rows.t.append(rows["t"][:n])
             self.rows.x.append(rows_x[:n])
-            self.rows.side.append(rows["side"][:n])
+            self.rows.side.append(SIGNS[rows["mode"][:n]])
             self.rows.segment.append(rows["segment"][:n])
 
     def _judged(self) -> Status:
         """Tell a solution that runs away from a step that fails, and from a scheme that alone runs away.
 
-        A scheme that has run away, or has failed on the way: did the solution from where the side was entered? A step
+        A scheme that has run away, or has failed on the way: did the solution from where the mode was entered? A step
         that fails elsewhere: does the solution run away within some steps from here?
         """
         size = float(np.abs(self._x0).max())
@@ -304,8 +320,9 @@ class Runner:
 
 def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
     surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
-    columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "side", "rate_before", "rate_after")}
-    return Crossings(x=x, x_after=after, surface=surface, kind=_KINDS[hits["kind"]], **columns)
+    columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "rate_before", "rate_after")}
+    side = SIGNS[hits["mode"]] * hits["passed"]
+    return Crossings(x=x, x_after=after, surface=surface, side=side, kind=_KINDS[hits["kind"]], **columns)
 
 
 @lru_cache(maxsize=MAX_DIMENSION)

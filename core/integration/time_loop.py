@@ -16,9 +16,9 @@ from core.kernels.abi import G_END, RATE_END, STEP, Frame, call
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import OPTIONS, internal
-from core.transition.event_location import BOUND, Motion
-from core.transition.mannshardt import RUNNING, enter, is_plain, move
-from core.transition.records import HIT, ROW, RUN
+from core.transition.event_location import BOUND, StepContext
+from core.transition.mannshardt import RUNNING, accept_plain_step, advance, enter_first_mode
+from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 from core.transition.surface import Log, contradicts, widen_envelope
 
@@ -39,7 +39,7 @@ def write_sample(run, x, samples):
         for k in range(run.samples):
             for i in range(samples.shape[1]):
                 samples[k, i] = samples[2 * k, i]
-    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.side, 0.0
+    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.mode, 0.0
     for i in range(x.size):
         samples[run.samples, 3 + i] = x[i]
     run.samples += 1
@@ -63,19 +63,20 @@ def end_sample(run, t, samples):
 def write_row(run, x, rows, rows_x):
     """Record a step."""
     row = rows[run.rows]
-    row.t, row.side, row.segment = run.t, run.side, run.crossings
+    row.t, row.mode, row.segment = run.t, run.mode, run.crossings
     for i in range(x.size):
         rows_x[run.rows, i] = x[i]
     run.rows += 1
 
 
 def _signature() -> Any:
-    vector, run, row, hit = (types.float64[::1], *(numba.from_dtype(d)[::1] for d in (RUN, ROW, HIT)))
-    matrix, places = types.float64[:, ::1], types.float64[:, :, ::1]
+    guards, run, row, hit = (numba.from_dtype(d)[::1] for d in (GUARD, RUN, ROW, HIT))
+    vector, matrix, places = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
     whole = types.int64
     return whole(
-        whole[::1], run, vector, vector, whole, matrix, matrix, matrix, whole, row, matrix, hit, places, places, matrix
-    )
+        whole[:, ::1], guards, run, vector, vector, whole, matrix, matrix, matrix, whole,
+        row, matrix, hit, places, places, matrix,
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=1)
@@ -84,26 +85,30 @@ def compiled_march() -> Callable[..., int]:
 
     Returns
     -------
-    march(functions, run, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope, samples) -> int
-        A Status. Makes up to `budget` moves from the state it is given, and leaves that state ready to go on: RUNNING
-        means that the budget or a buffer is used up. See `abi` for functions, p, the frame w and memo, `records`
-        for the records.
+    march(functions, guards, run, p, w, d, scratch, nodes, pieces, budget,
+          rows, rows_x, hits, places, envelope, samples) -> int
+        A Status. Advances up to `budget` times from the state it is given, and leaves that state ready to go on:
+        RUNNING means that the budget or a buffer is used up. See `abi` for functions (modes, functions), p, the frame
+        w and scratch, `records` for the guards (modes,) and records.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
-    def march(functions, records, p, w, d, memo, nodes, pieces, budget, rows, rows_x, hits, places, envelope, samples):
+    def march(
+        functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
+        rows, rows_x, hits, places, envelope, samples,
+    ):  # fmt: skip
         sources  # noqa: B018 - part of the key that numba caches under
         run = records[0]
         x, carry = w[head : head + d], w[head + d : head + 2 * d]
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
-        excess = w[w.size - envelope.shape[1] :]
-        motion = Motion(functions, run, p, w, memo, x, carry, increment, place, nodes, pieces)
-        log = Log(hits, places, excess, envelope)
+        residual = w[w.size - envelope.shape[1] :]
+        context = StepContext(functions, guards, run, p, w, scratch, x, carry, increment, place, nodes, pieces)
+        log = Log(hits, places, residual, envelope)
         run.rows = 0
         run.hits = 0
-        if run.side == 0:
-            status = enter(motion)
+        if run.mode == NO_MODE:
+            status = enter_first_mode(context)
             if status != RUNNING:
                 return status
         for _ in range(budget):
@@ -116,7 +121,7 @@ def compiled_march() -> Callable[..., int]:
                     write_sample(run, x, samples)
                 h = (run.t_end - run.t) - run.t_carry
                 if h == 0.0:
-                    return _CONTRADICTION if contradicts(motion, 0.0) else _COMPLETED
+                    return _CONTRADICTION if contradicts(context, 0.0) else _COMPLETED
                 if abs(h) <= abs(run.tau) * _STRETCH:
                     run.final = 1
                 else:
@@ -124,11 +129,11 @@ def compiled_march() -> Callable[..., int]:
             # Nearly every step is plain, and taken right here: passing so many arrays costs more than the step.
             t, plain = run.t + run.t_carry, False
             if run.adaptive == 0:
-                count = call(functions[STEP + (run.side > 0)], t, h, p, w, memo)
+                count = call(functions[run.mode, STEP], t, h, p, w, scratch)
                 plain = count >= 0
                 for i in range(d):
                     plain = plain and abs(x[i] + increment[i]) < BOUND
-                plain = plain and is_plain(run, h, run.side * w[G_END], run.side * w[RATE_END])
+                plain = plain and accept_plain_step(run, h, run.sign * w[G_END], run.sign * w[RATE_END])
             if plain:
                 run.evaluations += count
                 for i in range(d):
@@ -137,7 +142,7 @@ def compiled_march() -> Callable[..., int]:
                 run.rest = 0.0
             else:
                 hits_before = run.hits
-                status = move(motion, log, h)
+                status = advance(context, log, h)
                 if run.hits != hits_before:
                     end_sample(run, hits[run.hits - 1].t, samples)
                 if status != RUNNING:
@@ -153,9 +158,9 @@ def compiled_march() -> Callable[..., int]:
             if run.record == 1:
                 write_row(run, x, rows, rows_x)
             if run.watched > 0:
-                widen_envelope(motion, log)
+                widen_envelope(context, log)
             if run.final == 1:
-                return _CONTRADICTION if contradicts(motion, h) else _COMPLETED
+                return _CONTRADICTION if contradicts(context, h) else _COMPLETED
         return RUNNING
 
     return march  # type: ignore[no-any-return]

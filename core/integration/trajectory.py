@@ -11,7 +11,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.integration.conserved_error import excess_along, with_exits
+from core.integration.conserved_error import level_residual_along, with_exits
 from core.integration.dense_output import Stepper, Track
 from core.interface.arguments import listed, numbers
 from core.kernels.arrays import Floats
@@ -204,7 +204,7 @@ class Trajectory:
         -------
         (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
         """
-        error = excess_along(
+        error = level_residual_along(
             self.system, self.method, self.t, self.x, self.side, self.segment, self.entered_t, self.entered_x
         )
         return with_exits(error, self.segment, self.exit_error()) if exits else error
@@ -220,7 +220,9 @@ class Trajectory:
         met = self.crossings
         left = np.concatenate([self.side[:1], met.side])[: len(met)]
         visits = np.arange(len(met))
-        return excess_along(self.system, self.method, met.t, met.x, left, visits, self.entered_t, self.entered_x)
+        return level_residual_along(
+            self.system, self.method, met.t, met.x, left, visits, self.entered_t, self.entered_x
+        )
 
     def carried_error(self) -> Floats:
         """Change of ψ that the integrator has made by the time each segment between crossings begins, in all.
@@ -233,7 +235,7 @@ class Trajectory:
         (s, m) beside `entered_t`, the first row 0.
         """
         met = self.crossings
-        beside = excess_along(
+        beside = level_residual_along(
             self.system, self.method, met.t, met.x_after, met.side, np.arange(len(met)), met.t, met.surface
         )
         beside[met.kind == "jump"] = 0.0

@@ -1,29 +1,29 @@
 """The one signature through which compiled functions meet, and the frame they share.
 
-    function(t, h, p, w, memo) -> int
+    function(t, h, p, w, scratch) -> int
 
 is a C function: the loop knows it by its address, so that one compiled loop serves every system and method. p are the
-parameters, w is the frame of a run (`Frame`), memo is scratch that a variable-step method keeps between calls. The
-functions of a system and method, in the order of `FUNCTIONS`:
+parameters, w is the frame of a run (`Frame`), and scratch is room that a variable-step method keeps between calls. A
+table holds the addresses, a row for each mode; its columns are `FUNCTIONS`:
 
-reach (one a side)
-    Prepares a step from x: variable-step methods expand the solution in memo, in a unit of time that they write to
-    w[UNIT], its inverse to w[PER_UNIT], and write the step length to w[LENGTH], and what ψ is above its level.
-    w[SETTLED] is 1 where that is nothing, for the levels have just been settled at this very state; it is reset.
-step (one a side)
-    One step of length h from x + carry: writes the *increment* to w, and g and ġ at its end to w[G_END], w[RATE_END].
-    Any h will do, of either sign: crossings are located on the scheme itself. Returns how often the field was
+prepare_step
+    Prepare a step from x. A variable-step method expands the solution in scratch, in a unit of time that it writes to
+    w[UNIT], the inverse of which to w[PER_UNIT]; it writes the step length to w[LENGTH], and ψ less its level. That is
+    zero where w[LEVELS_SET] is 1, for the levels have just been set at this very state; the function resets it to 0.
+step
+    One step of length h from x + carry: write the *increment* to w, and g and ġ at its end to w[G_END], w[RATE_END].
+    Any h will do, of either sign: crossings are located on the scheme itself. Return how often the field was
     evaluated, or `NO_SOLUTION`.
-settle (one a side)
-    The levels of ψ at x + carry, in double-double; sets w[SETTLED].
-excess (one a side)
+set_levels
+    Take ψ at x + carry for its levels, in double-double; set w[LEVELS_SET].
+level_residual
     ψ at x + carry, less its level.
-polish (one a side)
-    Moves x + carry onto g = 0 (and the levels of ψ, if the method keeps them), in double-double; w[DELAY] is how much
-    later that is reached.
-look
-    g, and ġ = g_t + ∇g·f with the field of either side, at `place`; what rounding x alone can do to g (w[SLACK]), and
-    what rounding can do to it at most (w[DOUBT]).
+project_to_surface
+    Project x + carry to g = 0 (and to the levels of ψ, if the method keeps them), in double-double; w[DELAY] is how
+    much later that is reached.
+evaluate_switching
+    g at `place`, and its rate ġ = g_t + ∇g·f with the fields on both sides; what rounding x alone can do to g
+    (w[SLACK]), and what rounding can do to it at most (w[DOUBT]).
 jump
     The state after reaching the surface, from x to place.
 """
@@ -45,21 +45,21 @@ __all__ = [
     "CALL",
     "DELAY",
     "DOUBT",
-    "EXCESS",
+    "EVALUATE",
     "FUNCTIONS",
     "G_END",
     "JUMP",
     "LENGTH",
-    "LOOK",
+    "LEVELS_SET",
+    "LEVEL_RESIDUAL",
     "NO_SOLUTION",
     "ORDER",
     "PER_UNIT",
-    "POLISH",
+    "PREPARE",
+    "PROJECT",
     "RATES",
     "RATE_END",
-    "REACH",
-    "SETTLE",
-    "SETTLED",
+    "SET_LEVELS",
     "SLACK",
     "STEP",
     "TOLERANCE",
@@ -67,7 +67,7 @@ __all__ = [
     "Frame",
     "G",
     "call",
-]  # fmt: skip
+]
 
 _POINTER = types.CPointer(types.float64)
 CALL = types.int64(types.float64, types.float64, _POINTER, _POINTER, _POINTER)
@@ -75,25 +75,30 @@ CALL = types.int64(types.float64, types.float64, _POINTER, _POINTER, _POINTER)
 #: What a step returns when its equations have no solution that can be found.
 NO_SOLUTION = -1
 
-#: The functions of a run, in the order of their addresses; those of the plus side follow those of the minus side.
+#: The functions of a mode, in the order of their addresses.
 FUNCTIONS = (
-    "reach",
-    "reach",
+    "prepare_step",
     "step",
-    "step",
-    "settle",
-    "settle",
-    "excess",
-    "excess",
-    "polish",
-    "polish",
-    "look",
+    "set_levels",
+    "level_residual",
+    "project_to_surface",
+    "evaluate_switching",
     "jump",
 )
-REACH, STEP, SETTLE, EXCESS, POLISH, LOOK, JUMP = (FUNCTIONS.index(f) for f in dict.fromkeys(FUNCTIONS))
+PREPARE, STEP, SET_LEVELS, LEVEL_RESIDUAL, PROJECT, EVALUATE, JUMP = range(len(FUNCTIONS))
 
-#: Scalars at the head of a frame. RATES: ġ with the field of the minus side, then of the plus side.
-G_END, RATE_END, G, RATES, SLACK, LENGTH, UNIT, ORDER, TOLERANCE, DELAY, SETTLED = 0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11
+# Scalars at the head of a frame.
+G_END = 0  #: g at the end of the step tried last
+RATE_END = 1  #: ġ there, with the field of the mode
+G = 2  #: g at the place where switching was evaluated last
+RATES = 3  #: ġ there, with the field where g < 0; in the next place, with the field where g > 0
+SLACK = 5  #: how far rounding of the state alone can move g there
+LENGTH = 6  #: of the step that a variable-step method takes
+UNIT = 7  #: of time, of the Taylor coefficients
+ORDER = 8  #: of the Taylor polynomial
+TOLERANCE = 9  #: of a variable-step method
+DELAY = 10  #: how much later the surface is reached than where the step has ended
+LEVELS_SET = 11  #: 1 where the levels of ψ have just been set at the state
 PER_UNIT = 12  #: 1 / UNIT
 DOUBT = 13  #: how far rounding of everything that g is worked out from, and on the way, can move it
 _HEAD = 14
@@ -122,27 +127,27 @@ class Frame(NamedTuple):
 
     @property
     def place(self) -> int:
-        """A state to look at."""
+        """A state at which switching is evaluated."""
         return _HEAD + 3 * self.d
 
     @property
     def level(self) -> int:
-        """Levels of ψ where the side occupied was entered: their high parts, then their low parts."""
+        """Levels of ψ where the mode was entered: their high parts, then their low parts."""
         return _HEAD + 4 * self.d
 
     @property
-    def excess(self) -> int:
+    def level_residual(self) -> int:
         """ψ less its levels."""
         return self.level + 2 * self.m
 
     def empty(self) -> NDArray[np.float64]:
         """A frame of zeros."""
-        return np.zeros(self.excess + self.m)
+        return np.zeros(self.level_residual + self.m)
 
 
-def _call(_context: Any, address: Any, t: Any, h: Any, p: Any, w: Any, memo: Any) -> Any:
+def _call(_context: Any, address: Any, t: Any, h: Any, p: Any, w: Any, scratch: Any) -> Any:
     """Call the function at an address: four registers, where passing arrays costs more than a short step."""
-    signature = types.int64(address, t, h, p, w, memo)
+    signature = types.int64(address, t, h, p, w, scratch)
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         arrays = zip(signature.args[3:], arguments[3:], strict=True)

@@ -18,7 +18,7 @@ from core.kernels.jit import always_inlined, jitted
 
 __all__ = [
     "LEAST_ORDER", "MAX_ORDER", "STRIDE", "correction_of_unit", "is_at_rest", "order_of", "power_near", "power_of_two",
-    "reach", "reach_of_height", "unsigned",
+    "step_length", "step_length_of_height", "unsigned",
 ]  # fmt: skip
 
 #: Outside these orders a step gains less than it costs.
@@ -112,7 +112,7 @@ def _first_moving(c, d, order):
 
 
 @always_inlined
-def reach(c, d, order, tolerance):
+def step_length(c, d, order, tolerance):
     r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
 
     h = min ρₘ · tolerance**(1/order) · exp(−0.7 / (order − 1)) over m = order − 1 and order, with
@@ -161,13 +161,13 @@ def reach(c, d, order, tolerance):
 
 
 @always_inlined
-def reach_of_height(c, d, order, tolerance):
+def step_length_of_height(c, d, order, tolerance):
     """Length of the step that the last two coefficients of row d allow, the height over the surface.
 
     A surface may vary faster than the state: a crossing is seen on this polynomial, but located on the scheme itself.
     So it may be off by 2¹⁰ times the tolerance, up to 2⁻¹⁴, or by the tolerance if that is more. The scale is the
     largest of the height, and of its change to first and to second order, in the step: one of them at least is no
-    accident of where the step begins. The rest is as in `reach`.
+    accident of where the step begins. The rest is as in `step_length`.
     """
     highest = order
     while order > highest // 2 and c[d, order] == 0.0 and c[d, order - 1] == 0.0:
@@ -203,7 +203,7 @@ def is_at_rest(c, d, order):
 
 
 def order_of(tolerance: float) -> int:
-    """Order with which a step of `reach` costs least for the time it covers: measured.
+    """Order with which a step of `step_length` costs least for the time it covers: measured.
 
     Jorba and Zou's −½ ln(tolerance) + 1 counts the coefficients alone; with what else a step costs, longer steps of
     higher order pay.

@@ -12,7 +12,7 @@ import numpy as np
 from numba import carray  # type: ignore[attr-defined]
 
 from core.kernels.doubledouble import arithmetic
-from core.kernels.scratch import scratch
+from core.kernels.stack_array import stack_array
 from core.llvm.operations import (
     DOUBLE,
     ROWS,
@@ -213,7 +213,7 @@ class Expressions(Operations):
         if what is arithmetic.fma:
             a, b, c = map(self.double, arguments)
             return self.intrinsic("fma", a, b, c)
-        if what is scratch:
+        if what is stack_array:
             return self.room(*arguments)
         if not (hasattr(what, "py_func") or inspect.isfunction(what)):
             raise Unknown(f"the function {name}")
@@ -260,5 +260,5 @@ class Expressions(Operations):
     def room(self, size: Value) -> Value:
         """Numbers on the stack, of no certain value."""
         if not isinstance(size.known, int):
-            raise Unknown("scratch of a size that is not known beforehand")
+            raise Unknown("an array of a size that is not known beforehand")
         return Value(ROWS, self.slot(f"[{size.known} x double]"))

@@ -70,7 +70,7 @@ def lowered(function: Any, symbol: str) -> str:
     Parameters
     ----------
     function
-        A Python function of t, h, p, w, memo; what it calls are jitted functions, or such as could be.
+        A Python function of t, h, p, w, scratch; what it calls are jitted functions, or such as could be.
     symbol
         What it is called in the module.
 

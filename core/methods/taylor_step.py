@@ -8,14 +8,14 @@ from functools import lru_cache
 
 from sympy import Expr, Symbol
 
-from core.codegen.functions import Names, excess_lines, function_text
+from core.codegen.functions import Names, function_text, level_residual_lines
 from core.codegen.taylor_series import SeriesCode, series_code
-from core.kernels.abi import LENGTH, ORDER, PER_UNIT, SETTLED, TOLERANCE, UNIT
+from core.kernels.abi import LENGTH, LEVELS_SET, ORDER, PER_UNIT, TOLERANCE, UNIT
 from core.kernels.taylor_coefficients import LEAST_ORDER, STRIDE
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws, Side
 
-__all__ = ["memo_rows", "reach_text"]
+__all__ = ["coefficient_rows", "prepare_step_text"]
 
 #: Steps are at most so many units of the system's own time long: powers of more could leave floating point.
 _LONGEST = 2.0**20
@@ -34,22 +34,22 @@ def _series(laws: Laws, sign: int) -> SeriesCode:
     return series_code(laws, laws.sides[sign])
 
 
-def memo_rows(laws: Laws) -> int:
+def coefficient_rows(laws: Laws) -> int:
     """Rows of coefficients that a step of either side needs."""
     return max(_series(laws, sign).rows for sign in laws.sides)
 
 
-def reach_text(laws: Laws, side: Side) -> str:
-    """Text of `reach`: coefficients to memo, those of the height over the surface in row d; the length to w[LENGTH]."""
+def prepare_step_text(laws: Laws, side: Side) -> str:
+    """Text of `prepare_step`: coefficients to scratch, those of the height in row d; the step length to w[LENGTH]."""
     code = _series(laws, side.sign)
-    lines = [f"order = int(w[{ORDER}])", f"c = carray(memo, ({code.rows}, {STRIDE}))"]
+    lines = [f"order = int(w[{ORDER}])", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
     lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
     lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, side, code))]
-    lines += _excess_lines(laws, side)
+    lines += _residual_lines(laws, side)
     lines += [f"if length == math.inf and is_at_rest(c, {len(laws.x)}, order):", f"    unit *= {_AT_REST}"]
     lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", "length = limit if limit < length else length"]
     lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
-    return function_text("reach", lines)
+    return function_text("prepare_step", lines)
 
 
 def _attempt(laws: Laws, side: Side, code: SeriesCode) -> list[str]:
@@ -59,7 +59,7 @@ def _attempt(laws: Laws, side: Side, code: SeriesCode) -> list[str]:
     x' = 1, y' = x**30 do at x = 0. How long the step may be is then seen from a state beside it.
     """
     names, d = Names(laws), len(laws.x)
-    state, height = (f"{name}(c, {d}, order, w[{TOLERANCE}])" for name in ("reach", "reach_of_height"))
+    state, height = (f"{name}(c, {d}, order, w[{TOLERANCE}])" for name in ("step_length", "step_length_of_height"))
     lines = [*code.lines, f"state, height = {state}, {height}"]
     lines += ["length = min(state, height) if state + height == state + height else math.nan"]
     if _degree_in_time(laws, side) > LEAST_ORDER:
@@ -96,12 +96,12 @@ def _degree(u: Expr, degrees: Mapping[Symbol, float]) -> float:
     return parts[0] * float(u.exp) if u.is_Pow and u.exp.is_Integer and u.exp > 0 else math.inf
 
 
-def _excess_lines(laws: Laws, side: Side) -> list[str]:
+def _residual_lines(laws: Laws, side: Side) -> list[str]:
     """Lines that write what ψ is above its levels here to the frame, once for all steps from here that are tried."""
     names = Names(laws)
-    targets = [f"w[{names.frame.excess + j}]" for j in range(len(side.conserved))]
+    targets = [f"w[{names.frame.level_residual + j}]" for j in range(len(side.conserved))]
     if not targets:
         return []
-    lines = [f"if w[{SETTLED}] == 1.0:", f"    {' = '.join(targets)} = w[{SETTLED}] = 0.0", "else:"]
-    lines += [f"    {line}" for line in excess_lines(names, side, quick=True)]
+    lines = [f"if w[{LEVELS_SET}] == 1.0:", f"    {' = '.join(targets)} = w[{LEVELS_SET}] = 0.0", "else:"]
+    lines += [f"    {line}" for line in level_residual_lines(names, side, quick=True)]
     return [*lines, *(f"    {target} = r{j}" for j, target in enumerate(targets))]

@@ -1,7 +1,7 @@
 """Find the first crossing in a step, on the scheme itself. Jitted; inlined into `time_loop`.
 
-Throughout, σ = side·g is the height over the surface on the side occupied (positive there), and a *rate* is dσ/dt
-counted along the run: negative while it approaches the surface. Lengths s along a step have the sign of the step.
+Throughout, σ = sign·g is the height of the guard of the mode occupied (positive inside), and a *rate* is dσ/dt counted
+along the run: negative while it approaches the surface. Lengths s along a step have the sign of the step.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from core.kernels.abi import DOUBT, G_END, LOOK, ORDER, PER_UNIT, RATE_END, SLACK, STEP, UNIT, call
+from core.kernels.abi import DOUBT, EVALUATE, G_END, ORDER, PER_UNIT, RATE_END, SLACK, STEP, UNIT, call
 from core.kernels.doubledouble.arithmetic import fma
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import DOUBLE, NARROW, ROOT, first_root
@@ -21,88 +21,89 @@ __all__ = [
     "BOUND",
     "FAILED",
     "FOUND",
-    "MAX_LOOKS",
+    "MAX_NODES",
     "NONE",
     "SHORT",
     "TOUCH",
-    "Motion",
-    "arrive",
-    "climb",
-    "first_beside_series",
-    "first_crossing",
-    "meets",
-    "probe",
-    "root_of_series",
+    "StepContext",
+    "isolate_root_of_series",
+    "locate_beside_series",
+    "locate_crossing",
+    "locate_near_root",
+    "rate_at_end",
+    "try_step",
+    "write_end",
 ]
 
 NONE, FOUND, TOUCH, SHORT, FAILED = 0, 1, 2, 3, 4
 _EPS = 2.0**-52
 BOUND = 1e150  #: of a state: beyond it the square overflows
-MAX_LOOKS = 64  #: into one step
-_MAX_PROBES = 100  # for one root
+MAX_NODES = 64  #: of one step: lengths at which it has been tried
+_MAX_TRIALS = 100  # for one root
 _MAX_NEWTON = 6
 _ROUGH = 1e-4  # relative accuracy of a polynomial's root that is only a first guess
 _NARROW = 2.5 * NARROW  # of a bracket in the middle of which the root is known to be
 _MARGIN = 16.0  # what g may be wrong by, in units of a first-order bound on its rounding
 
 
-class Motion(NamedTuple):
-    """A run at the start of a move: its compiled functions, its record and frame, and scratch."""
+class StepContext(NamedTuple):
+    """What a step is taken with: the compiled functions, the guards, the run's record and frame, and scratch."""
 
-    functions: Any  # addresses, as in `abi.FUNCTIONS`
-    run: Any
+    functions: Any  # (modes, functions) addresses, in the order of `abi.FUNCTIONS`
+    guards: Any  # (modes,) `records.GUARD`
+    run: Any  # `records.RUN`
     p: Any
     w: Any  # frame; x, carry, increment, place are parts of it
-    memo: Any  # (rows, STRIDE) of a variable-step method
+    scratch: Any  # (rows, STRIDE) of a variable-step method
     x: Any
     carry: Any
     increment: Any
     place: Any
-    nodes: Any  # (MAX_LOOKS, 3): lengths, heights and rates where a step has been looked at
+    nodes: Any  # (MAX_NODES, 3): lengths, heights and rates of the steps tried
     pieces: Any  # scratch of `first_root`
 
 
 @inlined
-def probe(motion, t, s):
+def try_step(context, t, s):
     """Height after a step of length s, on the scheme itself; nan where there is none."""
-    run = motion.run
-    count = call(motion.functions[STEP + (run.side > 0)], t, s, motion.p, motion.w, motion.memo)
+    run = context.run
+    count = call(context.functions[run.mode, STEP], t, s, context.p, context.w, context.scratch)
     if count < 0:
         return math.nan
     run.evaluations += count
-    run.probed = s
-    return run.side * motion.w[G_END]
+    run.tried = s
+    return run.sign * context.w[G_END]
 
 
 @inlined
-def arrive(motion):
+def write_end(context):
     """Write the end of the step tried last to `place`; returns the sum of its sizes, nan where one is no number."""
-    x, place, size = motion.x, motion.place, 0.0
+    x, place, size = context.x, context.place, 0.0
     for i in range(x.size):
-        place[i] = x[i] + (motion.carry[i] + motion.increment[i])
+        place[i] = x[i] + (context.carry[i] + context.increment[i])
         size += abs(place[i])
     return size
 
 
 @inlined
-def slack(motion, t):
+def slack(context, t):
     """What rounding of the state alone can do to g at the end of the step tried last."""
-    arrive(motion)
-    call(motion.functions[LOOK], t, 0.0, motion.p, motion.w, motion.memo)
-    return motion.w[SLACK]
+    write_end(context)
+    call(context.functions[context.run.mode, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
+    return context.w[SLACK]
 
 
 @inlined
-def doubt(motion, t):
+def doubt(context, t):
     """What rounding can do to g at most at the end of the step tried last."""
-    slack(motion, t)
-    return motion.w[DOUBT]
+    slack(context, t)
+    return context.w[DOUBT]
 
 
 @inlined
-def climb(motion):
+def rate_at_end(context):
     """Rate at the end of the step tried last."""
-    return math.copysign(1.0, motion.run.tau) * motion.run.side * motion.w[RATE_END]
+    return math.copysign(1.0, context.run.tau) * context.run.sign * context.w[RATE_END]
 
 
 @inlined
@@ -116,53 +117,52 @@ def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
 
 
 @inlined
-def root(motion, t, low, high, f_low, f_high, r_low, r_high):
+def root(context, t, low, high, f_low, f_high, r_low, r_high):
     """Step length between low and high, where the height changes sign, at which it vanishes: to the last digit.
 
-    Inverse cubic interpolation of heights and rates, with a bisection every fourth probe; ends when no probe could be
-    better. Returns the place where the height is smallest, whichever side of the surface that is; nan if there is
-    none.
+    Inverse cubic interpolation of heights and rates, with a bisection every fourth trial; ends when no trial could be
+    better. Returns the length at which the height is smallest in size, of either sign; nan if there is none.
     """
     # Where the height rises to zero at the far end, it has crossed it before.
     best, f_best = (low, f_low) if abs(f_low) < abs(f_high) or r_high > 0.0 else (high, f_high)
-    for k in range(_MAX_PROBES):
+    for k in range(_MAX_TRIALS):
         guess = _inverse_interpolant(low, high, f_low, f_high, r_low, r_high)
         if k % 4 == 3 or not min(low, high) < guess < max(low, high):
             guess = low + 0.5 * (high - low)
         if f_best == 0.0 or not abs(guess - best) > _EPS * abs(best) or guess in (low, high):
             break
-        f = probe(motion, t, guess)
+        f = try_step(context, t, guess)
         if not abs(f) < math.inf:
             return math.nan
-        noise = slack(motion, t + guess)
+        noise = slack(context, t + guess)
         stalled = abs(f_best) <= abs(f) <= _MARGIN * noise
         if abs(f) < abs(f_best):
             best, f_best = guess, f
         if stalled or abs(f) <= noise:
             break
         if f > 0.0:
-            low, f_low, r_low = guess, f, climb(motion)
+            low, f_low, r_low = guess, f, rate_at_end(context)
         else:
-            high, f_high, r_high = guess, f, climb(motion)
+            high, f_high, r_high = guess, f, rate_at_end(context)
     return best
 
 
 @internal
-def dip(motion, t, low, high, f_low, f_high, r_low, r_high):
+def dip(context, t, low, high, f_low, f_high, r_low, r_high):
     """Look for a place between low and high, where the height falls and rises again, at which it is not positive.
 
     Returns (length, height, rate) there, or at the lowest place found. Looking ends once the tangents of both ends
     meet above the surface.
     """
     s, f, r = high, f_high, r_high
-    for k in range(_MAX_PROBES):
+    for k in range(_MAX_TRIALS):
         width = abs(high - low)
         meet = (f_high - f_low - r_high * width) / (r_low - r_high)  # where the two tangents do, from low
         if f_low + r_low * meet > 0.0 or width <= 4.0 * _EPS * max(abs(low), abs(high)):
             break
         part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
         s = low + part * (high - low)
-        f, r = probe(motion, t, s), climb(motion)
+        f, r = try_step(context, t, s), rate_at_end(context)
         if not f > 0.0:
             break
         if r < 0.0:
@@ -173,13 +173,13 @@ def dip(motion, t, low, high, f_low, f_high, r_low, r_high):
 
 
 @internal
-def peak(motion, t, high, r_low, r_high):
+def peak(context, t, high, r_low, r_high):
     """Length in (0, high) at which the height stops rising: by regula falsi (Illinois) on the rate, and bisection."""
     low, s, f, r = 0.0, high, 0.0, r_high
-    for k in range(_MAX_PROBES):
+    for k in range(_MAX_TRIALS):
         part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
         s = low + part * (high - low)
-        f, r = probe(motion, t, s), climb(motion)
+        f, r = try_step(context, t, s), rate_at_end(context)
         if not f <= 0.0 or s in (low, high):
             break  # well above the surface is all that is asked for
         if r > 0.0:
@@ -190,39 +190,39 @@ def peak(motion, t, high, r_low, r_high):
 
 
 @inlined
-def first_crossing(motion, t, h, f_end, r_end):
+def locate_crossing(context, t, h, f_end, r_end):
     """Look for the first crossing in a step of length h; its place goes to run.hit.
 
     Between two places that have been looked at, the height is taken for a cubic (Hermite): its Bernstein coefficients
     tell by their signs (Descartes) whether it has a root there, and whether just one. Where it may have more, or the
     rates show a minimum between, the scheme itself is looked at in between.
     """
-    run, nodes = motion.run, motion.nodes
+    run, nodes = context.run, context.nodes
     s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
-    noise = _MARGIN * motion.w[DOUBT]  # at the crossing before
+    noise = _MARGIN * context.w[DOUBT]  # at the crossing before
     if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 < r * abs(h) <= noise:
         return NONE  # too short a way to tell whether it has left
     if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):
         return NONE  # it was moved off the surface, to either side, and is not back
     depth = 0
     nodes[0, 0], nodes[0, 1], nodes[0, 2] = h, f_end, r_end
-    for _ in range(MAX_LOOKS):
+    for _ in range(MAX_NODES):
         s1, f1, r1 = nodes[depth, 0], nodes[depth, 1], nodes[depth, 2]
         third = abs(s1 - s) / 3.0
         low, high = f + r * third, f1 - r1 * third  # with f and f1 the coefficients of the cubic
         if f1 <= 0.0 < f and not low < 0.0 < high:
-            run.hit = root(motion, t, s, s1, f, f1, r, r1)
+            run.hit = root(context, t, s, s1, f, f1, r, r1)
             return FOUND if run.hit == run.hit else FAILED
         if f == 0.0 and f1 <= 0.0 and r1 <= 0.0:  # it has left the surface, and is back
-            s, f, r = peak(motion, t, s1, r, r1)
+            s, f, r = peak(context, t, s1, r, r1)
             if not f > 0.0:
                 run.hit = s
-                return TOUCH if -f <= _MARGIN * doubt(motion, t + s) else FAILED
+                return TOUCH if -f <= _MARGIN * doubt(context, t + s) else FAILED
             continue
         above = f1 > 0.0 and high > 0.0 and (low > 0.0 or f == r == 0.0)  # a start at a fold rises like s²
         s2, f2, r2 = s1, f1, r1
         if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
-            s2, f2, r2 = dip(motion, t, s, s1, f, f1, r, r1)
+            s2, f2, r2 = dip(context, t, s, s1, f, f1, r, r1)
             above = above or (f - 2.0 * low + high >= 0.0 and low - 2.0 * high + f1 >= 0.0)  # convex: tangents bound it
         if (f2 > 0.0 and above) or third <= _EPS * abs(h):
             if depth == 0:
@@ -232,7 +232,7 @@ def first_crossing(motion, t, h, f_end, r_end):
             continue
         if f2 > 0.0 or f1 <= 0.0:
             s2 = s + 0.5 * (s1 - s)
-            f2, r2 = probe(motion, t, s2), climb(motion)
+            f2, r2 = try_step(context, t, s2), rate_at_end(context)
         if not abs(f2) < math.inf:
             return FAILED
         depth += 1
@@ -246,7 +246,7 @@ def _polynomial_root(row, order, low, high):
     s = low + 0.5 * (high - low)
     if abs(high - low) <= _NARROW * abs(high):
         return s
-    for _ in range(_MAX_PROBES):
+    for _ in range(_MAX_TRIALS):
         f, r = row[order], 0.0
         for k in range(order - 1, -1, -1):
             r = fma(r, s, f)
@@ -262,60 +262,60 @@ def _polynomial_root(row, order, low, high):
 
 
 @inlined
-def _newton(motion, t, low, high):
+def _newton(context, t, low, high):
     """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
-    run = motion.run
+    run = context.run
     best, f_best, s, noise = run.hit, math.inf, run.hit, 0.0
     for k in range(_MAX_NEWTON):
-        f = probe(motion, t, s)
+        f = try_step(context, t, s)
         if not abs(f) < abs(f_best):
             break
         best, f_best = s, f
         if k == 0:  # so near the surface the rounding of one state is that of another
-            noise = slack(motion, t + s)
+            noise = slack(context, t + s)
         if abs(f) <= noise:
             break
-        s -= math.copysign(1.0, s) * f / climb(motion)
+        s -= math.copysign(1.0, s) * f / rate_at_end(context)
         if s == best or not min(low, high) <= s <= max(low, high):
             break
     run.hit = best
-    return abs(f_best) < math.inf and (abs(f_best) <= _MARGIN * motion.w[DOUBT] or s == best)
+    return abs(f_best) < math.inf and (abs(f_best) <= _MARGIN * context.w[DOUBT] or s == best)
 
 
 @inlined
-def root_of_series(motion, h):
+def isolate_root_of_series(context, h):
     """What `first_root` says of the Taylor polynomial of the height, in its own unit of time."""
-    run, order, w = motion.run, int(motion.w[ORDER]), motion.w
-    return first_root(motion.memo[motion.x.size], order, h * w[PER_UNIT], run.leaving, motion.pieces)
+    run, order, w = context.run, int(context.w[ORDER]), context.w
+    return first_root(context.scratch[context.x.size], order, h * w[PER_UNIT], run.leaving, context.pieces)
 
 
 @inlined
-def meets(motion, t, low, high):
+def locate_near_root(context, t, low, high):
     """Locate a root of the Taylor polynomial on the scheme itself; returns whether that has one beside it."""
-    unit, order = motion.w[UNIT], int(motion.w[ORDER])
-    motion.run.hit = unit * _polynomial_root(motion.memo[motion.x.size], order, low, high)
-    return _newton(motion, t, unit * low, unit * high)
+    unit, order = context.w[UNIT], int(context.w[ORDER])
+    context.run.hit = unit * _polynomial_root(context.scratch[context.x.size], order, low, high)
+    return _newton(context, t, unit * low, unit * high)
 
 
 @inlined
-def first_beside_series(motion, t, h, f_end, r_end, kind, low, high):
+def locate_beside_series(context, t, h, f_end, r_end, kind, low, high):
     """Look for the first crossing where the Taylor polynomial of the height leaves it open.
 
     SHORT: nothing up to run.hit, which is as far as can be said.
     """
-    run, unit = motion.run, motion.w[UNIT]
+    run, unit = context.run, context.w[UNIT]
     if kind == DOUBLE:  # two crossings or none, as round-off will have it
         run.hit = unit * (low + 0.5 * (high - low))
-        height = probe(motion, t, run.hit)
+        height = try_step(context, t, run.hit)
         if height > 0.0:
             return SHORT
-        return TOUCH if -height <= _MARGIN * doubt(motion, t + run.hit) else FAILED
-    if kind == ROOT:  # the scheme, whose polynomial is moved onto ψ, meets the surface a little earlier, or later
+        return TOUCH if -height <= _MARGIN * doubt(context, t + run.hit) else FAILED
+    if kind == ROOT:  # the scheme, whose polynomial is projected to ψ, meets the surface a little earlier or later
         h = unit * high
-        f_end, r_end = probe(motion, t, h), climb(motion)
+        f_end, r_end = try_step(context, t, h), rate_at_end(context)
         if f_end > 0.0:
             run.hit = h
             return SHORT
     elif f_end > 0.0:  # else round-off hides a root at the very end
         return NONE
-    return first_crossing(motion, t, h, f_end, r_end)
+    return locate_crossing(context, t, h, f_end, r_end)

@@ -1,7 +1,7 @@
-"""Land on the surface, perturb, jump, classify, switch: the paper's Algorithm 1, one move at a time.
+"""Land on the surface, perturb, jump, classify, switch: the paper's Algorithm 1.
 
-A *move* is a step, or the part of one up to the next crossing, or what a crossing has left of one. Jitted; inlined into
-`time_loop`. Heights and rates are as in `event_location`.
+`advance` takes a step, or the part of one up to the next crossing, or what a crossing has left of one. Jitted; inlined
+into `time_loop`. Heights and rates are as in `event_location`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, DOUBT, G_END, JUMP, LOOK, POLISH, RATES, SETTLE, SLACK, G, call
+from core.kernels.abi import DELAY, DOUBT, G_END, JUMP, PROJECT, SET_LEVELS, SLACK, G, call
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -23,29 +23,30 @@ from core.transition.event_location import (
     NONE,
     SHORT,
     TOUCH,
-    arrive,
-    climb,
-    first_beside_series,
-    first_crossing,
-    meets,
-    probe,
-    root_of_series,
+    isolate_root_of_series,
+    locate_beside_series,
+    locate_crossing,
+    locate_near_root,
+    rate_at_end,
+    try_step,
+    write_end,
 )
-from core.transition.records import JUMP_TO_SURFACE, NO_JUMP
+from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE, mode_of
 from core.transition.status import CROSSING_KINDS, Status
 from core.transition.surface import (
     MARGIN,
-    accept,
+    accept_step,
+    advance_time,
     contradicts,
+    evaluate_rates,
+    evaluate_switching,
     is_contradicted,
     is_on_surface,
-    look,
-    note,
-    pass_time,
+    record_place,
     widen_envelope,
 )
 
-__all__ = ["RUNNING", "enter", "is_plain", "move"]
+__all__ = ["RUNNING", "accept_plain_step", "advance", "enter_first_mode"]
 
 RUNNING = int(Status.RUNNING)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
@@ -55,18 +56,19 @@ _UNSTABLE = int(Status.UNSTABLE)
 _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = range(len(CROSSING_KINDS))
 
 _EPS = 2.0**-52
-#: Gaps between crossings that have shrunk so many times in a row, and whose sum to come is below this part of the
-#: time, accumulate.
-_SHRUNK, _SPENT = 8, 2.0**-52
-#: A surface is met against the field where the rate away from it is this part of that at the start of the step, or of
-#: that with which the side was entered.
+#: Crossings accumulate where the gaps between them have shrunk so many times in a row …
+_SHRUNK = 8
+#: … and the sum of the gaps to come is below this part of the time.
+_SPENT = 2.0**-52
+#: The surface is met against the field where the rate away from it exceeds this part of the rate at the start of the
+#: step, or of the rate with which the mode was entered.
 _AGAINST = 2.0**-7
-#: Gaps that have shrunk in a row, after which a visit that is lost in rounding is the end of a sequence, and no touch.
+#: After so many gaps that have shrunk in a row, a visit below rounding ends a sequence of them, and is no touch.
 _COMING = 3
 
 
 @internal
-def is_plain(run, h, height, rate):
+def accept_plain_step(run, h, height, rate):
     """Whether nothing happens in a step of length h that ends at this height and rate; if so, they are taken over.
 
     The height is taken for a cubic, which is positive where its Bernstein coefficients are; and a minimum between,
@@ -81,57 +83,56 @@ def is_plain(run, h, height, rate):
 
 
 @inlined
-def take_side(motion, side, rate):
-    """Occupy a side, from its surface on."""
-    run = motion.run
-    run.side, run.height, run.rate, run.entered = side, 0.0, rate, rate
+def enter_mode(context, mode, rate):
+    """Enter a mode at its surface, from which it leads with this rate."""
+    run = context.run
+    run.mode, run.sign = mode, context.guards[mode].sign
+    run.height, run.rate, run.entered = 0.0, rate, rate
     run.leaving = 1
     if run.conservative == 1 or run.watched > 0:
-        call(motion.functions[SETTLE + (side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
+        call(context.functions[mode, SET_LEVELS], run.t, 0.0, context.p, context.w, context.scratch)
 
 
 @internal
-def enter(motion):
-    """Find the side of the initial value: by the sign of g, on the surface by where the fields lead."""
-    run, w = motion.run, motion.w
-    for i in range(motion.x.size):
-        motion.place[i] = motion.x[i]
-    run.side = 1
-    look(motion, run.t)
-    g, into_plus, into_minus = w[G], run.own, run.other
-    run.side = 0
+def enter_first_mode(context):
+    """Enter the mode of the initial value: by the sign of g, on the surface by where the fields lead."""
+    run, w = context.run, context.w
+    for i in range(context.x.size):
+        context.place[i] = context.x[i]
+    into_minus, into_plus = evaluate_rates(context, 0, run.t)
+    g = w[G]
     if not abs(g) < math.inf:
         return _NO_CONVERGENCE
-    side = 1 if g > 0.0 else -1
-    if run.first_side != 0:  # it has been found by other means
-        side = run.first_side
-        take_side(motion, side, max(into_plus if side > 0 else into_minus, 0.0))
+    mode = mode_of(g)
+    if run.first_mode != NO_MODE:  # it has been found by other means
+        mode = run.first_mode
+        enter_mode(context, mode, max(into_plus if mode == 1 else into_minus, 0.0))
     elif abs(g) <= w[SLACK]:  # on the surface as exactly as floating point can say
         if into_plus > 0.0 and into_minus > 0.0:
             return _REPELLING
         if not (into_plus * into_minus < 0.0):
             return _SLIDING if into_plus < 0.0 and into_minus < 0.0 else _GRAZING
-        side = 1 if into_plus > 0.0 else -1
-        take_side(motion, side, into_plus if side > 0 else into_minus)
+        mode = mode_of(into_plus)
+        enter_mode(context, mode, into_plus if mode == 1 else into_minus)
     else:
-        take_side(motion, side, into_plus if side > 0 else into_minus)
-        run.height, run.leaving = side * g, 0
-    run.first_side = side
+        enter_mode(context, mode, into_plus if mode == 1 else into_minus)
+        run.height, run.leaving = run.sign * g, 0
+    run.first_mode = mode
     return RUNNING
 
 
 @internal
-def is_met_against_the_field(motion, found, own):
+def is_met_against_the_field(context, found, own):
     """Whether the scheme meets the surface where its field leads away from it, and does not just touch it.
 
     Such a step is too long: the field changes in it by more than it is. A touch is one where the state, if it has just
     left the surface, has stayed within rounding of it.
     """
-    run = motion.run
+    run = context.run
     if run.follow == 0 or run.shift != 0.0:
         return False
     if found == TOUCH:
-        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * motion.w[DOUBT]
+        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * context.w[DOUBT]
     return own > _AGAINST * min(abs(run.rate), abs(run.entered))
 
 
@@ -146,31 +147,30 @@ def classify(run):
 
 
 @internal
-def leap(motion):
-    """Jump, and look where the fields lead from there: status, kind, side entered, and the rate into it.
+def jump(context):
+    """Jump, and find where the fields lead from there: status, kind, mode entered, and the rate into it.
 
     A jump that leads from the surface to the surface is known by its declaration: g is rounding there, and its sign
     means nothing. Where the surface was not landed on, or of any other jump, g tells.
     """
-    run, x, w = motion.run, motion.x, motion.w
-    call(motion.functions[JUMP], run.t, 0.0, motion.p, w, motion.memo)
+    run, x, w = context.run, context.x, context.w
+    guard = context.guards[run.mode]
+    call(context.functions[run.mode, JUMP], run.t, 0.0, context.p, w, context.scratch)
     for i in range(x.size):
-        x[i], motion.carry[i] = motion.place[i], 0.0
-    call(motion.functions[LOOK], run.t, 0.0, motion.p, w, motion.memo)
-    along = math.copysign(1.0, run.tau)
-    into_minus, into_plus = -along * w[RATES], along * w[RATES + 1]
+        x[i], context.carry[i] = context.place[i], 0.0
+    into_minus, into_plus = evaluate_rates(context, run.mode, run.t)
+    minus, plus = (guard.to, run.mode) if run.sign > 0 else (run.mode, guard.to)
     landed = run.follow == 1 and run.shift == 0.0
-    run.leaving = 1 if (landed and run.jump == JUMP_TO_SURFACE) or is_on_surface(motion) else 0
+    run.leaving = 1 if (landed and guard.jump == JUMP_TO_SURFACE) or is_on_surface(context) else 0
     if run.leaving == 0:
-        side = 1 if w[G] > 0.0 else -1
-        return RUNNING, _JUMP_KIND, side, into_plus if side > 0 else into_minus
+        return (RUNNING, _JUMP_KIND, plus, into_plus) if w[G] > 0.0 else (RUNNING, _JUMP_KIND, minus, into_minus)
     if into_minus > 0.0 and into_plus > 0.0:
-        return _REPELLING, _REPELLING_KIND, 0, 0.0
+        return _REPELLING, _REPELLING_KIND, run.mode, 0.0
     if into_plus > 0.0:
-        return RUNNING, _JUMP_KIND, 1, into_plus
+        return RUNNING, _JUMP_KIND, plus, into_plus
     if into_minus > 0.0:
-        return RUNNING, _JUMP_KIND, -1, into_minus
-    return _SLIDING, _SLIDING_KIND, 0, 0.0
+        return RUNNING, _JUMP_KIND, minus, into_minus
+    return _SLIDING, _SLIDING_KIND, run.mode, 0.0
 
 
 @inlined
@@ -180,16 +180,16 @@ def elapsed(run):
 
 
 @internal
-def is_lost_in_rounding(motion, found, own, rate):
+def is_lost_in_rounding(context, found, own, rate):
     """Whether the visit that a jump ends here, and the next one, stay within rounding of the surface.
 
     A visit of length T that arrives at the rate r has been r·T/4 away, if its path is a parabola. Below the rounding
     of g neither the place nor the rates of a visit are known, and so neither is where a touch leads.
     """
-    run = motion.run
-    if run.jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
+    run = context.run
+    if context.guards[run.mode].jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
         return False
-    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * motion.w[DOUBT]
+    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * context.w[DOUBT]
 
 
 @inlined
@@ -206,48 +206,48 @@ def accumulates(run):
 
 
 @inlined
-def switch_side(motion, log, found):
-    """At the surface: jump, classify, take the other side, write the crossing down."""
-    run, x = motion.run, motion.x
-    hit, along = log.hits[run.hits], math.copysign(1.0, motion.run.tau)
+def switch_mode(context, log, found):
+    """At the surface: jump, classify, enter the mode behind, write the crossing down."""
+    run, x = context.run, context.x
+    hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
+    guard = context.guards[run.mode]
     hit.t = run.t
-    hit.rate_before, hit.rate_after = along * run.side * run.own, -along * run.side * run.other
+    hit.rate_before, hit.rate_after = along * run.sign * run.own, -along * run.sign * run.other
     own, other = run.own, run.other
     if run.shift != 0.0 or run.follow == 0:  # it is not where the surface was met
         for i in range(x.size):
-            motion.place[i] = x[i]
-        look(motion, run.t)
-    hit.g, rate = motion.w[G], run.other
+            context.place[i] = x[i]
+        evaluate_switching(context, run.t)
+    hit.g, rate = context.w[G], run.other
     run.own, run.other = own, other
-    note(motion, log, 1)
-    if run.watched > 0:  # what the side that is left has lost
-        widen_envelope(motion, log)
-    against = is_met_against_the_field(motion, found, own)
+    record_place(context, log, 1)
+    if run.watched > 0:  # what the mode that is left has lost
+        widen_envelope(context, log)
+    against = is_met_against_the_field(context, found, own)
     run.leaving = 1
-    if run.jump != NO_JUMP:
-        status, kind, entered, rate = leap(motion)
-        if status == RUNNING and run.leaving == 1 and is_lost_in_rounding(motion, found, own, rate):
+    if guard.jump != NO_JUMP:
+        status, kind, mode, rate = jump(context)
+        if status == RUNNING and run.leaving == 1 and is_lost_in_rounding(context, found, own, rate):
             status = _ZENO if run.shrinking >= _COMING and elapsed(run) < run.gap else _GRAZING
             kind = _GRAZING_KIND
         elif status == RUNNING and against:
             status, kind = _UNSTABLE, _GRAZING_KIND
-        hit.rate_after = along * entered * rate
+        hit.rate_after = along * context.guards[mode].sign * rate
     else:
         status, kind = classify(run)
         status = _UNSTABLE if status == _GRAZING and against else status
-        entered = -run.side
+        mode = guard.to
     leaving = run.leaving
-    note(motion, log, 2)
-    hit.kind = kind
-    hit.side = entered if status == RUNNING else 0
+    record_place(context, log, 2)
+    hit.kind, hit.mode, hit.passed = kind, mode, status == RUNNING
     run.hits += 1
     run.crossings += 1
     if status != RUNNING:
         return status
-    take_side(motion, entered, rate)
+    enter_mode(context, mode, rate)
     if leaving == 0:  # it has jumped off the surface
-        run.height, run.leaving = entered * motion.w[G], 0
-    elif is_contradicted(motion, run.hit):  # a step so stiff that its own rounding hides the surface
+        run.height, run.leaving = run.sign * context.w[G], 0
+    elif is_contradicted(context, run.hit):  # a step so stiff that its own rounding hides the surface
         return _UNSTABLE
     if accumulates(run):
         return _ZENO
@@ -255,112 +255,112 @@ def switch_side(motion, log, found):
 
 
 @inlined
-def land(motion, log, t):
+def land(context, log, t):
     """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
 
     Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ and x̂ anew there.
     """
-    run, x, place = motion.run, motion.x, motion.place
+    run, x, place = context.run, context.x, context.place
     if run.shift != 0.0:
-        probe(motion, t, run.hit)
-        arrive(motion)
-        note(motion, log, 0)
-        look(motion, t + run.hit)
+        try_step(context, t, run.hit)
+        write_end(context)
+        record_place(context, log, 0)
+        evaluate_switching(context, t + run.hit)
         run.hit += run.shift
-    if run.probed != run.hit and not abs(probe(motion, t, run.hit)) < math.inf:
+    if run.tried != run.hit and not abs(try_step(context, t, run.hit)) < math.inf:
         return False
-    accept(motion)
+    accept_step(context)
     if run.shift == 0.0:
-        call(motion.functions[POLISH + (run.side > 0)], t + run.hit, 0.0, motion.p, motion.w, motion.memo)
-        run.hit += motion.w[DELAY]
+        call(context.functions[run.mode, PROJECT], t + run.hit, 0.0, context.p, context.w, context.scratch)
+        run.hit += context.w[DELAY]
         if run.hit * math.copysign(1.0, run.tau) < 0.0:
             run.hit = 0.0  # a start on the surface is not moved back in time
-    pass_time(run, run.hit)
+    advance_time(run, run.hit)
     if run.shift == 0.0:
         for i in range(x.size):
             place[i] = x[i]
-        look(motion, run.t)
-        if run.edged == 1 and run.jump == NO_JUMP and run.side * motion.w[G] > 0.0:
-            move_across(motion, run.t)
-        note(motion, log, 0)
+        evaluate_switching(context, run.t)
+        if run.edged == 1 and context.guards[run.mode].jump == NO_JUMP and run.sign * context.w[G] > 0.0:
+            move_across(context, run.t)
+        record_place(context, log, 0)
     return True
 
 
 @internal
-def step_over(motion, log, t, h, height, rate):
-    """Without a transition: the step stands, and only then is the side looked at."""
-    run, x, place = motion.run, motion.x, motion.place
+def step_over(context, log, t, h, height, rate):
+    """Without a transition: the step stands, and only then is g evaluated."""
+    run, x, place = context.run, context.x, context.place
     if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
         part = run.height / (run.height - height) if run.height > 0.0 else 0.0
         for i in range(x.size):
-            place[i] = x[i] + part * motion.increment[i]
-        note(motion, log, 0)
-        look(motion, t + part * h)
-    accept(motion)
-    pass_time(run, h)
+            place[i] = x[i] + part * context.increment[i]
+        record_place(context, log, 0)
+        evaluate_switching(context, t + part * h)
+    accept_step(context)
+    advance_time(run, h)
     run.height, run.rate = height, rate
     if height > 0.0:
         run.leaving = 0
         return RUNNING
-    status = switch_side(motion, log, FOUND)
-    run.leaving, run.height = 0, run.side * motion.w[G]
+    status = switch_mode(context, log, FOUND)
+    run.leaving, run.height = 0, run.sign * context.w[G]
     return status
 
 
 @inlined
-def move(motion, log, h):
-    """Go on by h, or to the first crossing before that and onto its other side; run.rest is what is left of h."""
-    run, whole = motion.run, h
+def advance(context, log, h):
+    """Go on by h, or to the first crossing before that and into the mode behind; run.rest is what is left of h."""
+    run, whole = context.run, h
     t, found = run.t + run.t_carry, NONE
     kind, low, high = NO_ROOT, 0.0, 0.0
     run.rest = 0.0
     if run.adaptive == 1:
-        h = whole = cut_to_reach(motion, t, h)
+        h = whole = cut_to_reach(context, t, h)
         if run.follow == 1:
-            kind, low, high = root_of_series(motion, h)
-    if kind == ROOT and meets(motion, t, low, high):
+            kind, low, high = isolate_root_of_series(context, h)
+    if kind == ROOT and locate_near_root(context, t, low, high):
         found = FOUND  # and the end of the step need not be looked at
     else:
-        if not has_end(motion, t, h):
-            if arrive(motion) >= BOUND:
+        if not has_end(context, t, h):
+            if write_end(context) >= BOUND:
                 return _ESCAPED
             found = FAILED
-        height, rate = run.side * motion.w[G_END], climb(motion)
+        height, rate = run.sign * context.w[G_END], rate_at_end(context)
         if found == FAILED:
             pass
         elif run.follow == 0:
-            return step_over(motion, log, t, h, height, rate)
+            return step_over(context, log, t, h, height, rate)
         elif run.adaptive == 1:
-            found = first_beside_series(motion, t, h, height, rate, kind, low, high)
+            found = locate_beside_series(context, t, h, height, rate, kind, low, high)
         elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
-            found = first_crossing(motion, t, h, height, rate)
+            found = locate_crossing(context, t, h, height, rate)
         if found == FAILED and run.follow == 1:
-            h = cut_to_domain(motion, t, h)
+            h = cut_to_domain(context, t, h)
             if h == 0.0:
                 return _NO_CONVERGENCE
-            height, rate = run.side * motion.w[G_END], climb(motion)
-            if run.leaving == 0 and is_at_surface(motion, t):
+            height, rate = run.sign * context.w[G_END], rate_at_end(context)
+            if run.leaving == 0 and is_at_surface(context, t):
                 run.hit, found = 0.0, FOUND
             else:
-                found = first_crossing(motion, t, h, height, rate)
+                found = locate_crossing(context, t, h, height, rate)
         if found == SHORT:
             h, run.final = run.hit, 0
-            height, rate = probe(motion, t, h), climb(motion)
+            height, rate = try_step(context, t, h), rate_at_end(context)
             found = NONE
         if found == NONE:
-            if run.probed != h:  # looking for a crossing has moved the increment
-                probe(motion, t, h)
-            accept(motion)
-            pass_time(run, h)
+            if run.tried != h:  # to look for a crossing has changed the increment
+                try_step(context, t, h)
+            accept_step(context)
+            advance_time(run, h)
             run.height, run.rate = height, rate
             run.leaving = 0 if height > 0.0 else run.leaving
             run.longest = max(run.longest, abs(h))
             run.rest = whole - h if run.adaptive == 0 else 0.0
-            return _CONTRADICTION if height < 0.0 and contradicts(motion, h) else RUNNING
-    if found == FAILED or not land(motion, log, t):
+            return _CONTRADICTION if height < 0.0 and contradicts(context, h) else RUNNING
+    if found == FAILED or not land(context, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:
         run.own = 0.0  # it turns at the surface, and does not arrive
     run.rest = whole - run.hit if run.adaptive == 0 else 0.0
     run.final = run.final if run.adaptive == 0 else 0
-    return switch_side(motion, log, found)
+    return switch_mode(context, log, found)

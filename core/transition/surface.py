@@ -1,4 +1,4 @@
-"""What is looked at and written down at the surface: g, its rates, its rounding. Jitted; inlined into `time_loop`.
+"""What is evaluated and written down at the surface: g, its rates, its rounding. Jitted; inlined into `time_loop`.
 
 Heights and rates are as in `event_location`.
 """
@@ -11,17 +11,17 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from core.kernels.abi import DOUBT, EXCESS, LOOK, RATES, G, call
+from core.kernels.abi import DOUBT, EVALUATE, LEVEL_RESIDUAL, RATES, G, call
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import inlined, internal
 
 __all__ = [
-    "MARGIN", "Log", "accept", "contradicts", "is_contradicted", "is_on_surface", "look", "look_at", "note",
-    "pass_time", "widen_envelope",
+    "MARGIN", "Log", "accept_step", "advance_time", "contradicts", "evaluate_g", "evaluate_rates", "evaluate_switching",
+    "is_contradicted", "is_on_surface", "record_place", "widen_envelope",
 ]  # fmt: skip
 
 _EPS = 2.0**-52
-MARGIN = 16.0  #: by how much g may contradict the side, in units of a first-order bound on its rounding
+MARGIN = 16.0  #: by how much g may contradict the mode, in units of a first-order bound on its rounding
 
 
 class Log(NamedTuple):
@@ -29,86 +29,92 @@ class Log(NamedTuple):
 
     hits: Any
     places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
-    excess: Any  # of ψ over its levels, a part of the frame
-    envelope: Any  # (columns, m, 2) least and greatest excess in equal parts of the time
+    residual: Any  # ψ less its levels, a part of the frame
+    envelope: Any  # (columns, m, 2) least and greatest residual in equal parts of the time
 
 
 @inlined
-def accept(motion):
+def accept_step(context):
     """Add the increment to the state, keeping what rounding would lose (compensated summation)."""
-    x, carry, increment = motion.x, motion.carry, motion.increment
+    x, carry, increment = context.x, context.carry, context.increment
     for i in range(x.size):
         x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
 
 
 @inlined
-def pass_time(run, h):
+def advance_time(run, h):
     """Go on in time, compensated likewise."""
     run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
 
 
 @inlined
-def look(motion, t):
-    """Look at `place`: g to w[G], and to run.own and run.other the rates into the side occupied and into the other."""
-    run, w = motion.run, motion.w
-    call(motion.functions[LOOK], t, 0.0, motion.p, w, motion.memo)
-    along = math.copysign(1.0, run.tau) * run.side
-    run.own = along * w[RATES + (run.side > 0)]
-    run.other = -along * w[RATES + (run.side < 0)]
-
-
-@inlined
-def look_at(motion, t):
+def evaluate_g(context, t):
     """G at `place`."""
-    call(motion.functions[LOOK], t, 0.0, motion.p, motion.w, motion.memo)
-    return motion.w[G]
+    call(context.functions[context.run.mode, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
+    return context.w[G]
 
 
 @inlined
-def note(motion, log, which):
+def evaluate_rates(context, mode, t):
+    """Rates at `place` with which the fields lead into g < 0 and into g > 0; g to w[G]."""
+    w, along = context.w, math.copysign(1.0, context.run.tau)
+    call(context.functions[mode, EVALUATE], t, 0.0, context.p, w, context.scratch)
+    return -along * w[RATES], along * w[RATES + 1]
+
+
+@inlined
+def evaluate_switching(context, t):
+    """Take the rates at `place` into the mode occupied and into the one behind to run.own and run.other; g to w[G]."""
+    run = context.run
+    into_minus, into_plus = evaluate_rates(context, run.mode, t)
+    run.own, run.other = (into_plus, into_minus) if run.sign > 0 else (into_minus, into_plus)
+
+
+@inlined
+def record_place(context, log, which):
     """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
-    for i in range(motion.place.size):
-        log.places[motion.run.hits, which, i] = motion.place[i]
+    for i in range(context.place.size):
+        log.places[context.run.hits, which, i] = context.place[i]
 
 
 @internal
-def widen_envelope(motion, log):
-    """Take the excess of ψ over its levels into the column of this time."""
-    run, excess, envelope = motion.run, log.excess, log.envelope
-    call(motion.functions[EXCESS + (run.side > 0)], run.t, 0.0, motion.p, motion.w, motion.memo)
+def widen_envelope(context, log):
+    """Take ψ less its levels into the column of this time."""
+    run, residual, envelope = context.run, log.residual, log.envelope
+    call(context.functions[run.mode, LEVEL_RESIDUAL], run.t, 0.0, context.p, context.w, context.scratch)
     columns = envelope.shape[0]
     column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
-    for j in range(excess.size):
-        if excess[j] < envelope[column, j, 0]:  # never so where a side has fewer ψ, and its excess is nan
-            envelope[column, j, 0] = excess[j]
-        if excess[j] > envelope[column, j, 1]:
-            envelope[column, j, 1] = excess[j]
+    for j in range(residual.size):
+        if residual[j] < envelope[column, j, 0]:  # never so where a mode has fewer ψ, and the residual is nan
+            envelope[column, j, 0] = residual[j]
+        if residual[j] > envelope[column, j, 1]:
+            envelope[column, j, 1] = residual[j]
 
 
 @inlined
-def is_on_surface(motion):
-    """Whether g, where it has been looked at last, may be zero but for rounding."""
-    return abs(motion.w[G]) <= MARGIN * motion.w[DOUBT]
+def is_on_surface(context):
+    """Whether g, where it has been evaluated last, may be zero but for rounding."""
+    return abs(context.w[G]) <= MARGIN * context.w[DOUBT]
 
 
 @internal
-def contradicts(motion, h):
-    """Whether g at the state has the sign of the other side than that occupied, by more than rounding can explain.
+def contradicts(context, h):
+    """Whether g at the state has the sign of the mode behind, by more than rounding can explain.
 
     A step of length h rounds its increment, and a time is rounded too: both move g by so much of its rate. Where a
     perturbation, or a step over the surface, has left the state on purpose there is nothing to compare.
     """
-    for i in range(motion.x.size):
-        motion.place[i] = motion.x[i]
-    look_at(motion, motion.run.t)
-    return is_contradicted(motion, h)
+    for i in range(context.x.size):
+        context.place[i] = context.x[i]
+    evaluate_g(context, context.run.t)
+    return is_contradicted(context, h)
 
 
 @inlined
-def is_contradicted(motion, h):
-    """The same, where the state has been looked at already."""
-    run, w = motion.run, motion.w
+def is_contradicted(context, h):
+    """The same, where switching has been evaluated at the state."""
+    run, w = context.run, context.w
     if run.leaving == 1 and (run.shift != 0.0 or run.follow == 0):
         return False
     moved = _EPS * (abs(run.t) + abs(h)) * max(abs(w[RATES]), abs(w[RATES + 1]))
-    return -run.side * w[G] > MARGIN * (w[DOUBT] + moved)
+    return -run.sign * w[G] > MARGIN * (w[DOUBT] + moved)

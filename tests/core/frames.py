@@ -29,20 +29,20 @@ class Framed:
         self.system, self.side, self.method = system, side, METHODS[method]
         m = max(len(s.conserved) for s in system.laws.sides.values())
         self.frame = Frame(system.dimension, m)
-        self.w, self.p, self.memo = self.frame.empty(), np.array([*system.parameter_array, 0.0]), np.zeros((1, 1))
+        self.w, self.p, self.scratch = self.frame.empty(), np.array([*system.parameter_array, 0.0]), np.zeros((1, 1))
         self.part("x")[:], self.part("carry")[:] = x, carry
 
     def part(self, name: str) -> Any:
         """A vector of the frame."""
         start = getattr(self.frame, name)
-        counts = {"level": 2 * self.frame.m, "excess": self.frame.m}
+        counts = {"level": 2 * self.frame.m, "level_residual": self.frame.m}
         return self.w[start : start + counts.get(name, self.frame.d)]
 
     def call(self, name: str, t: float, h: float = 0.0) -> int:
         """Call one of `FUNCTIONS`."""
-        place = FUNCTIONS.index(name) + (self.side > 0 and FUNCTIONS.count(name) == 2)
-        pointers = map(pointer, (self.p, self.w, self.memo))
-        return int(_PROTOTYPE(int(self.compiled.addresses[place]))(t, h, *pointers))
+        address = self.compiled.addresses[int(self.side > 0), FUNCTIONS.index(name)]
+        pointers = map(pointer, (self.p, self.w, self.scratch))
+        return int(_PROTOTYPE(int(address))(t, h, *pointers))
 
 
 def levels(runner: Any) -> list[Any]:

@@ -12,9 +12,15 @@ import sympy
 from scipy.integrate import solve_ivp
 
 import core
-from core.codegen.functions import jump_text, levels_texts, look_text, module_text, polish_text
+from core.codegen.functions import (
+    evaluate_switching_text,
+    jump_text,
+    levels_texts,
+    module_text,
+    project_to_surface_text,
+)
 from core.codegen.step import StepCode
-from core.methods.taylor_step import reach_text
+from core.methods.taylor_step import prepare_step_text
 from core.symbolic.expressions import parse, to_text
 from tests.families.drawn_functions import drawn_expression, evaluated
 
@@ -32,10 +38,10 @@ def texts_of(system, method):
         code = StepCode(laws, side)
         yield code.text(method.scheme.write(side, code))
         yield from levels_texts(laws, side)
-        yield polish_text(laws, side, method.conservative)
+        yield project_to_surface_text(laws, side, method.conservative)
         if method.adaptive:
-            yield reach_text(laws, side)
-    yield look_text(laws)
+            yield prepare_step_text(laws, side)
+    yield evaluate_switching_text(laws)
     yield jump_text(laws)
 
 
@@ -90,7 +96,7 @@ def drawn_declaration(rng, depth):
 )
 def test_a_surface_with_exponentials_is_written(g):
     assert not unknown_names(
-        look_text(core.PiecewiseSystem("g", ("x",), ("1",), ("2",), g, parameters=PARAMETERS).laws)
+        evaluate_switching_text(core.PiecewiseSystem("g", ("x",), ("1",), ("2",), g, parameters=PARAMETERS).laws)
     )
 
 

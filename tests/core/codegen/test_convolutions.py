@@ -29,7 +29,7 @@ def compiled(awaited: bool) -> Callable[..., int]:
         names.append(sums.product(0, 1, awaited=True))
     loop = [*sums.lines(names), *(f"w[{i}] = {name}" for i, name in enumerate(names))]
     loop += sums.after({row: f"c[{row}, k]" for row in range(4)}, names)
-    lines = [f"c = carray(memo, (4, {LENGTH}))", *sums.before(names), "for k in range(1, int(t) + 1):"]
+    lines = [f"c = carray(scratch, (4, {LENGTH}))", *sums.before(names), "for k in range(1, int(t) + 1):"]
     lines += [f"    {line}" for line in loop]
     return _load(module_text([function_text("sums", [*lines, "return 0"])])).sums.ctypes
 

@@ -26,7 +26,7 @@ def step(
 ) -> tuple[int, np.ndarray]:
     """Verdict and increment of one compiled step."""
     framed = Framed(system, method, side, x, carry)
-    framed.call("settle", t)
+    framed.call("set_levels", t)
     return framed.call("step", t, h), framed.part("increment").copy()
 
 

@@ -38,7 +38,7 @@ def laws_of(variables: str, field: tuple[str, ...], g: str, parameters: str = ""
 def compiled(laws: Laws) -> tuple[Callable[..., None], int]:
     """The jitted function of the text, and how many rows it needs."""
     code = series_code(laws, laws.sides[1])
-    read = [f"order = int(w[{ORDER_SLOT}])", f"c = carray(memo, ({code.rows}, order + {SPARE}))"]
+    read = [f"order = int(w[{ORDER_SLOT}])", f"c = carray(scratch, ({code.rows}, order + {SPARE}))"]
     module = _load(
         module_text([function_text("series", [*read, "shrink = 1.0", *code.lines, f"w[{UNIT}] = unit", "return 0"])])
     )

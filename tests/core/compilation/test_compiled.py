@@ -57,7 +57,7 @@ def test_a_second_process_loads_instead_of_compiling(tmp_path):
 def test_sides_of_the_same_law_are_compiled_once():
     system = core.PiecewiseSystem("same", ("x", "y"), ("y", "-x"), ("y", "-x"), "y")
     addresses = compiled.compile_run(system.laws, core.METHODS["rk2"]).addresses
-    assert addresses[STEP] == addresses[STEP + 1]
+    assert addresses[0, STEP] == addresses[1, STEP]
 
 
 def test_a_tampered_cache_file_is_not_run(tmp_path, monkeypatch):

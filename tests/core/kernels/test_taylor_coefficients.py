@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.kernels.taylor_coefficients import MAX_ORDER, order_of, power_near, power_of_two, reach
+from core.kernels.taylor_coefficients import MAX_ORDER, order_of, power_near, power_of_two, step_length
 
 
 def rows(count: int = 4, length: int = 32) -> Any:
@@ -30,16 +30,18 @@ def safety(order: int, tolerance: float) -> float:
 def test_reach_is_the_radius_of_convergence_times_a_factor(order: int, radius: float, digits: float) -> None:
     tolerance = math.exp(digits * order)
     # ‖x‖ and ‖x'‖ h are alike here, so that the state is the scale.
-    assert reach(geometric(radius), 1, order, tolerance) == pytest.approx(radius * safety(order, tolerance), rel=1e-2)
+    assert step_length(geometric(radius), 1, order, tolerance) == pytest.approx(
+        radius * safety(order, tolerance), rel=1e-2
+    )
 
 
 @pytest.mark.parametrize("scale", [2.0**-330, 2.0**330])
 def test_reach_does_not_depend_on_units(scale: float) -> None:
     c = rows() * 0.7 ** np.arange(32)
-    h = reach(c, 3, 16, 1e-14)
-    assert reach(scale * c, 3, 16, 1e-14) == pytest.approx(h, rel=1e-12)
+    h = step_length(c, 3, 16, 1e-14)
+    assert step_length(scale * c, 3, 16, 1e-14) == pytest.approx(h, rel=1e-12)
     shrunk = c * 2.0 ** (20 * np.arange(32))
-    assert reach(shrunk, 3, 16, 1e-14) == pytest.approx(h / 2**20, rel=1e-12)
+    assert step_length(shrunk, 3, 16, 1e-14) == pytest.approx(h / 2**20, rel=1e-12)
 
 
 def test_reach_passes_zero_and_starts_from_rest() -> None:
@@ -49,35 +51,35 @@ def test_reach_passes_zero_and_starts_from_rest() -> None:
     for power in (0, 1, 3):  # times s**power: at rest
         moved = np.roll(tangent, power, axis=1)
         moved[0, :power] = 0.0
-        assert 0.5 * safety(order, tolerance) * math.pi / 2 < reach(moved, 1, order, tolerance) < math.pi / 2
+        assert 0.5 * safety(order, tolerance) * math.pi / 2 < step_length(moved, 1, order, tolerance) < math.pi / 2
 
 
 def test_what_is_left_out_is_below_the_tolerance() -> None:
     for tolerance in (1e-4, 1e-8, 1e-12, 1e-15):
         order = order_of(tolerance)
         for other in (3, order, 24):  # a lower order takes shorter steps
-            h = reach(geometric(1.0), 1, other, tolerance)
+            h = step_length(geometric(1.0), 1, other, tolerance)
             assert h ** (other + 1) / (1 - h) <= tolerance
 
 
 def test_reach_is_unlimited_where_nothing_limits_it() -> None:
     c = np.zeros((3, 32))
-    assert reach(c, 2, 16, 1e-14) == math.inf
+    assert step_length(c, 2, 16, 1e-14) == math.inf
     c[0, 0] = 1.0
-    assert reach(c, 2, 16, 1e-14) == math.inf
+    assert step_length(c, 2, 16, 1e-14) == math.inf
     c[:2, :3] = [[1.0, 2.0, -4.9], [2.0, -9.8, 0.0]]  # a ball in flight
-    assert reach(c, 2, 16, 1e-14) == math.inf
+    assert step_length(c, 2, 16, 1e-14) == math.inf
     c[0, 9] = 1.0  # a gap at the end is not a polynomial yet
-    assert reach(c, 2, 16, 1e-14) < 1.0
+    assert step_length(c, 2, 16, 1e-14) < 1.0
 
 
 @pytest.mark.parametrize("place", [(0, 0), (0, 16), (1, 15), (1, 16)])
 def test_reach_of_what_is_not_finite_is_no_step(place: tuple[int, int]) -> None:
     c = rows()
     c[place] = math.nan
-    assert math.isnan(reach(c, 2, 16, 1e-14))
+    assert math.isnan(step_length(c, 2, 16, 1e-14))
     c[place] = math.inf
-    assert not 0.0 < reach(c, 2, 16, 1e-14) < math.inf
+    assert not 0.0 < step_length(c, 2, 16, 1e-14) < math.inf
 
 
 def test_higher_orders_are_for_smaller_tolerances() -> None:

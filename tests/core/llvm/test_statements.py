@@ -13,7 +13,7 @@ from core.codegen.functions import module_text
 from core.compilation.compiled import _load, _texts
 from core.kernels.abi import ORDER, PER_UNIT, TOLERANCE, Frame
 from core.kernels.doubledouble import arithmetic, elementary
-from core.kernels.scratch import scratch
+from core.kernels.stack_array import stack_array
 from core.kernels.taylor_coefficients import STRIDE
 from core.llvm import statements
 from core.llvm.operations import Unknown
@@ -30,14 +30,18 @@ def pointer(array):
 def module(body: str):
     """A module of generated text whose only function has these lines."""
     lines = "\n".join(f"    {line}" for line in body.strip("\n").splitlines())
-    return _load(module_text([f"@native\ndef value(t, h, p, w, memo):\n{lines}\n"]))
+    return _load(module_text([f"@native\ndef value(t, h, p, w, scratch):\n{lines}\n"]))
 
 
 def in_python(body: str):
     """The same lines run by Python."""
     lines = "\n".join(f"    {line}" for line in body.strip("\n").splitlines())
-    space = {"math": math, "scratch": scratch, "carray": lambda rows, shape: rows[: shape[0] * shape[1]].reshape(shape)}
-    exec(f"def value(t, h, p, w, memo):\n{lines}\n", space)  # noqa: S102 - text of our own
+    space = {
+        "math": math,
+        "stack_array": stack_array,
+        "carray": lambda rows, shape: rows[: shape[0] * shape[1]].reshape(shape),
+    }
+    exec(f"def value(t, h, p, w, scratch):\n{lines}\n", space)  # noqa: S102 - text of our own
     return space["value"]
 
 
@@ -54,9 +58,10 @@ TEXTS = {
     "a variable that turns into a float": "u = 0\nfor k in range(3):\n    u = u + p[k]\nw[0] = u\nreturn 0",
     "whole numbers": "m = int(p[0]*100.0)\nw[0] = m % 7\nw[1] = (m // 4)*1.0\nw[2] = (m & 5) + (m >> 2)\nreturn m % 5",
     "remainders": "w[0], w[1] = (p[0]*10.0) % 1.0, (p[1]*10.0) % -3.0\nreturn 0",
-    "rows": "c = carray(memo, (3, 5))\nfor i in range(3):\n    for k in range(5):\n        c[i, k] = c[i, k]*p[i] + k\n"
+    "rows": "c = carray(scratch, (3, 5))\nfor i in range(3):\n    for k in range(5):\n"
+    "        c[i, k] = c[i, k]*p[i] + k\n"
     "w[0] = c[2, 4]\nreturn 0",
-    "scratch": "a = scratch(6)\nfor k in range(6):\n    a[k] = p[k]*t\nq = 1.0\n"
+    "stack_array": "a = stack_array(6)\nfor k in range(6):\n    a[k] = p[k]*t\nq = 1.0\n"
     "for k in range(5, -1, -1):\n    q = q*a[k] + 1.0\nw[0] = q\nreturn 0",
     "exchange": "a, b = p[0], p[1]\na, b = b, a\nw[0], w[1] = w[1], w[0]\nw[2] = a - 2.0*b\nreturn 0",
     "functions": "w[0] = math.sqrt(abs(p[0])) + math.exp(p[1]) - math.log(abs(p[2]) + 1.0)\n"
@@ -74,9 +79,9 @@ def test_text_means_what_it_means_to_python(what, draws):
     assert made.cache_hits in (0, 1)  # machine code of ours, not numba's
     assert type(made).__module__ == "core.llvm.native"
     for rng in draws(50):
-        p, w, memo = (rng.normal(size=SIZE) for _ in range(3))
+        p, w, scratch = (rng.normal(size=SIZE) for _ in range(3))
         t, h = rng.normal(size=2)
-        ours, theirs = (w.copy(), memo.copy()), (w.copy(), memo.copy())
+        ours, theirs = (w.copy(), scratch.copy()), (w.copy(), scratch.copy())
         number = made.ctypes(t, h, pointer(p), *map(pointer, ours))
         assert number == told(float(t), float(h), p.tolist(), *theirs), (p, w)
         # Python has the C library work out whole powers, too: within two roundings of what is multiplied out.
@@ -118,12 +123,12 @@ def test_steps_come_out_to_the_same_bits_as_by_numba(name, method, draws):
     ours, theirs = (_load(t).step.ctypes for t in (text, numba_text))
     p = np.array([*system.parameter_array, 0.0])
     for rng in draws(100):
-        w, memo = rng.normal(size=frame.empty().size), rng.normal(size=(40, STRIDE)) * 0.1 ** np.arange(STRIDE)
+        w, scratch = rng.normal(size=frame.empty().size), rng.normal(size=(40, STRIDE)) * 0.1 ** np.arange(STRIDE)
         w[frame.carry : frame.increment] *= 1e-17
         w[ORDER], w[TOLERANCE], w[PER_UNIT] = 16, 1e-12, 1.0
         ends = [w.copy(), w.copy()]
         verdicts = [
-            f(0.2, 0.05, pointer(p), pointer(e), pointer(memo)) for f, e in zip((ours, theirs), ends, strict=True)
+            f(0.2, 0.05, pointer(p), pointer(e), pointer(scratch)) for f, e in zip((ours, theirs), ends, strict=True)
         ]
         assert verdicts[0] == verdicts[1]
         np.testing.assert_array_equal(*ends)
@@ -134,7 +139,7 @@ def test_steps_come_out_to_the_same_bits_as_by_numba(name, method, draws):
              "with p:\n    pass\nreturn 0", "return 1.0"]
 )  # fmt: skip
 def test_what_is_not_in_the_language_is_told_so(body):
-    source = f"def value(t, h, p, w, memo):\n{''.join(f'    {line}' + chr(10) for line in body.splitlines())}"
+    source = f"def value(t, h, p, w, scratch):\n{''.join(f'    {line}' + chr(10) for line in body.splitlines())}"
     name = f"<text {hash(body)}>"
     linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
     space = {}

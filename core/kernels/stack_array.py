@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["scratch"]
+__all__ = ["stack_array"]
 
 
-def scratch(size: int) -> NDArray[np.float64]:
+def stack_array(size: int) -> NDArray[np.float64]:
     """Room for numbers of no certain value; in machine code (`native`) it is on the stack of the function."""
     return np.empty(size)

@@ -1,0 +1,22 @@
+"""The table of guards and transitions of a system, as the time loop reads it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.symbolic.laws import Laws
+from core.transition.records import GUARD, JUMP_ANYWHERE, JUMP_TO_SURFACE, NO_JUMP, SIGNS
+
+__all__ = ["guard_table"]
+
+
+def guard_table(laws: Laws) -> NDArray[Any]:
+    """Guards (modes,) of `records.GUARD`: the surface is that of both modes, and leads from each to the other."""
+    table = np.zeros(len(SIGNS), dtype=GUARD)
+    table["sign"], table["to"], table["jump"] = SIGNS, [1, 0], NO_JUMP
+    if laws.jump is not None:
+        table["jump"] = JUMP_TO_SURFACE if laws.jump_stays else JUMP_ANYWHERE
+    return table
