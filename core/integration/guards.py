@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from core.transition.records import GUARD, JUMP_ANYWHERE, JUMP_TO_SURFACE, NO_JU
 __all__ = ["guard_table"]
 
 
+@lru_cache(maxsize=256)
 def guard_table(laws: Laws) -> NDArray[Any]:
     """Guards (modes,) of `records.GUARD`: the surface is that of both modes, and leads from each to the other."""
     table = np.zeros(len(SIGNS), dtype=GUARD)

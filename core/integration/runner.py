@@ -32,7 +32,7 @@ from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 
-#: Steps between two readings of the cancel flag: some milliseconds, beside which the quarter of one for a call is small.
+#: Steps between two readings of the cancel flag: some milliseconds, beside which a call, a quarter of one, is little.
 _CHUNK = 131072
 #: Crossings that one call of the loop can keep.
 _HITS = 4096

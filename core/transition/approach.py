@@ -15,7 +15,7 @@ from core.kernels.jit import inlined, internal
 from core.transition.event_location import BOUND, try_step, write_end
 from core.transition.surface import MARGIN, evaluate_g, evaluate_switching
 
-__all__ = ["cut_to_domain", "cut_to_reach", "has_end", "is_at_surface", "move_across"]
+__all__ = ["cut_to_domain", "cut_to_prepared", "has_end", "is_at_surface", "move_across"]
 
 _EPS = 2.0**-52
 #: Of a step to the surface beyond which the field has no value.
@@ -27,7 +27,7 @@ _NOTHING = 2.0**-48
 
 
 @inlined
-def cut_to_reach(context, t, h):
+def cut_to_prepared(context, t, h):
     """The length that a variable-step method takes, at most h; nan where there is none."""
     run = context.run
     run.evaluations += call(context.functions[run.mode, PREPARE], t, h, context.p, context.w, context.scratch)

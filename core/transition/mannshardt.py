@@ -15,7 +15,7 @@ from core.kernels.abi import DELAY, DOUBT, G_END, JUMP, PROJECT, SET_LEVELS, SLA
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
-from core.transition.approach import cut_to_domain, cut_to_reach, has_end, is_at_surface, move_across
+from core.transition.approach import cut_to_domain, cut_to_prepared, has_end, is_at_surface, move_across
 from core.transition.event_location import (
     BOUND,
     FAILED,
@@ -286,10 +286,11 @@ def land(context, log, t):
     return True
 
 
-@internal
-def step_over(context, log, t, h, height, rate):
+@inlined
+def step_over(context, log, t, h):
     """Without a transition: the step stands, and only then is g evaluated."""
     run, x, place = context.run, context.x, context.place
+    height, rate = run.sign * context.w[G_END], rate_at_end(context)
     if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
         part = run.height / (run.height - height) if run.height > 0.0 else 0.0
         for i in range(x.size):
@@ -308,59 +309,77 @@ def step_over(context, log, t, h, height, rate):
 
 
 @inlined
+def locate_in_shorter_step(context, t, h):
+    """Locate a crossing where a step of length h has failed: what is found, and the length of a shorter one."""
+    run = context.run
+    h = cut_to_domain(context, t, h)
+    if h == 0.0:
+        return FAILED, h
+    if run.leaving == 0 and is_at_surface(context, t):
+        run.hit = 0.0
+        return FOUND, h
+    return locate_crossing(context, t, h, run.sign * context.w[G_END], rate_at_end(context)), h
+
+
+@inlined
+def locate(context, t, h, kind, low, high):
+    """Locate the first crossing in a step of length h that ends: what is found, and the length if it is nothing."""
+    run = context.run
+    height, rate, found = run.sign * context.w[G_END], rate_at_end(context), NONE
+    if run.adaptive == 1:
+        found = locate_beside_series(context, t, h, height, rate, kind, low, high)
+    elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
+        found = locate_crossing(context, t, h, height, rate)
+    if found == SHORT:
+        h, run.final = run.hit, 0
+        found = NONE
+    return found, h
+
+
+@inlined
+def end_step(context, t, h):
+    """A step of length h in which no crossing has been found stands."""
+    run = context.run
+    if run.tried != h:  # to look for a crossing has changed the increment
+        try_step(context, t, h)
+    height, rate = run.sign * context.w[G_END], rate_at_end(context)
+    accept_step(context)
+    advance_time(run, h)
+    run.height, run.rate = height, rate
+    run.leaving = 0 if height > 0.0 else run.leaving
+    run.longest = max(run.longest, abs(h))
+    return _CONTRADICTION if height < 0.0 and contradicts(context, h) else RUNNING
+
+
+@inlined
 def advance(context, log, h):
     """Go on by h, or to the first crossing before that and into the mode behind; run.rest is what is left of h."""
-    run, whole = context.run, h
-    t, found = run.t + run.t_carry, NONE
+    run = context.run
+    t, found = run.t + run.t_carry, FAILED
     kind, low, high = NO_ROOT, 0.0, 0.0
     run.rest = 0.0
     if run.adaptive == 1:
-        h = whole = cut_to_reach(context, t, h)
+        h = cut_to_prepared(context, t, h)
         if run.follow == 1:
             kind, low, high = isolate_root_of_series(context, h)
+    length = h
     if kind == ROOT and locate_near_root(context, t, low, high):
-        found = FOUND  # and the end of the step need not be looked at
-    else:
-        if not has_end(context, t, h):
-            if write_end(context) >= BOUND:
-                return _ESCAPED
-            found = FAILED
-        height, rate = run.sign * context.w[G_END], rate_at_end(context)
-        if found == FAILED:
-            pass
-        elif run.follow == 0:
-            return step_over(context, log, t, h, height, rate)
-        elif run.adaptive == 1:
-            found = locate_beside_series(context, t, h, height, rate, kind, low, high)
-        elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
-            found = locate_crossing(context, t, h, height, rate)
-        if found == FAILED and run.follow == 1:
-            h = cut_to_domain(context, t, h)
-            if h == 0.0:
-                return _NO_CONVERGENCE
-            height, rate = run.sign * context.w[G_END], rate_at_end(context)
-            if run.leaving == 0 and is_at_surface(context, t):
-                run.hit, found = 0.0, FOUND
-            else:
-                found = locate_crossing(context, t, h, height, rate)
-        if found == SHORT:
-            h, run.final = run.hit, 0
-            height, rate = try_step(context, t, h), rate_at_end(context)
-            found = NONE
-        if found == NONE:
-            if run.tried != h:  # to look for a crossing has changed the increment
-                try_step(context, t, h)
-            accept_step(context)
-            advance_time(run, h)
-            run.height, run.rate = height, rate
-            run.leaving = 0 if height > 0.0 else run.leaving
-            run.longest = max(run.longest, abs(h))
-            run.rest = whole - h if run.adaptive == 0 else 0.0
-            return _CONTRADICTION if height < 0.0 and contradicts(context, h) else RUNNING
+        found = FOUND  # and the end of the step is of no use
+    elif has_end(context, t, h):
+        if run.follow == 0:
+            return step_over(context, log, t, h)
+        found, length = locate(context, t, h, kind, low, high)
+    elif write_end(context) >= BOUND:
+        return _ESCAPED
+    if found == FAILED and run.follow == 1:
+        found, length = locate_in_shorter_step(context, t, h)
+    if found == NONE:
+        run.rest = h - length if run.adaptive == 0 else 0.0
+        return end_step(context, t, length)
     if found == FAILED or not land(context, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:
         run.own = 0.0  # it turns at the surface, and does not arrive
-    run.rest = whole - run.hit if run.adaptive == 0 else 0.0
+    run.rest = h - run.hit if run.adaptive == 0 else 0.0
     run.final = run.final if run.adaptive == 0 else 0
     return switch_mode(context, log, found)
