@@ -98,7 +98,7 @@ def _compiled() -> Callable[..., None]:
 
     @njit(signature, cache=True, nogil=True, **OPTIONS)
     def along(functions, p, w, scratch, d, t, x, side, segment, entered_t, entered_x, excess):
-        sources  # noqa: B018 - part of the key that numba caches under
+        _ = sources  # which makes it a part of the key that numba caches under
         place, found = w[head : head + d], w[w.size - excess.shape[1] :]
         now = -1
         for row in range(t.size):

@@ -175,7 +175,7 @@ def _compiled() -> Callable[..., int]:
         functions, p, w, scratch, d, adaptive, conservative, sign,
         t, x, side, segment, entered_t, entered_x, entered_side, first, times, found, sides, segments,
     ):  # fmt: skip
-        sources  # noqa: B018 - part of the key that numba caches under
+        _ = sources  # which makes it a part of the key that numba caches under
         place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
         row, now = -1, -1  # the row before, and the segment whose levels are set
         here, start, begin, mode, fresh = 0, x[0], t[0], 0, True

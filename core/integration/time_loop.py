@@ -98,7 +98,7 @@ def compiled_march() -> Callable[..., int]:
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
         rows, rows_x, hits, places, envelope, samples,
     ):  # fmt: skip
-        sources  # noqa: B018 - part of the key that numba caches under
+        _ = sources  # which makes it a part of the key that numba caches under
         run = records[0]
         x, carry = w[head : head + d], w[head + d : head + 2 * d]
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
