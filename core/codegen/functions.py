@@ -14,7 +14,7 @@ from core.codegen.linear_solve import FEW, least_change, row_lines, size_line
 from core.codegen.printing import assignments, doubled_assignments, magnitude, named
 from core.codegen.rounding import rounding_bound
 from core.kernels import abi, divided_differences, stack_array, taylor_coefficients
-from core.kernels.doubledouble import arithmetic, elementary, error_free, pair_arithmetic, quick, tables
+from core.kernels.doubledouble import arithmetic, elementary, error_free, tables
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws, Side
 
@@ -33,8 +33,8 @@ _TANGENT = 2.0**-25
 
 #: Modules of jitted functions that generated text calls, and of the tables that these use.
 _JITTED = (
-    abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, pair_arithmetic, quick,
-    stack_array, tables, taylor_coefficients,
+    abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, stack_array, tables,
+    taylor_coefficients,
 )  # fmt: skip
 _HOME = {name: module.__name__ for module in _JITTED for name in getattr(module, "__all__", ())}
 
@@ -88,11 +88,11 @@ class Names:
         """A system's expressions in these names."""
         return [e.xreplace(self.symbols) for e in expressions]
 
-    def doubled(self, targets: Sequence[str], expressions: Iterable[Expr], quick: bool = False) -> list[str]:
+    def doubled(self, targets: Sequence[str], expressions: Iterable[Expr]) -> list[str]:
         """Lines that work a system's expressions out in double-double, at state + carry."""
         known = {x: (str(x), str(c)) for x, c in zip(self.x, self.carry, strict=True)}
         exact = {s: (str(s), None) for s in (*self.p, Symbol("t"))}
-        return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries, quick)
+        return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries)
 
 
 def evaluate_switching_text(laws: Laws) -> str:
@@ -115,13 +115,10 @@ def jump_text(laws: Laws) -> str:
     return function_text("jump", [*names.unpack, *assignments(targets, after, names.temporaries), "return 0"])
 
 
-def level_residual_lines(names: Names, side: Side, quick: bool = False) -> list[str]:
-    """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double.
-
-    In a step, or on the surface, it may be `quick`: what is wrong with one residual is not added to the next.
-    """
+def level_residual_lines(names: Names, side: Side) -> list[str]:
+    """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double."""
     m, level = len(side.conserved), names.frame.level
-    lines = names.doubled([f"u{j}" for j in range(m)], side.conserved, quick)
+    lines = names.doubled([f"u{j}" for j in range(m)], side.conserved)
     for j in range(m):
         lines.append(f"r{j}, q = pair_add(u{j}, u{j}_low, -w[{level + j}], -w[{level + names.frame.m + j}])")
         lines.append(f"r{j} += q")
@@ -153,8 +150,8 @@ def project_to_surface_text(laws: Laws, side: Side, conservative: bool) -> str:
     conserved = side.conserved if conservative else ()
     m, d = len(conserved), len(laws.x)
     moves = named("a", d)
-    lines = [*names.unpack, *(level_residual_lines(names, side, quick=True) if conservative else [])]
-    lines += [*names.doubled([f"r{m}"], [laws.g], quick=True), f"r{m} += r{m}_low"]
+    lines = [*names.unpack, *(level_residual_lines(names, side) if conservative else [])]
+    lines += [*names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
     gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
     rows, worked_out = row_lines(gradients, names.temporaries)
     lines += [*worked_out, size_line(names.x), *least_change(rows, moves, names.temporaries, least=_TANGENT)]

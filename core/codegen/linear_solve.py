@@ -92,12 +92,18 @@ def with_pivots(n: int, d: int) -> list[str]:
                 f"or abs(j{k}_{k}) <= {DEPENDENT} * whole{k}):",
                 f"    j{k}_{k} = math.inf",
             ]
-        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0")
-        for i in range(k + 1, n):
-            lines.append(f"q = j{i}_{k} * j{k}_{k}")
-            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, n)]
-            lines.append(f"r{i} -= q * r{k}")
+        lines += _elimination(k, n)
     return lines + _back_substitution(n)
+
+
+def _elimination(k: int, n: int) -> list[str]:
+    """Lines that clear column k below its pivot, which they leave inverted; a pivot of 0 or inf binds nothing."""
+    lines = [f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0"]
+    for i in range(k + 1, n):
+        lines.append(f"q = j{i}_{k} * j{k}_{k}")
+        lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, n)]
+        lines.append(f"r{i} -= q * r{k}")
+    return lines
 
 
 def _back_substitution(n: int) -> list[str]:
@@ -161,11 +167,7 @@ def least_change(
                 f"if near and (abs(r{k}) <= {SPARED} * math.sqrt(s{k}) * state or abs(j{k}_{k}) <= {least!r} * s{k}):",
                 f"    j{k}_{k} = math.inf",
             ]
-        lines.append(f"j{k}_{k} = 1.0 / j{k}_{k} if j{k}_{k} != 0.0 else 0.0")
-        for i in range(k + 1, m):
-            lines.append(f"q = j{i}_{k} * j{k}_{k}")
-            lines += [f"j{i}_{c} -= q * j{k}_{c}" for c in range(k + 1, m)]
-            lines.append(f"r{i} -= q * r{k}")
+        lines += _elimination(k, m)
     lines += _back_substitution(m)
     multipliers = sympy.Matrix(sympy.symbols(f"r:{m}"))
     return lines + assignments(

@@ -108,13 +108,9 @@ def doubled_assignments(
     expressions: Sequence[Expr],
     known: Mapping[Symbol, Pair],
     temporaries: Iterable[Symbol],
-    quick: bool = False,
 ) -> list[str]:
-    """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double.
-
-    Where `quick`, elementary functions are good to some 2⁻⁷⁷ only (`doubledouble.quick`).
-    """
-    writer = _Doubled(known, temporaries, quick)
+    """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double."""
+    writer = _Doubled(known, temporaries)
     for target, expression in zip(targets, expressions, strict=True):
         high, low = writer.pair(expression)
         writer.lines.append(f"{target}, {target}_low = {high}, {low or '0.0'}")
@@ -124,9 +120,8 @@ def doubled_assignments(
 class _Doubled:
     """The recursion of `doubled_assignments`, which works out every shared subexpression once."""
 
-    def __init__(self, known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol], quick: bool = False) -> None:
+    def __init__(self, known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol]) -> None:
         self.known: dict[Expr, Pair] = dict(known)
-        self.kind = "quick" if quick else "dd"
         self.temporaries = iter(temporaries)
         self.lines: list[str] = []
 
@@ -171,7 +166,7 @@ class _Doubled:
         if u.is_Pow:
             return self.power(u.base, u.exp)
         name = type(u).__name__
-        return self.call(f"{self.kind}_{name}", self.pair(u.args[0]))
+        return self.call(f"dd_{name}", self.pair(u.args[0]))
 
     def product(self, u: Expr) -> Pair:
         total, *others = map(self.pair, sympy.Mul.make_args(u))
@@ -201,5 +196,5 @@ class _Doubled:
             self.known[name] = root
             return self.power(name, Integer(exponent.p))
         if base == sympy.E:
-            return self.call(f"{self.kind}_exp", self.pair(exponent))
-        return self.call(f"{self.kind}_pow", self.pair(base), self.pair(exponent))
+            return self.call("dd_exp", self.pair(exponent))
+        return self.call("dd_pow", self.pair(base), self.pair(exponent))

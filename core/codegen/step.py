@@ -273,7 +273,7 @@ class StepCode:
             return list(increments)
         changes = named("e", len(self.x))
         given = self.let(increments)
-        self._lines += level_residual_lines(self._names, self._side, quick=True)
+        self._lines += level_residual_lines(self._names, self._side)
         # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
         gradients, lines = row_lines(self._gradients_at_end(), self._temporaries)
         self._lines += [*lines, size_line(self.x), *least_change(gradients, changes, self._temporaries)]
@@ -305,7 +305,7 @@ class StepCode:
         if prepared:
             lines += [f"o{j} = w[{self._names.frame.level_residual + j}]" for j in range(m)]
         else:
-            lines += [*level_residual_lines(self._names, side, quick=True), *(f"o{j} = r{j}" for j in range(m))]
+            lines += [*level_residual_lines(self._names, side), *(f"o{j} = r{j}" for j in range(m))]
         gradient = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
         rows, inner = row_lines(gradient.tolist(), self._temporaries)
         slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))

@@ -138,7 +138,7 @@ class Operations:
         inverse = self.once("q", below, f"1.0/{b.start}")
 
         def recurrence(w: Node) -> str:
-            known = f"-{inverse}*{self.sums.product(self.row(b), self.row(w), awaited=True)}"
+            known = f"-{inverse}*{self.sums.product(self.row(b), self.row(w))}"
             return self.newest(u, scale=inverse, more={below: f"-({w.start}*{inverse})"}, known=known)
 
         n = self.add(("/", *key_of(u), below), f"({self.start(u)})/{b.start}", recurrence)
@@ -150,7 +150,7 @@ class Operations:
 
         def recurrence(w: Node) -> str:
             half = f"(0.5/{w.start})"
-            known = f"-{half}*{self.sums.product(self.row(w), self.row(w), awaited=True)}"
+            known = f"-{half}*{self.sums.product(self.row(w), self.row(w))}"
             return self.newest(u, scale=half, known=known)
 
         return self.add(("sqrt", *key_of(u)), f"math.sqrt({self.start(u)})", recurrence)
@@ -161,7 +161,7 @@ class Operations:
         inverse, slope = self.once("q", base, f"1.0/{u.start}"), self.slope(base)
 
         def recurrence(w: Node) -> str:
-            moved, still = (self.sums.product(self.row(n), self.row(w), awaited=True) for n in (slope, u))
+            moved, still = (self.sums.product(self.row(n), self.row(w)) for n in (slope, u))
             known = f"{inverse}*fma(inverse*({a} + 1.0), {moved}, -{still})"
             return f"fma({a}*{w.start}*{inverse}, {u.newest}, {known})"
 
@@ -175,7 +175,7 @@ class Operations:
             inverse = self.once("q", n, f"1.0/{a.start}")
             w = self.nodes[self.add(("log", n), f"math.log({a.start})", lambda _: "")]
             slope = self.nodes[self.add(("rate of log", n), "0.0", lambda _: f"k*{w.newest}")]
-            known = f"(-inverse*{inverse})*{self.sums.product(self.row(a), self.row(slope), awaited=True)}"
+            known = f"(-inverse*{inverse})*{self.sums.product(self.row(a), self.row(slope))}"
             w.recurrence = f"fma({inverse}, {a.newest}, {known})"
         return self.known["log", n]
 
@@ -191,9 +191,7 @@ class Operations:
             return lambda w: f"{text}inverse*(unit*c[{self.row(w)}, k - 1])"
         newest, row = self.nodes[n].newest, self.row(self.slope(n))
         # The term j = k, whose slope is k uₖ, needs no division by k: it may be the last to come.
-        return lambda w: (
-            f"fma({text}{w.start}, {newest}, ({text}inverse)*{self.sums.product(row, self.row(w), awaited=True)})"
-        )
+        return lambda w: f"fma({text}{w.start}, {newest}, ({text}inverse)*{self.sums.product(row, self.row(w))})"
 
     def exponential(self, u: Linear) -> int:
         """The exponential w of u, with w' = u' w."""

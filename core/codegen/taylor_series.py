@@ -230,9 +230,7 @@ class _Writer(Operations):
                 before.append(f"c[{node.row}, 0] = {node.start}")
                 loop.append(f"c[{node.row}, k] = {node.newest}")
         before += [*(first for first, _ in rates), heights[0], *self.unit()]
-        newest = {node.row: node.newest for node in self.nodes if node.row is not None}
-        loop += [*(rate for _, rate in rates), heights[1], *self.sums.after(newest, sums)]
-        before += self.sums.before(sums)
+        loop += [*(rate for _, rate in rates), heights[1]]
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)
 

@@ -103,5 +103,5 @@ def _residual_lines(laws: Laws, side: Side) -> list[str]:
     if not targets:
         return []
     lines = [f"if w[{LEVELS_SET}] == 1.0:", f"    {' = '.join(targets)} = w[{LEVELS_SET}] = 0.0", "else:"]
-    lines += [f"    {line}" for line in level_residual_lines(names, side, quick=True)]
+    lines += [f"    {line}" for line in level_residual_lines(names, side)]
     return [*lines, *(f"    {target} = r{j}" for j, target in enumerate(targets))]

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.reference.arcs import ExactArc, Level
 from core.reference.powers import GUARD, Field
 from core.reference.program import Digits, Program
-from core.reference.recognition import exact_numbers, recognise
+from core.reference.recognition import closed_form, exact_numbers
 from core.reference.solution import MAX_CROSSINGS, Motion, ReferenceSolution, State, Stop, first_arc
 from core.reference.surface import Surface
 from core.symbolic.expressions import TIME
@@ -56,7 +56,7 @@ def exact_solution(
     jump : tuple of d expressions, or None
         In the variables and time: the state after reaching the surface.
     """
-    below, above = recognise(field_minus, variables), recognise(field_plus, variables)
+    below, above = closed_form(field_minus, variables), closed_form(field_plus, variables)
     names = {TIME, *variables}
     if below is None or above is None or any(e.free_symbols - names for e in (g, *(jump or ()))):
         return None
@@ -70,7 +70,7 @@ def exact_solution(
         level = Level(Digits.of(bits + GUARD), flows, surface)
         return _solution(level, jumps, float(t0), start, max_crossings, guide)
 
-    return ExactSolution(", ".join(sorted({below.name, above.name})), float(t0), begin)
+    return ExactSolution(", ".join(sorted({below, above})), float(t0), begin)
 
 
 class ExactSolution:

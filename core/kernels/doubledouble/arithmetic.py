@@ -1,10 +1,12 @@
 """Double-double arithmetic: a number is the unevaluated sum hi + lo of two doubles, about 106 bits.
 
-Every function takes and returns such pairs as plain floats, |lo| ≤ ulp(hi)/2, and none has a branch where a polynomial
-needs it. With u = 2⁻⁵³ the relative errors are at most 3 u² for a sum (whatever cancels), 5 u² for a product, 2 u²
-for a product with a double, 15 u² for a quotient, 4 u² for a square root.
+Every function takes and returns such pairs as plain floats. With u = 2⁻⁵³ the relative errors are at most 15 u² for a
+quotient and 4 u² for a square root, of pairs with |lo| ≤ ulp(hi)/2, which both return. Sums and products, which are
+worked out at every step, leave lo as it comes: the error of a sum of products is some eps² of its terms, as long as lo
+stays small beside hi.
 Joldes, Muller, Popescu: Tight and rigorous error bounds for basic building blocks of double-word arithmetic,
-ACM Trans. Math. Softw. 44 (2017); the square root: Lefèvre, Louvet, Muller, Picot, Rideau, ibid. 49 (2023).
+ACM Trans. Math. Softw. 44 (2017); the square root: Lefèvre, Louvet, Muller, Picot, Rideau, ibid. 49 (2023); sums and
+products: Lange, Rump: Faithfully rounded floating-point computations, ibid. 46 (2020).
 
 The bounds hold as long as the products of high parts stay between 2⁻⁹⁶⁸, below which what rounding lost of them is no
 double any more, and the largest double. What overflows in a sum or a product is nan or inf: never a finite number.
@@ -26,8 +28,8 @@ from numba.extending import intrinsic
 from core.kernels.doubledouble.error_free import two_sum
 
 __all__ = [
-    "dd_add", "dd_div", "dd_mul", "dd_scale", "dd_sqrt", "dd_square", "fast_two_sum", "fma",
-    "split", "two_product",
+    "dd_div", "dd_sqrt", "fast_two_sum", "fma", "pair_add", "pair_mul", "pair_scale", "pair_square", "split",
+    "two_product",
 ]  # fmt: skip
 
 _inline = njit(error_model="numpy")
@@ -67,33 +69,31 @@ def two_product(a, b):
 
 
 @_inline
-def dd_add(ah, al, bh, bl):
+def pair_add(ah, al, bh, bl):
     """a + b."""
-    high, high_lost = two_sum(ah, bh)
-    low, low_lost = two_sum(al, bl)
-    high, rest = fast_two_sum(high, high_lost + low)
-    return fast_two_sum(high, low_lost + rest)
+    high, lost = two_sum(ah, bh)
+    return high, lost + (al + bl)
 
 
 @_inline
-def dd_mul(ah, al, bh, bl):
+def pair_mul(ah, al, bh, bl):
     """a b."""
     high, lost = two_product(ah, bh)
-    return fast_two_sum(high, lost + fma(al, bh, fma(ah, bl, al * bl)))
+    return high, fma(ah, bl, fma(al, bh, lost))
 
 
 @_inline
-def dd_square(ah, al):
+def pair_square(ah, al):
     """a²."""
     high, lost = two_product(ah, ah)
-    return fast_two_sum(high, lost + fma(2.0 * ah, al, al * al))
+    return high, fma(2.0 * ah, al, lost)
 
 
 @_inline
-def dd_scale(ah, al, b):
+def pair_scale(ah, al, b):
     """a b of a double b."""
     high, lost = two_product(ah, b)
-    return fast_two_sum(high, fma(al, b, lost))
+    return high, fma(al, b, lost)
 
 
 @_inline
@@ -102,7 +102,7 @@ def dd_div(ah, al, bh, bl):
     quotient = ah / bh
     if quotient == 0.0 or not math.isfinite(quotient):
         return quotient, 0.0
-    high, low = dd_scale(bh, bl, quotient)
+    high, low = pair_scale(bh, bl, quotient)
     return fast_two_sum(quotient, ((ah - high) + (al - low)) / bh)
 
 

@@ -1,14 +1,13 @@
-"""Elementary functions of double-double numbers; see `doubledouble.arithmetic`.
+"""Elementary functions of double-double numbers to some 2⁻⁷⁷, for levels of ψ and what round-off would take from them.
 
-Each reduces its argument with a table, and sums a short Taylor series of the rest: the first terms in double-double,
-the others, which count some 2⁻⁵³ times less, in double precision. Where a result overflows, underflows or is nan, it
-is as in double precision, with lo = 0.
+Each reduces its argument with a table, and sums a short Taylor series of the rest: the first terms are pairs, the
+others, which count some 2⁻²⁶ times less, are in double precision. A level is set anew at every crossing, so that 2²⁵
+crossings, each wrong by 2⁻⁷⁷ to the same side, move it by one eps.
 
-Relative errors as measured, at most, with u = 2⁻⁵³: exp 1.1 u², log 6 u² (near 1 too), sinh and cosh 3 u², tanh 7 u².
-Sine and cosine have an absolute error of 1.5 u² up to |a| = 2⁴⁶, and up to 10⁵ a relative one of 4 u² (tangent: 6 u²).
-The relative one grows beside the multiples of π/2: to 1900 u² at the doubles nearest to them, and without bound for
-pairs nearer still. Beyond 2⁴⁶ the result is one of double precision. Results below 2⁻⁹⁶⁸ lose digits, as low parts
-below 2⁻¹⁰²² do. The quick ones have an absolute error of 2⁻⁷⁸.
+Errors as measured, at most, relative to the larger of the result and 1: sin, cos, exp, sinh, cosh, tanh 2⁻⁷⁸, log 2⁻⁷⁷,
+tangent 2⁻⁷⁶ up to |a| = 1.3; a^b 2⁻⁷⁷ (1 + |b|) relative, for 2⁻²⁰ ≤ a ≤ 2²⁰. As in double precision, with lo = 0, are
+angles beyond 2³⁵, exponents beyond 600, logarithms and powers of numbers that are not between 2⁻⁹⁶⁰ and 2⁹⁶⁰, and what
+is not finite.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -18,27 +17,25 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from core.kernels.doubledouble.arithmetic import (
-    dd_add,
     dd_div,
-    dd_mul,
-    dd_scale,
-    dd_square,
     fast_two_sum,
     fma,
+    pair_add,
+    pair_mul,
+    pair_scale,
+    pair_square,
     two_product,
 )
 from core.kernels.doubledouble.error_free import two_sum
-from core.kernels.doubledouble.pair_arithmetic import pair_mul, pair_square
 from core.kernels.doubledouble.tables import (
     EXP_HIGH,
     EXP_LOW,
     EXP_STEP,
     EXP_STEPS_PER_UNIT,
-    FIFTH,
-    INVERSE_FACTORIALS,
     LOG_2,
     LOG_C,
     LOG_FIRST,
@@ -48,183 +45,137 @@ from core.kernels.doubledouble.tables import (
     SIN_LOW,
     SIN_STEP,
     SIN_STEPS_PER_UNIT,
-    THIRD,
 )
 
-__all__ = [
-    "dd_cos", "dd_cosh", "dd_exp", "dd_log", "dd_pow", "dd_sin", "dd_sinh", "dd_tan", "dd_tanh",
-    "quick_cos", "quick_sin",
-]  # fmt: skip
+__all__ = ["dd_cos", "dd_cosh", "dd_exp", "dd_log", "dd_pow", "dd_sin", "dd_sinh", "dd_tan", "dd_tanh"]
 
 _inline = njit(error_model="numpy")
 
-
-@_inline
-def _horner(rh, rl, ph, pl, ch, cl):
-    """c + r p where |r p| ≤ |c|: a step of Horner's rule."""
-    mh, ml = dd_mul(rh, rl, ph, pl)
-    sh, sl = fast_two_sum(ch, mh)
-    return fast_two_sum(sh, sl + (cl + ml))
+#: Of a double: bits of the mantissa, how many they are, bits of the number 1, and the exponent's value for it.
+_MANTISSA, _DIGITS, _ONE, _BIAS = 2**52 - 1, 52, 1023 << 52, 1023
 
 
 @_inline
-def _reduced(ah, al, n, step):
-    """a − n step of a whole number n beside a/step; the step has three parts."""
-    h, low = two_product(-n, step[0])
-    h, lost = fast_two_sum(h, ah)  # exact where |ah| is the larger: then they are within a factor of two (Sterbenz)
-    low, low_lost = two_sum(low, al)
-    mh, ml = two_product(-n, step[1])
-    low, rest = two_sum(low, mh)
-    h, low = two_sum(h, low)
-    return h, low + (lost + low_lost + rest + fma(-n, step[2], ml))
+def _power_of_two(k):
+    """2ᵏ, a normal number, without the call that `math.ldexp` is."""
+    return np.int64((k + _BIAS) << _DIGITS).view(np.float64)
 
 
 # Exponential and hyperbolic functions -------------------------------------------------------------------------------
-# eᵃ = 2ᵏ (1 + m), m = 2^(j/128) eʳ − 1, −64 ≤ j < 64, r = a − (k + j/128) log 2, |r| ≤ log(2)/256.
+# eᵃ = 2ᵏ T eʳ, T = 2^(j/128) from a table, −64 ≤ j < 64, r = a − (k + j/128) log 2, |r| ≤ log(2)/256.
 
-_LARGEST_EXPONENT = 746.0  #: e⁷⁴⁶ overflows and e⁻⁷⁴⁶ is 0
-_ONE_TERM = 40.0  #: from here e⁻²ᵃ is nothing beside 1
-
-
-@_inline
-def _exp_reduced(rh, rl):
-    """eʳ − 1 of |r| ≤ log(2)/256."""
-    tail = 1 / 720 + rh * (1 / 5040 + rh * (1 / 40320 + rh * (1 / 362880 + rh * (1 / 3628800))))
-    h, low = fast_two_sum(INVERSE_FACTORIALS[5][0], INVERSE_FACTORIALS[5][1] + rh * tail)
-    h, low = _horner(rh, rl, h, low, INVERSE_FACTORIALS[4][0], INVERSE_FACTORIALS[4][1])
-    h, low = _horner(rh, rl, h, low, INVERSE_FACTORIALS[3][0], INVERSE_FACTORIALS[3][1])
-    h, low = _horner(rh, rl, h, low, 0.5, 0.0)
-    h, low = _horner(rh, rl, h, low, 1.0, 0.0)
-    return dd_mul(rh, rl, h, low)
+#: Up to here eᵃ, e⁻ᵃ and their low parts are normal numbers.
+_LARGEST_EXPONENT = 600.0
 
 
 @_inline
-def _exp_parts(ah, al):
-    """k and m (high, low) of eᵃ = 2ᵏ (1 + m), |m| < 1/2, with small relative error of m; |a| ≤ 746."""
+def _exp(ah, al):
+    """eᵃ of |a| ≤ 600."""
     n = math.floor(ah * EXP_STEPS_PER_UNIT + 0.5)
-    rh, rl = _reduced(ah, al, float(n), EXP_STEP)
+    h, low = two_product(-float(n), EXP_STEP[0])
+    rh, lost = fast_two_sum(h, ah)  # exact: they are within a factor of two of each other (Sterbenz), or n = 0
+    rh, rl = two_sum(rh, lost + (low + (al - float(n) * EXP_STEP[1])))
     k = (n + 64) >> 7
     j = n + 64 - (k << 7)
-    qh, ql = _exp_reduced(rh, rl)
-    th, tl = EXP_HIGH[j], EXP_LOW[j]
-    mh, ml = _horner(qh, ql, th, tl, qh, ql)
-    mh, ml = dd_add(th, tl, mh, ml)
-    return k, mh, ml
-
-
-@_inline
-def _exp_scaled(ah, al, shift):
-    """2^shift eᵃ."""
-    if not abs(ah) <= _LARGEST_EXPONENT:
-        return math.exp(ah), 0.0
-    k, mh, ml = _exp_parts(ah, al)
-    h, low = fast_two_sum(1.0, mh)
-    h, low = fast_two_sum(h, low + ml)
-    h = math.ldexp(h, k + shift)
-    return h, (math.ldexp(low, k + shift) if math.isfinite(h) else 0.0)
-
-
-@_inline
-def _expm1(ah, al):
-    """eᵃ − 1 of 0 ≤ a ≤ 746, with small relative error."""
-    k, mh, ml = _exp_parts(ah, al)
-    if k == 0:
-        return mh, ml
-    scale = math.ldexp(1.0, k)
-    h, low = dd_add(1.0, 0.0, mh, ml)
-    return dd_add(scale * h, scale * low, -1.0, 0.0)
+    zh, zl = pair_square(rh, rl)
+    tail = rh * zh * (1 / 6 + rh * (1 / 24 + rh * (1 / 120 + rh * (1 / 720 + rh * (1 / 5040)))))
+    qh, lost = fast_two_sum(rh, 0.5 * zh)
+    ql = lost + (rl + 0.5 * zl + tail)
+    th, tl = fast_two_sum(1.0, EXP_HIGH[j])
+    tl += EXP_LOW[j]
+    mh, ml = pair_mul(qh, ql, th, tl)
+    h, lost = fast_two_sum(th, mh)
+    h, low = fast_two_sum(h, lost + (tl + ml))
+    scale = _power_of_two(k)
+    return scale * h, scale * low
 
 
 @_inline
 def dd_exp(ah, al):
     """eᵃ."""
-    return _exp_scaled(ah, al, 0)
+    if not abs(ah) <= _LARGEST_EXPONENT:
+        return math.exp(ah), 0.0
+    return _exp(ah, al)
 
 
 @_inline
 def dd_sinh(ah, al):
-    """Hyperbolic sine of a, (E + E/(E + 1))/2 with E = eᵃ − 1."""
-    sign = -1.0 if ah < 0.0 else 1.0
-    ah, al = sign * ah, sign * al
-    if not ah <= _ONE_TERM:
-        h, low = _exp_scaled(ah, al, -1)
-        return sign * h, sign * low
-    eh, el = _expm1(ah, al)
-    h, low = dd_add(eh, el, 1.0, 0.0)
-    h, low = dd_div(eh, el, h, low)
-    h, low = dd_add(h, low, eh, el)
-    return 0.5 * sign * h, 0.5 * sign * low
+    """Hyperbolic sine of a."""
+    if not abs(ah) <= _LARGEST_EXPONENT:
+        return math.sinh(ah), 0.0
+    eh, el = _exp(ah, al)
+    h, low = dd_div(-1.0, 0.0, eh, el)
+    h, low = pair_add(eh, el, h, low)
+    return fast_two_sum(0.5 * h, 0.5 * low)
 
 
 @_inline
 def dd_cosh(ah, al):
     """Hyperbolic cosine of a."""
-    sign = -1.0 if ah < 0.0 else 1.0
-    if not sign * ah <= _ONE_TERM:
-        return _exp_scaled(sign * ah, sign * al, -1)
-    eh, el = _exp_scaled(sign * ah, sign * al, -1)
-    h, low = dd_div(0.25, 0.0, eh, el)
-    return dd_add(eh, el, h, low)
+    if not abs(ah) <= _LARGEST_EXPONENT:
+        return math.cosh(ah), 0.0
+    eh, el = _exp(ah, al)
+    h, low = dd_div(1.0, 0.0, eh, el)
+    h, low = pair_add(eh, el, h, low)
+    return 0.5 * h, 0.5 * low
 
 
 @_inline
 def dd_tanh(ah, al):
-    """Hyperbolic tangent of a, E/(E + 2) with E = e²ᵃ − 1."""
-    sign = -1.0 if ah < 0.0 else 1.0
-    if not sign * ah <= _ONE_TERM:
+    """Hyperbolic tangent of a, (e²ᵃ − 1)/(e²ᵃ + 1)."""
+    if not abs(ah) <= 0.5 * _LARGEST_EXPONENT:
         return math.tanh(ah), 0.0
-    eh, el = _expm1(2.0 * sign * ah, 2.0 * sign * al)
-    h, low = dd_add(eh, el, 2.0, 0.0)
-    h, low = dd_div(eh, el, h, low)
-    return sign * h, sign * low
+    eh, el = _exp(2.0 * ah, 2.0 * al)
+    nh, nl = pair_add(eh, el, -1.0, 0.0)
+    nh, nl = fast_two_sum(nh, nl)
+    mh, ml = pair_add(eh, el, 1.0, 0.0)
+    return dd_div(nh, nl, mh, ml)
 
 
 # Logarithm and real powers ------------------------------------------------------------------------------------------
 # log a = k log 2 − log c + 2 artanh(s), a = 2ᵏ m, 1/√2 ≤ m < √2, c a double near 1/m, s = f/(2 + f), f = c m − 1.
 
-_SQRT_HALF = math.sqrt(0.5)
+#: Between this and its inverse a, and what scales it to near 1, are normal numbers, and so are their low parts.
+_LARGEST = 2.0**960
+_SQRT_2 = math.sqrt(2.0)
 
 
 @_inline
-def _log_near_one(fh, fl):
-    """log(1 + f) of |f| < 1/180."""
-    sh, sl = dd_add(fh, fl, 2.0, 0.0)
-    sh, sl = dd_div(fh, fl, sh, sl)
-    zh, zl = dd_square(sh, sl)
-    tail = 1 / 7 + zh * (1 / 9 + zh * (1 / 11))
-    h, low = fast_two_sum(FIFTH[0], FIFTH[1] + zh * tail)
-    h, low = _horner(zh, zl, h, low, THIRD[0], THIRD[1])
-    h, low = _horner(zh, zl, h, low, 1.0, 0.0)
-    return dd_mul(2.0 * sh, 2.0 * sl, h, low)
+def _log(ah, al):
+    """log a of 2⁻⁹⁶⁰ ≤ a ≤ 2⁹⁶⁰."""
+    bits = np.float64(ah).view(np.int64)
+    k = (bits >> _DIGITS) - _BIAS
+    mh = np.int64((bits & _MANTISSA) | _ONE).view(np.float64)
+    if mh >= _SQRT_2:
+        mh, k = 0.5 * mh, k + 1
+    i = math.floor(128.0 * mh + 0.5) - LOG_FIRST
+    h, low = two_product(mh, LOG_C[i])
+    fh, fl = fast_two_sum(h - 1.0, low + al * _power_of_two(-k) * LOG_C[i])
+    mh, ml = fast_two_sum(2.0, fh)
+    sh, sl = dd_div(fh, fl, mh, ml + fl)
+    z = sh * sh
+    tail = sh * z * (2 / 3 + z * (2 / 5 + z * (2 / 7 + z * (2 / 9))))
+    th, tl = pair_scale(LOG_2[0], LOG_2[1], float(k))
+    th, tl = pair_add(th, tl, LOG_HIGH[i], LOG_LOW[i])
+    h, low = pair_add(th, tl, 2.0 * sh, 2.0 * sl + tail)
+    return fast_two_sum(h, low)
 
 
 @_inline
 def dd_log(ah, al):
-    """Natural logarithm of a; its relative error is small near a = 1 too."""
-    if not 0.0 < ah < math.inf:
+    """Natural logarithm of a."""
+    if not 1.0 / _LARGEST <= ah <= _LARGEST:
         return math.log(ah), 0.0
-    mh, k = math.frexp(ah)
-    if mh < _SQRT_HALF:
-        mh, k = 2.0 * mh, k - 1
-    ml = math.ldexp(al, -k)
-    i = math.floor(128.0 * mh + 0.5) - LOG_FIRST
-    h, low = two_product(mh, LOG_C[i])
-    fh, fl = two_product(ml, LOG_C[i])
-    h, low = fast_two_sum(h - 1.0, low)
-    fh, fl = dd_add(h, low, fh, fl)
-    h, low = _log_near_one(fh, fl)
-    h, low = dd_add(LOG_HIGH[i], LOG_LOW[i], h, low)
-    th, tl = dd_scale(LOG_2[0], LOG_2[1], float(k))
-    return dd_add(th, tl, h, low)
+    return _log(ah, al)
 
 
 @_inline
 def dd_pow(ah, al, bh, bl):
-    """a^b of a real b through e^(b log a): relative error about 4 u² (1 + |b log a|).
+    """a^b of a real b through e^(b log a).
 
     A negative a has powers of whole numbers b only, as in double precision.
     """
-    if ah == 0.0 or not (math.isfinite(ah) and math.isfinite(bh)):
+    if not (1.0 / _LARGEST <= abs(ah) <= _LARGEST and math.isfinite(bh)):
         return math.pow(ah, bh), 0.0
     sign = 1.0
     if ah < 0.0:
@@ -232,10 +183,8 @@ def dd_pow(ah, al, bh, bl):
             return math.nan, 0.0
         sign = 1.0 if (bh % 2.0) == (bl % 2.0) else -1.0
         ah, al = -ah, -al
-    h, low = dd_log(ah, al)
-    if not abs(h * bh) <= _LARGEST_EXPONENT:
-        return sign * math.exp(h * bh), 0.0
-    h, low = dd_mul(h, low, bh, bl)
+    h, low = _log(ah, al)
+    h, low = pair_mul(h, low, bh, bl)
     h, low = dd_exp(h, low)
     return sign * h, sign * low
 
@@ -244,56 +193,33 @@ def dd_pow(ah, al, bh, bl):
 # a = n π/512 + r, |r| ≤ π/1024, and the functions of n π/512 from a table of the sine over a whole turn.
 
 _QUARTER, _TURN = 256, 1023
-#: Up to here three parts of π/512 are enough.
-_LARGEST_ANGLE = 2.0**46
 #: Beyond this the rounding of 512 a/π can make the n found another than the nearest, and leave more than π/1024.
-_CERTAIN_ANGLE = 2.0**35
+_LARGEST_ANGLE = 2.0**35
 
 
 @_inline
-def _sin_reduced(rh, rl, zh, zl):
-    """Sine of |r| ≤ π/1024, z = r²."""
-    tail = -1 / 5040 + zh * (1 / 362880 - zh * (1 / 39916800))
-    h, low = fast_two_sum(INVERSE_FACTORIALS[5][0], INVERSE_FACTORIALS[5][1] + zh * tail)
-    h, low = pair_mul(zh, zl, h, low)
-    h, lost = fast_two_sum(-INVERSE_FACTORIALS[3][0], h)
-    h, low = pair_mul(zh, zl, h, lost + (low - INVERSE_FACTORIALS[3][1]))
-    h, low = pair_mul(rh, rl, h, low)
-    h, lost = fast_two_sum(rh, h)
-    return h, lost + (low + rl)
+def _reduced(ah, al, n):
+    """a − n π/512 of a whole number n beside 512 a/π."""
+    h, low = two_product(-n, SIN_STEP[0])
+    h, lost = fast_two_sum(h, ah)  # exact where |ah| is the larger: then they are within a factor of two (Sterbenz)
+    low, low_lost = two_sum(low, al)
+    mh, ml = two_product(-n, SIN_STEP[1])
+    low, rest = two_sum(low, mh)
+    h, low = two_sum(h, low)
+    return h, low + (lost + low_lost + rest + fma(-n, SIN_STEP[2], ml))
 
 
 @_inline
-def _cos_reduced(zh, zl):
-    """Cosine of |r| ≤ π/1024, less 1; z = r²."""
-    tail = -1 / 720 + zh * (1 / 40320 - zh * (1 / 3628800))
-    h, low = fast_two_sum(INVERSE_FACTORIALS[4][0], INVERSE_FACTORIALS[4][1] + zh * tail)
-    h, low = pair_mul(zh, zl, h, low)
-    h, lost = fast_two_sum(-0.5, h)
-    return pair_mul(zh, zl, h, lost + low)
-
-
-@_inline
-def _sin_parts(ah, al):
-    """n, sin r and cos r − 1."""
+def _turned(ah, al, turn):
+    """Sine of a + turn π/512 of |a| ≤ 2³⁵."""
     n = math.floor(ah * SIN_STEPS_PER_UNIT + 0.5)
-    rh, rl = _reduced(ah, al, float(n), SIN_STEP)
-    if abs(ah) > _CERTAIN_ANGLE:
-        correction = math.floor(rh * SIN_STEPS_PER_UNIT + 0.5)
-        rh, rl = _reduced(rh, rl, float(correction), SIN_STEP)
-        n += correction
+    rh, rl = _reduced(ah, al, float(n))
     zh, zl = pair_square(rh, rl)
-    sh, sl = _sin_reduced(rh, rl, zh, zl)
-    ch, cl = _cos_reduced(zh, zl)
-    return n, sh, sl, ch, cl
-
-
-@_inline
-def _sin_turned(n, sh, sl, ch, cl):
-    """Sine of n π/512 + r from sin r and cos r − 1."""
-    i, j = n & _TURN, (n + _QUARTER) & _TURN
+    sl = rl + rh * zh * (-1 / 6 + zh * (1 / 120 - zh * (1 / 5040)))
+    ch, cl = -0.5 * zh, -0.5 * zl + zh * zh * (1 / 24 - zh * (1 / 720))  # cos r − 1
+    i, j = (n + turn) & _TURN, (n + turn + _QUARTER) & _TURN
     ph, pl = pair_mul(SIN_HIGH[i], SIN_LOW[i], ch, cl)
-    qh, ql = pair_mul(SIN_HIGH[j], SIN_LOW[j], sh, sl)
+    qh, ql = pair_mul(SIN_HIGH[j], SIN_LOW[j], rh, sl)
     # The table's sine is 0, or larger than that of r, which is larger than what cos r takes from it.
     h, lost = fast_two_sum(SIN_HIGH[i], qh)
     h, rest = fast_two_sum(h, ph)
@@ -301,62 +227,24 @@ def _sin_turned(n, sh, sl, ch, cl):
 
 
 @_inline
-def _sin_of_large(ah, al):
-    return math.sin(ah) * math.cos(al) + math.cos(ah) * math.sin(al)
-
-
-@_inline
-def _cos_of_large(ah, al):
-    return math.cos(ah) * math.cos(al) - math.sin(ah) * math.sin(al)
-
-
-@_inline
 def dd_sin(ah, al):
-    """Sine of a; beyond |a| = 2⁴⁶ to double precision only."""
+    """Sine of a."""
     if not abs(ah) <= _LARGEST_ANGLE:
-        return _sin_of_large(ah, al), 0.0
-    n, sh, sl, ch, cl = _sin_parts(ah, al)
-    return _sin_turned(n, sh, sl, ch, cl)
+        return math.sin(ah) * math.cos(al) + math.cos(ah) * math.sin(al), 0.0
+    return _turned(ah, al, 0)
 
 
 @_inline
 def dd_cos(ah, al):
-    """Cosine of a; beyond |a| = 2⁴⁶ to double precision only."""
+    """Cosine of a."""
     if not abs(ah) <= _LARGEST_ANGLE:
-        return _cos_of_large(ah, al), 0.0
-    n, sh, sl, ch, cl = _sin_parts(ah, al)
-    return _sin_turned(n + _QUARTER, sh, sl, ch, cl)
-
-
-@_inline
-def _quick_turned(ah, al, turn):
-    """Sine of a + turn π/512: the terms beyond r and r²/2, which are below 2⁻²⁷, in double precision."""
-    n = math.floor(ah * SIN_STEPS_PER_UNIT + 0.5)
-    rh, rl = _reduced(ah, al, float(n), SIN_STEP)
-    zh, zl = pair_square(rh, rl)
-    sl = rl + rh * zh * (-1 / 6 + zh * (1 / 120 - zh * (1 / 5040)))
-    cl = -0.5 * zl + zh * zh * (1 / 24 - zh * (1 / 720))
-    return _sin_turned(n + turn, rh, sl, -0.5 * zh, cl)
-
-
-@_inline
-def quick_sin(ah, al):
-    """Sine of a with an absolute error of 2⁻⁷⁸, in two thirds of the time."""
-    return _quick_turned(ah, al, 0) if abs(ah) <= _CERTAIN_ANGLE else dd_sin(ah, al)
-
-
-@_inline
-def quick_cos(ah, al):
-    """Cosine of a with an absolute error of 2⁻⁷⁸, in two thirds of the time."""
-    return _quick_turned(ah, al, _QUARTER) if abs(ah) <= _CERTAIN_ANGLE else dd_cos(ah, al)
+        return math.cos(ah) * math.cos(al) - math.sin(ah) * math.sin(al), 0.0
+    return _turned(ah, al, _QUARTER)
 
 
 @_inline
 def dd_tan(ah, al):
-    """Tangent of a; beyond |a| = 2⁴⁶ to double precision only."""
-    if not abs(ah) <= _LARGEST_ANGLE:
-        return _sin_of_large(ah, al) / _cos_of_large(ah, al), 0.0
-    n, sh, sl, ch, cl = _sin_parts(ah, al)
-    yh, yl = _sin_turned(n, sh, sl, ch, cl)
-    xh, xl = _sin_turned(n + _QUARTER, sh, sl, ch, cl)
-    return dd_div(yh, yl, xh, xl)
+    """Tangent of a."""
+    sh, sl = dd_sin(ah, al)
+    ch, cl = dd_cos(ah, al)
+    return dd_div(sh, sl, ch, cl)

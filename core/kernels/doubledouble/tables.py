@@ -30,13 +30,8 @@ def _table(values: Iterable[Any]) -> Table:
     return pairs[:, 0].copy(), pairs[:, 1].copy()
 
 
-#: 1/n!, 1/3 and 1/5.
-INVERSE_FACTORIALS = tuple(_parts(1 / _mp.factorial(n)) for n in range(6))
-THIRD = _parts(1 / _mp.mpf(3))
-FIFTH = _parts(1 / _mp.mpf(5))
-
-#: log(2)/128 in three parts, its inverse, and 2^(j/128) − 1 for −64 ≤ j < 64.
-EXP_STEP = _parts(_mp.log(2) / 128, 3)
+#: log(2)/128, its inverse, and 2^(j/128) − 1 for −64 ≤ j < 64.
+EXP_STEP = _parts(_mp.log(2) / 128)
 EXP_STEPS_PER_UNIT = float(128 / _mp.log(2))
 EXP_HIGH, EXP_LOW = _table(_mp.mpf(2) ** (_mp.mpf(j) / 128) - 1 for j in range(-64, 64))
 

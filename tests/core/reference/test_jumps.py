@@ -83,7 +83,7 @@ def test_bounces_accumulate_and_the_solution_ends_there_in_words() -> None:
 def test_bounces_that_lose_nothing_go_on() -> None:
     t, x = ball(1.0).crossing(200)
     assert abs(t - 399 * mp.sqrt(2 / mp.mpf(9.8))) <= np.spacing(t)
-    assert abs(x[1] + mp.sqrt(2 * mp.mpf(9.8))) <= 4 * ULP  # long double loses 200 of its own roundings, 1e-17
+    assert abs(x[1] + mp.sqrt(2 * mp.mpf(9.8))) <= 4 * ULP
 
 
 def test_peer_bounces_as_the_exact_ball_and_ends_where_it_does() -> None:
