@@ -192,9 +192,12 @@ def _written(files: list[Path], folder: Path) -> str:
 
 
 def _bench(given: argparse.Namespace) -> int:
-    from pwsviz.bench import LONG, QUICK, STANDARD, report
+    from pwsviz.bench import LONG, QUICK, STANDARD, sections
+    from pwsviz.bench.machine import machine_lines
 
-    report(sys.stdout, QUICK if given.quick else LONG if given.long else STANDARD)
+    print(*machine_lines(), sep="\n")
+    for table in sections(QUICK if given.quick else LONG if given.long else STANDARD):
+        print(f"\n{table.text}", flush=True)
     return 0
 
 

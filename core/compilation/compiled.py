@@ -14,7 +14,7 @@ import tempfile
 import threading
 from collections.abc import Iterator
 from concurrent.futures import wait
-from functools import lru_cache, partial
+from functools import lru_cache
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
@@ -32,12 +32,11 @@ from core.codegen.functions import (
     project_to_surface_text,
 )
 from core.codegen.step import StepCode
-from core.compilation.practice import examples
 from core.compilation.worker_pool import Workshop, serve
 from core.interface.arguments import count, number
 from core.kernels.abi import FUNCTIONS
 from core.kernels.digest import imported_modules, source_digest
-from core.methods import METHODS, Method
+from core.methods import Method
 from core.methods.taylor_step import prepare_step_text
 from core.symbolic.laws import Laws
 
@@ -48,8 +47,6 @@ MAX_FILES = 1000  #: kept on disk
 MAX_REGISTERED = 50  #: kept in `sys.modules`
 
 _PATIENCE = 120.0  #: seconds to wait for other processes; then what they have not compiled is compiled here
-#: Modules that a process practises on before it takes any: step, projection, levels and surface of the first example.
-_BEFORE = 4
 
 _lock = threading.RLock()
 _registered: dict[str, None] = {}
@@ -95,8 +92,8 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
 def compile_beside(size: int = 2, idle: float = 900.0) -> None:
     """Have what is yet to be compiled compiled in other processes, from when they are ready on.
 
-    For programs that have more to do meanwhile: numba holds the interpreter while it compiles. They take 250 MB each,
-    are ready after some seconds, and end with this one.
+    Two of them are done with a system of eight variables in two thirds of the time. They take 250 MB each, are ready
+    after some seconds, and end with this one.
 
     Parameters
     ----------
@@ -125,25 +122,8 @@ def compile_beside(size: int = 2, idle: float = 900.0) -> None:
 
 
 def serve_workshop() -> None:
-    """Compile what comes in, in a process of its own; until something comes, practise on examples."""
-    with tempfile.TemporaryDirectory() as folder:
-        practice = (partial(_practise, Path(folder), text) for text in _practice_texts())
-        for _ in range(_BEFORE):
-            next(practice)()
-        serve(_load, practice)
-
-
-def _practice_texts() -> Iterator[str]:
-    """Of two modes that are the same, one is enough."""
-    for laws in examples():
-        for method in ("dmm2", "rk4"):
-            yield from dict.fromkeys(text for _, text in _texts(laws, METHODS[method], levels=True))
-
-
-def _practise(folder: Path, text: str) -> None:
-    path = folder / f"pws_practice_{len(list(folder.glob('*.py')))}.py"
-    path.write_text(text, encoding="utf-8")
-    _import(path)
+    """Compile what comes in, in a process of its own."""
+    serve(_load)
 
 
 def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int | list[int], str]]:

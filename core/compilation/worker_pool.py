@@ -1,7 +1,11 @@
-"""Processes beside this one that compile: numba holds the interpreter meanwhile, and two of them are done sooner.
+"""Processes beside this one that compile, two at a time.
 
 What they have compiled is on disk, and loaded from there. Nothing depends on them: what they have not compiled, whoever
 needs it does.
+
+They are no pool of `concurrent.futures`. That starts each process by running the user's program again unless it is
+guarded by ``if __name__ == "__main__"``, gives up all work that is under way when one process dies, and leaves its
+processes behind when the program is killed. These read from a pipe, which ends with the program.
 """
 
 from __future__ import annotations
@@ -9,11 +13,10 @@ from __future__ import annotations
 import gc
 import json
 import os
-import select
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
@@ -147,25 +150,19 @@ class _Worker:
         self._process.wait()
 
 
-def serve(make: Callable[[str], object], practice: Iterable[Callable[[], object]] = ()) -> None:
+def serve(make: Callable[[str], object]) -> None:
     """Do with each text that comes in what is to be done, until the other end is closed.
 
     Parameters
     ----------
     make
         If it raises, the text counts as not made; who needs it will see the same exception.
-    practice
-        What to do, one after another, as long as no text has come.
     """
     if hasattr(os, "nice"):
         os.nice(10)  # who waits for an answer comes first
     answers, sys.stdout = sys.stdout, sys.stderr  # what a library may print is no answer
     gc.freeze()  # what is there now stays: to look through it time and again takes a tenth of the time of compiling
     _answer(answers, _READY)
-    for exercise in practice:
-        if _something_has_come():
-            break
-        exercise()
     for line in sys.stdin:
         try:
             make(json.loads(line))
@@ -173,14 +170,6 @@ def serve(make: Callable[[str], object], practice: Iterable[Callable[[], object]
             _answer(answers, f"not made: {type(why).__name__}\n")
         else:
             _answer(answers, _MADE)
-
-
-def _something_has_come() -> bool:
-    """Whether there is a text, or the end; where a pipe cannot be asked, as if there was."""
-    try:
-        return bool(select.select([sys.stdin], [], [], 0.0)[0])
-    except (OSError, ValueError):
-        return True
 
 
 def _answer(answers: IO[str], words: str) -> None:

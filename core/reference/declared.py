@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from core.interface.arguments import number
 from core.reference.exact import exact_solution
-from core.reference.peer import peer_solution
+from core.reference.external import external_solution
 from core.reference.solution import Solution
 from core.reference.taylor import TaylorSolution
 from core.system import Start
@@ -75,4 +75,4 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
     def land(t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return laws.evaluate("jump", laws.jump or laws.x, t, x, system.parameter_array)
 
-    return peer_solution(field, height, rate, t0, start, jump=None if laws.jump is None else land)
+    return external_solution(field, height, rate, t0, start, jump=None if laws.jump is None else land)

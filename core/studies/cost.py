@@ -16,8 +16,8 @@ from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method
 from core.reference import Solution, reference_solution
+from core.studies.external_solvers import EXTERNAL_SOLVERS
 from core.studies.measure import Measured, Problem, measure
-from core.studies.peers import PEERS
 from core.studies.tasks import as_completed
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
@@ -46,7 +46,7 @@ class CostCurve(Brief):
     """One integrator at m settings; nan where there is nothing to show, and `status` says why."""
 
     name: str
-    """A key of METHODS, or of core.studies.peers.PEERS."""
+    """A key of METHODS, or of core.studies.external_solvers.EXTERNAL_SOLVERS."""
     title: str
     """For people."""
     peer: bool
@@ -117,8 +117,8 @@ def work_precision(
     Times are processor time of the thread that runs, so whatever else the machine does meanwhile is not in them; it
     shares caches and memory all the same. In one process, one run goes on at a time, since threads that wait for each
     other's turn with the interpreter would spend processor time on that; many processes, as of a cluster, measure side
-    by side. Times are those of the whole call: of ours ``integrate(..., record="end")``, of a peer the loop from
-    crossing to crossing. The first run is not timed, the garbage collector rests, the least of the repeats counts,
+    by side. Times are those of the whole call: of ours ``integrate(..., record="end")``, of an external solver the loop
+    from crossing to crossing. The first run is not timed, the garbage collector rests, the least of the repeats counts,
     compiling is told apart.
 
     Parameters
@@ -133,9 +133,10 @@ def work_precision(
         Keys of METHODS, or its values. Where not given, those of dmm2, dmm4, rk4, prk8 and taylor that the system
         admits.
     settings
-        Name of a method or a peer -> step sizes, or tolerances. For names not in it, some that suit the system.
+        Name of a method or an external solver -> step sizes, or tolerances. For names not in it, some that suit the
+        system.
     peers
-        Keys of core.studies.peers.PEERS: "scipy", and "heyoka", which need not be installed.
+        Keys of core.studies.external_solvers.EXTERNAL_SOLVERS: "scipy", and "heyoka", which need not be installed.
     repeats
         How many timed runs at most, at one setting.
     budget
@@ -217,13 +218,13 @@ class _Study:
 
 
 def _empty(name: str, ladder: Sequence[float]) -> CostCurve:
-    peer = PEERS.get(name)
-    setting_name = "tolerance" if peer is not None or METHODS[name].adaptive else "tau"
+    external = EXTERNAL_SOLVERS.get(name)
+    setting_name = "tolerance" if external is not None or METHODS[name].adaptive else "tau"
     nothing = np.full(len(ladder), np.nan)
-    title = name if peer is None else peer.title
+    title = name if external is None else external.title
     status = (WAITING,) * len(ladder)
     return CostCurve(
-        name, title, peer is not None, setting_name, np.array(ladder), nothing, nothing, nothing, nothing, nothing,
+        name, title, external is not None, setting_name, np.array(ladder), nothing, nothing, nothing, nothing, nothing,
         nothing, status, math.nan,
     )  # fmt: skip
 
@@ -263,11 +264,11 @@ def _checked_names(
     names = [checked_method(system, name).name for name in given]
     others = listed(peers, "peers", "a tuple is needed, as in ('scipy', 'heyoka')", str)
     for name in others:
-        if not isinstance(name, str) or name not in PEERS:
-            raise ValueError(f"peer {name!r} is not known: choose from {', '.join(PEERS)}")
+        if not isinstance(name, str) or name not in EXTERNAL_SOLVERS:
+            raise ValueError(f"external solver {name!r} is not known: choose from {', '.join(EXTERNAL_SOLVERS)}")
     names += others
     if twice := sorted({name for name in names if names.count(name) > 1}):
-        raise ValueError(f"{twice[0]!r} stands twice among the methods and peers: name each once")
+        raise ValueError(f"{twice[0]!r} stands twice among the methods and external solvers (peers): name each once")
     if not names:
         raise ValueError("methods and peers are both empty: name one integrator at least")
     return names
@@ -314,14 +315,14 @@ def _check_setting(name: str, value: float) -> None:
     if name in METHODS:
         adaptive = METHODS[name].adaptive
         checked_settings(METHODS[name], None if adaptive else value, value if adaptive else None)
-    elif not PEERS[name].finest <= value <= 0.1:
-        raise ValueError(f"tolerance = {value!r} of {name!r} is outside {PEERS[name].finest:.2g} … 0.1")
+    elif not EXTERNAL_SOLVERS[name].finest <= value <= 0.1:
+        raise ValueError(f"tolerance = {value!r} of {name!r} is outside {EXTERNAL_SOLVERS[name].finest:.2g} … 0.1")
 
 
 def _ladder(name: str, target: _Target, budget: float) -> list[float]:
     """Settings from coarse to fine, such that the errors are likely to range over many powers of ten."""
-    if name in PEERS:
-        return list(PEERS[name].tolerances)
+    if name in EXTERNAL_SOLVERS:
+        return list(EXTERNAL_SOLVERS[name].tolerances)
     order = METHODS[name].order
     if order is None:
         return list(_TOLERANCES)

@@ -15,7 +15,7 @@ from core.integrate import integrate
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
-from core.studies.peers import PEERS, Arcs, Numbers, Stopped, peer_arcs
+from core.studies.external_solvers import EXTERNAL_SOLVERS, Arcs, Numbers, Stopped, external_arcs
 from core.system import PiecewiseSystem
 
 __all__ = ["Measured", "Problem", "measure"]
@@ -33,7 +33,7 @@ class Problem(NamedTuple):
     end: float
     x0: tuple[float, ...]
     most: int
-    """Number of crossings beyond which a peer's run is given up."""
+    """Number of crossings beyond which an external solver's run is given up."""
     repeats: int
     budget: float
     """Seconds that one run may take."""
@@ -84,7 +84,7 @@ def measure(problem: Problem, name: str, setting: float) -> Measured:
     Parameters
     ----------
     name
-        A key of METHODS or of PEERS.
+        A key of METHODS or of EXTERNAL_SOLVERS.
     setting
         Step size, or tolerance.
     """
@@ -95,7 +95,7 @@ def measure(problem: Problem, name: str, setting: float) -> Measured:
 def _measure(problem: Problem, name: str, setting: float) -> Measured:
     started = time.thread_time()
     try:
-        explore, again = (_own if name in METHODS else _peer)(problem, name, setting)
+        explore, again = (_own if name in METHODS else _external)(problem, name, setting)
     except Stopped as why:
         return Measured(str(why), time.thread_time() - started)
     compiling = time.thread_time() - started
@@ -135,13 +135,13 @@ def _arcs(run: Trajectory) -> Arcs:
     return Arcs(side, entered, list(zip(t, x, strict=True)), run.evaluations)
 
 
-def _peer(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
-    """A peer, and again the same."""
+def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
+    """An external solver, and again the same."""
     start, numbers = np.array(problem.x0), Numbers(problem.system)
-    march = PEERS[name].prepare(numbers, setting, float(np.abs(start).max()) or 1.0)
+    march = EXTERNAL_SOLVERS[name].prepare(numbers, setting, float(np.abs(start).max()) or 1.0)
 
     def run(check: Callable[[], None]) -> Arcs:
-        return peer_arcs(numbers, march, problem.t0, problem.end, start, problem.most, check)
+        return external_arcs(numbers, march, problem.t0, problem.end, start, problem.most, check)
 
     def explore(clock: _Clock) -> Arcs:
         return run(clock.check)

@@ -1,43 +1,28 @@
-"""python -m pwsviz bench: the figures that this project states, measured here, with the rivals in the same process."""
+"""python -m pwsviz bench: the figures that the README states, measured here."""
 
 from __future__ import annotations
 
-from typing import TextIO
+from collections.abc import Iterator
 
-from pwsviz.bench.catalogue import catalogue_orders, orders_in_digits
-from pwsviz.bench.drawn import drawn
-from pwsviz.bench.drift import drift
-from pwsviz.bench.machine import machine_lines
+from pwsviz.bench.accuracy import conservation, drift, orders
+from pwsviz.bench.comparison import drawn, named
+from pwsviz.bench.costs import first_calls, moved_slider, step_costs
 from pwsviz.bench.plan import LONG, QUICK, STANDARD, Plan
-from pwsviz.bench.quality import conservation, orders
-from pwsviz.bench.rivals import comparison
-from pwsviz.bench.sizes import larger_systems
-from pwsviz.bench.slider import moved_slider
-from pwsviz.bench.start import first_calls
-from pwsviz.bench.steps import linearity, step_costs
+from pwsviz.bench.table import Table
 
-__all__ = ["LONG", "QUICK", "STANDARD", "Plan", "report"]
+__all__ = ["LONG", "QUICK", "STANDARD", "Plan", "Table", "sections"]
+
+_SECTIONS = (named, drawn, step_costs, first_calls, moved_slider, conservation, drift, orders)
 
 
-# Memory first: the greatest that was ever held is no measure once the others have held more.
-_SECTIONS = (
-    linearity, comparison, drawn, step_costs, first_calls, larger_systems, moved_slider, conservation, drift, orders,
-    catalogue_orders, orders_in_digits,
-)  # fmt: skip
-
-
-def report(out: TextIO, plan: Plan = STANDARD) -> None:
-    """Measure everything and write it as text, line by line as it comes.
+def sections(plan: Plan = STANDARD) -> Iterator[Table]:
+    """Measure one section after another.
 
     Parameters
     ----------
     plan
-        STANDARD takes some minutes; QUICK shows every section with figures too small to state; LONG has 10⁸ steps
-        and the whole catalogue.
+        STANDARD takes some minutes; QUICK has every section, with figures too small to state; LONG has 10⁸ steps and
+        the whole catalogue.
     """
-    for line in machine_lines():
-        print(line, file=out)
-    for section in _SECTIONS:
-        print(file=out)
-        for line in section(plan):
-            print(line, file=out, flush=True)
+    for measure in _SECTIONS:
+        yield measure(plan)

@@ -1,48 +1,71 @@
-"""The systems on which integrators are compared, as every one of them is told, and the solutions they should find."""
+"""What integrators are compared on: systems of the catalogue, and others drawn at random."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import sympy
-from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
 import core
 
-__all__ = ["ENDS", "Problem", "problem_named"]
+__all__ = ["ENDS", "Problem", "drawn_problems"]
 
 #: End times of some 500 crossings each, where the state is far from the surface.
 ENDS = {"harmonic_oscillator": 1240.0, "elliptic_curve": 473.0, "pendulum": 755.0, "rigid_body": 1989.0}
 
+#: Potentials in x, the coefficient a that is another number on each side, and numbers b and c to be drawn.
+_POTENTIALS = (
+    "a*exp(x) + c*exp(-2*x)",
+    "a*log(1 + c*x**2)",
+    "a*log(cosh(c*x))",
+    "a*cosh(x) + c*x**4/4",
+    "x**4/4 + x**2/2 + a*tanh(c*x)",
+    "a*sqrt(1 + c*x**2)",
+    "x**2/8 - a/(1 + c*x**2)",
+    "a*(1 - exp(-c*x))**2 + x**2/10",
+    "a*(exp(c*x) - c*x)",
+    "a*(1 + c*x**2)**0.3 + x**2/8",
+    "a*x**2/2",
+)
+_KINETIC = (
+    "y**2/2",
+    "sqrt(1 + y**2)",
+    "y**2/(2 + b*x**2)",
+    "y**2/2*exp(-b*x)",
+    "y**2/(2*cosh(b*x))",
+)
+#: The same for y and −y: orbits close, where others would gain energy or lose it with every turn.
+_SURFACES = ("x - s", "x - k*y**2 - s", "x + k*x**2 - s")
+#: Ranges of the numbers and of the start.
+_RANGES = {"b": (0.3, 0.8), "c": (0.6, 1.6), "s": (-0.3, 0.3), "k": (-0.2, 0.2), "x": (0.8, 1.6), "y": (-0.3, 0.3)}
+#: Range of the coefficient a.
+_LEVEL = (0.6, 1.6)
+#: Digits of every number drawn.
+_DIGITS = 3
+#: Number of crossings to the end of a drawn problem.
+_CROSSINGS = 500
+#: Time by which a drawn problem must have made them.
+_LATEST = 1e5
+
 
 @dataclass(frozen=True)
 class Problem:
-    """A system of the catalogue whose sides differ in the value of one coefficient only, to be integrated from x0."""
+    """A system to be integrated from its x0, whose sides differ in the value of one coefficient only.
+
+    Its two values are the parameters called after it, with _minus and _plus.
+    """
 
     name: str
+    system: core.PiecewiseSystem
     end: float
 
     @cached_property
-    def system(self) -> core.PiecewiseSystem:
-        """The system, with its default parameters."""
-        return core.CATALOGUE[self.name]
-
-    @cached_property
-    def start(self) -> NDArray[np.float64]:
-        """Initial state (d,)."""
-        return np.array(self.system.x0)
-
-    @cached_property
-    def first_side(self) -> int:
-        """Side, −1 or +1, of the initial state."""
-        return 1 if self.system.switching(0.0, self.start) > 0 else -1
-
-    @cached_property
     def coefficient(self) -> Symbol:
-        """What is another number on each side; its own parameters are called after it, with _minus and _plus."""
+        """What has another value on each side."""
         (stem,) = (n.removesuffix("_minus") for n in self.system.values if n.endswith("_minus"))
         return Symbol(stem)
 
@@ -60,7 +83,7 @@ class Problem:
         ValueError
             If the sides differ in more than the coefficient.
         """
-        below, above = (tuple(map(self._inserted, self.system.laws.sides[side].field)) for side in (-1, 1))
+        below, above = (tuple(map(self._in_numbers, self.system.laws.sides[side].field)) for side in (-1, 1))
         if below != above:
             raise ValueError(f"the sides of {self.name!r} differ in more than {self.coefficient}: {below} and {above}")
         return below
@@ -68,17 +91,58 @@ class Problem:
     @cached_property
     def surface(self) -> Expr:
         """g in the variables."""
-        return self._inserted(self.system.laws.g)
+        return self._in_numbers(self.system.laws.g)
 
-    def _inserted(self, expression: Expr) -> Expr:
+    def _in_numbers(self, expression: Expr) -> Expr:
         laws, own = self.system.laws, (f"{self.coefficient}_minus", f"{self.coefficient}_plus")
         values = zip(laws.p, self.system.parameter_array, strict=True)
-        inserted = {s: self.coefficient if str(s) in own else sympy.Float(v, 17) for s, v in values}
+        numbers = {s: self.coefficient if str(s) in own else sympy.Float(v, 17) for s, v in values}
         # Doubles, as the compiled code has them: heyoka takes no ratio but of a power of two.
         ratios = {q: sympy.Float(float(q), 17) for q in expression.atoms(sympy.Rational) if q.q & (q.q - 1)}
-        return expression.xreplace(inserted | ratios)
+        return expression.xreplace(numbers | ratios)
 
 
-def problem_named(name: str, share: float = 1.0) -> Problem:
-    """The problem on a system of `ENDS`, to a part of its end time."""
-    return Problem(name, share * ENDS[name])
+def drawn_problems(count: int, seed: int) -> Iterator[Problem]:
+    """Draw problems from families that nobody tunes to: fields with exp, log, roots and quotients.
+
+    Parameters
+    ----------
+    count
+        How many. Energies without a crossing are passed over.
+    seed
+        Of NumPy's generator; the same one draws the same problems.
+    """
+    rng = np.random.default_rng(seed)
+    found = 0
+    while found < count:
+        system = _drawn_system(rng)
+        run = core.integrate(system, (0.0, _LATEST), method="taylor", record="crossings", max_crossings=_CROSSINGS + 1)
+        if run.crossing_count > _CROSSINGS:
+            found += 1
+            yield Problem(system.name, system, float(np.mean(run.crossings.t[-2:])))
+
+
+def _drawn_system(rng: np.random.Generator) -> core.PiecewiseSystem:
+    """x' = ∂ψ/∂y, y' = −∂ψ/∂x with a drawn energy ψ on each side of a drawn surface."""
+    numbers = {name: _drawn(rng, *bounds) for name, bounds in _RANGES.items()}
+    start = (numbers.pop("x"), numbers.pop("y"))
+    at = {sympy.Symbol(name): sympy.Float(value) for name, value in numbers.items()}
+    potential, kinetic, surface = (str(rng.choice(texts)) for texts in (_POTENTIALS, _KINETIC, _SURFACES))
+    energy, g = (sympy.sympify(text).xreplace(at) for text in (f"{kinetic} + {potential}", surface))
+    x, y = sympy.symbols("x y")
+    psi_minus, psi_plus = (energy.xreplace({sympy.Symbol("a"): sympy.Symbol(f"a_{s}")}) for s in ("minus", "plus"))
+    return core.PiecewiseSystem(
+        name=f"{energy}; {g}",
+        variables=("x", "y"),
+        f_minus=(str(psi_minus.diff(y)), str(-psi_minus.diff(x))),
+        f_plus=(str(psi_plus.diff(y)), str(-psi_plus.diff(x))),
+        g=str(g),
+        psi_minus=(str(psi_minus),),
+        psi_plus=(str(psi_plus),),
+        parameters=tuple(core.Parameter(f"a_{side}", _drawn(rng, *_LEVEL)) for side in ("minus", "plus")),
+        x0=start,
+    )
+
+
+def _drawn(rng: np.random.Generator, low: float, high: float) -> float:
+    return round(float(rng.uniform(low, high)), _DIGITS)

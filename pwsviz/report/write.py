@@ -10,9 +10,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TextIO
 
+from pwsviz.bench import QUICK, STANDARD, sections
 from pwsviz.bench.machine import machine_lines
 from pwsviz.export.tables import Table, csv_bytes
-from pwsviz.report.benchmarks import bench_tables, run_bench
 from pwsviz.report.page import Bench, Figure, page_html
 from pwsviz.report.panels import draw_panel
 from pwsviz.results.results import Results
@@ -138,11 +138,15 @@ class _Report:
     def add_bench(self, quick: bool) -> None:
         """Run the benchmark, and write what it printed and its tables."""
         print("some minutes" if not quick else "a minute", end="", file=self._say, flush=True)
-        text = run_bench(quick, lambda title: print(f"; {title}", end="", file=self._say, flush=True))
+        texts, files = ["\n".join(machine_lines())], []
+        for table in sections(QUICK if quick else STANDARD):
+            print(f"; {table.title}", end="", file=self._say, flush=True)
+            texts.append(table.text)
+            files.append(self._write_table(f"bench-{table.title.lower().replace(' ', '-')}", table.columns))
         print(": ", end="", file=self._say)
+        text = "\n\n".join(texts) + "\n"
         self._write("bench.txt", text.encode())
-        tables = [self._write_table(f"bench-{k}", table) for k, table in bench_tables(text).items()]
-        self._bench = Bench(text, ("bench.txt", *tables), quick)
+        self._bench = Bench(text, ("bench.txt", *files), quick)
 
     def write_page(self, missing: str) -> None:
         """Write the page about all of it."""

@@ -40,8 +40,8 @@ class CostTab(LongTab):
         across = choice(self.scene, "cost_across", lambda: {words: key for key, words in COST_ACROSS.items()})
         up = choice(self.scene, "cost_up", lambda: {words: key for key, words in COST_UP.items()})
         peers = pmui.CheckBoxGroup(
-            label="Peers", options={words: key for key, words in PEERS.items()}, value=self.scene.peers, inline=True,
-            size="small", margin=(6, 0),
+            label="External solvers", options={words: key for key, words in PEERS.items()}, value=self.scene.peers,
+            inline=True, size="small", margin=(6, 0),
         )  # fmt: skip
         peers.param.watch(lambda event: self.scene.accept("peers", list(event.new)), "value")
         self.scene.param.watch(lambda event: peers.param.update(value=event.new), "peers")

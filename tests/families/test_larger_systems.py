@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import core
-from pwsviz.bench.larger import FAMILIES
+from tests.families.larger_systems import FAMILIES
 
 EPS = np.finfo(float).eps
 #: Dimensions that a family has, up to 8.

@@ -8,9 +8,7 @@ import pytest
 
 import core
 from core.compilation import compiled
-from core.compilation.practice import examples
 from core.compilation.worker_pool import Workshop
-from core.symbolic.zero_testing import is_zero
 
 # Makes a file of the name it is given, with its own number in it.
 PROGRAM = """
@@ -70,36 +68,6 @@ def test_a_program_that_fails_leaves_the_work_to_others(tmp_path, capfd):
     assert not workshop.ready.wait(3)
     assert made(workshop, tmp_path / "file") == [None]
     workshop.close()
-
-
-def test_they_practise_until_a_text_comes(tmp_path):
-    practice = f"""
-import itertools
-from pathlib import Path
-from core.compilation.worker_pool import serve
-
-def practise(k):
-    (Path({str(tmp_path)!r}) / "practised").write_text(str(k))
-
-serve(lambda text: Path(text).touch(), (lambda k=k: practise(k) for k in itertools.count()))
-"""
-    workshop = Workshop(practice, {}, 1, idle=600.0)
-    assert workshop.ready.wait(60)
-    deadline = time.monotonic() + 30
-    while not (tmp_path / "practised").exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    assert made(workshop, str(tmp_path / "file")) == [True]
-    reached = (tmp_path / "practised").read_text()
-    time.sleep(0.2)
-    assert (tmp_path / "practised").read_text() == reached
-    workshop.close()
-
-
-@pytest.mark.parametrize("laws", list(examples()), ids=lambda laws: str(laws.g))
-def test_what_they_practise_on_is_what_people_write(laws):
-    for side in laws.sides.values():
-        assert all(is_zero(side.rate_of(psi)) for psi in side.conserved)
 
 
 def test_after_a_rest_they_end(tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy
 
-from core.reference import ReferenceSolution, exact_solution, peer_solution
+from core.reference import ReferenceSolution, exact_solution, external_solution
 
 mp.mp.dps = 40
 X, Y = VARIABLES = sympy.symbols("x y")
@@ -32,7 +32,7 @@ def ball(left: float, t0: float = 0.0) -> ReferenceSolution:
 
 
 def peer_ball(left: float) -> ReferenceSolution:
-    return peer_solution(
+    return external_solution(
         lambda side, t, x: [x[1], -9.8], lambda t, x: x[0], lambda side, t, x: x[1], 0.0, (1.0, 0.0),
         jump=lambda t, x: [0.0, -left * x[1]],
     )  # fmt: skip
@@ -98,7 +98,7 @@ def test_peer_bounces_as_the_exact_ball_and_ends_where_it_does() -> None:
 
 
 def test_bounces_that_lose_nearly_all_end_within_round_off_of_time() -> None:
-    # a tenth left: flights below an ulp of the peer's time before ten bounces lie close together
+    # a tenth left: flights below an ulp of the external one time before ten bounces lie close together
     peer, end = peer_ball(0.1), mp.sqrt(2 / mp.mpf(9.8)) * (1 + mp.mpf(2) / 9)
     with pytest.raises(ValueError, match="accumulate"):
         peer.state(2.0)

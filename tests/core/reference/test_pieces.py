@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import core
-from core.reference import ReferenceSolution, exact_solution, peer_solution
+from core.reference import ReferenceSolution, exact_solution, external_solution
 
 mp.mp.dps = 40
 X, Y, Z = VARIABLES = sympy.symbols("x y z")
@@ -19,7 +19,7 @@ ULP = float(np.finfo(float).eps)
 def both(
     minus: Sequence[sympy.Expr], plus: Sequence[sympy.Expr], g: sympy.Expr, x0: Sequence[float]
 ) -> tuple[ReferenceSolution, ReferenceSolution]:
-    """The exact solution and the peer's."""
+    """The exact solution and the external one."""
     d = len(x0)
     names, fields = VARIABLES[:d], {-1: minus, 1: plus}
     solution = exact_solution(tuple(minus), tuple(plus), g, names, 0.0, x0)
@@ -28,7 +28,7 @@ def both(
     field = {s: sympy.lambdify([T, *names], list(f), "math") for s, f in fields.items()}
     rate = {s: sympy.lambdify([T, *names], r, "math") for s, r in rates.items()}
     height = sympy.lambdify([T, *names], g, "math")
-    return solution, peer_solution(
+    return solution, external_solution(
         lambda s, t, x: field[s](t, *x), lambda t, x: height(t, *x), lambda s, t, x: rate[s](t, *x), 0.0, x0
     )
 

@@ -123,7 +123,7 @@ def test_a_peer_that_is_not_installed_is_a_gap(monkeypatch):
 
 
 def test_heyoka_is_measured_where_it_is_installed():
-    pytest.importorskip("heyoka", reason="heyoka is an optional peer, and is not installed")
+    pytest.importorskip("heyoka", reason="heyoka is an optional external solver, and is not installed")
     (one,) = measured({"heyoka": (1e-6, 1e-14)}).curves
     assert one.state_error[1] < 1e-12
     assert np.isnan(one.evaluations).all()

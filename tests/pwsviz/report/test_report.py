@@ -4,8 +4,6 @@ import csv
 import io
 import os
 import re
-import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -14,9 +12,9 @@ import pytest
 
 import core
 from pwsviz.__main__ import main
+from pwsviz.bench import Table
 from pwsviz.report import PAGE, figures_of_paper, write_report
 from pwsviz.report import write as writing
-from pwsviz.report.benchmarks import bench_tables, run_bench
 from pwsviz.results.results import STUDY_TAUS
 from pwsviz.scene.presets import PRESETS
 
@@ -211,79 +209,17 @@ def test_an_interrupted_report_keeps_and_names_what_there_is(tmp_path, capsys, m
 
 # The benchmark -------------------------------------------------------------------------------------------------------
 
-SAID = """\
-Python 3.11, numpy 2
-A processor, 2 cores
-
-Cost in proportion to steps: dmm2, least
-time of the loop.
-  system           steps   ns a step
-  elliptic_curve   1,000        51.8
-
-Time to a state error after 500 crossings, in ms.
-
-  elliptic_curve: T = 18.92, 20 crossings
-                 1e-03 wall    loop   1e-06 wall    loop
-  dmm2                0.282   0.171            -       -
-  SciPy, events        12.8       -         15.8       -
-
-Ratios: wall time.
-  system           error    ours            heyoka
-  elliptic_curve   1e-03   0.122     prk8    0.048
-"""
-
-
-def test_tables_are_read_out_of_what_the_benchmark_prints():
-    tables = bench_tables(SAID)
-    assert list(tables) == ["cost-in-proportion-to-steps", "time-to-a-state-error-after"]
-    assert {name: list(column) for name, column in tables["cost-in-proportion-to-steps"].items()} == {
-        "system": ["elliptic_curve"], "steps": ["1000"], "ns a step": ["51.8"],
-    }  # fmt: skip
-    times = tables["time-to-a-state-error-after"]
-    assert list(times) == ["", "1e-03 wall", "loop", "1e-06 wall", "loop 2"]
-    assert list(times[""]) == ["dmm2", "SciPy, events"]
-    assert list(times["loop 2"]) == ["", ""]
-
-
-def test_a_table_with_empty_cells_is_left_to_the_text():
-    assert "ratios" not in bench_tables(SAID)
+STEPS = Table("Cost of a step", "in ns", ("system", "ns a step", "least"), [("elliptic_curve", "51.8", "-")])
 
 
 def test_the_benchmark_is_on_the_page_and_beside_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(writing, "run_bench", lambda quick, heard: (heard("Cost in proportion to steps"), SAID)[1])
+    monkeypatch.setattr(writing, "sections", lambda plan: [STEPS])
     files, say = [], io.StringIO()
     write_report(tmp_path, say, files, ["fig:elliptic_time"], quick=True)
-    assert "[2/2] Benchmark … a minute; Cost in proportion to steps: " in say.getvalue()
+    assert "[2/2] Benchmark … a minute; Cost of a step: " in say.getvalue()
     page = (tmp_path / PAGE).read_text(encoding="utf-8")
-    assert "SciPy, events        12.8" in page
+    assert "elliptic_curve        51.8" in page
     assert "too small to state" in page
-    assert (tmp_path / "bench.txt").read_text(encoding="utf-8") == SAID
-    assert table_of(tmp_path / "bench-cost-in-proportion-to-steps.csv")["ns a step"] == ["51.8"]
-
-
-def test_a_benchmark_that_is_given_up_is_not_left_running(monkeypatch, tmp_path):
-    started = []
-
-    class Popen(subprocess.Popen):
-        def __init__(self, _command, **options):
-            code = "import time\nfor k in range(9): print(f'\\nsection {k}', flush=True)\ntime.sleep(600)"
-            super().__init__([sys.executable, "-c", code], **options)
-            started.append(self)
-
-    def give_up(_title):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("pwsviz.report.benchmarks.subprocess.Popen", Popen)
-    with pytest.raises(KeyboardInterrupt):
-        run_bench(True, give_up)
-    assert started[0].wait(10) is not None
-
-
-def test_a_benchmark_that_fails_is_no_benchmark(monkeypatch):
-    class Popen(subprocess.Popen):
-        def __init__(self, _command, **options):
-            super().__init__([sys.executable, "-c", "import sys; print('some'); sys.exit(3)"], **options)
-
-    monkeypatch.setattr("pwsviz.report.benchmarks.subprocess.Popen", Popen)
-    with pytest.raises(subprocess.CalledProcessError):
-        run_bench(True, print)
+    assert (tmp_path / "bench.txt").read_text(encoding="utf-8").endswith(f"{STEPS.text}\n")
+    table = table_of(tmp_path / "bench-cost-of-a-step.csv")
+    assert table["ns a step"] == ["51.8"]

@@ -1,16 +1,12 @@
-"""Schemes in 34 digits: what compiled runs are checked against, and the orders that doubles hide."""
-
-from dataclasses import replace
+"""Every compiled step against the same scheme in 34 digits, and the orders that doubles hide."""
 
 import numpy as np
 import pytest
 
 import core
-from pwsviz.bench import LONG, QUICK
-from pwsviz.bench.catalogue import orders_in_digits
-from pwsviz.bench.digits import crossings_in_digits, slopes_in_digits
+from tests.core.exact import EPS
+from tests.core.methods.schemes_in_digits import crossings_in_digits, slopes_in_digits
 
-EPS = np.finfo(float).eps
 FIXED = [method.name for method in core.METHODS.values() if not method.adaptive]
 
 
@@ -33,16 +29,3 @@ def test_a_compiled_run_is_the_scheme_to_round_off(name, method):
 def test_orders_show_below_the_round_off_of_doubles(method, coarsest):
     slopes = slopes_in_digits(core.CATALOGUE["elliptic_curve"], method, (coarsest, coarsest / 2, coarsest / 4), (1, 2))
     assert slopes == pytest.approx(np.full((2, 1), core.METHODS[method].order), abs=0.2)
-
-
-def test_a_step_that_cannot_be_solved_for_is_refused():
-    with pytest.raises(ValueError, match="shorter steps may do"):
-        crossings_in_digits(core.CATALOGUE["elliptic_curve"], "dmm2", 5.0, 1)
-
-
-def test_the_long_benchmark_prints_them_and_the_others_do_not(monkeypatch):
-    monkeypatch.setattr("pwsviz.bench.catalogue._FINE", (0.02, 0.01, 0.005))
-    assert list(orders_in_digits(QUICK)) == []
-    lines = list(orders_in_digits(replace(LONG, in_digits=("elliptic_curve",))))
-    assert [line.split()[:2] for line in lines[-2:]] == [["elliptic_curve", "10"], ["elliptic_curve", "20"]]
-    assert all(7 < float(line.split()[2]) < 8 for line in lines[-2:])

@@ -11,7 +11,7 @@ from scipy.integrate import DOP853, solve_ivp
 from core.reference.search import Sample, Time, first_zero
 from core.reference.solution import MAX_CROSSINGS, Arc, Motion, ReferenceSolution, State, first_arc
 
-__all__ = ["peer_solution"]
+__all__ = ["external_solution"]
 
 _LOOKS = (0.25, 0.5, 0.75)  # where within a step g is looked at, besides its ends
 _MAX_STEPS = 200_000  # of one arc
@@ -19,7 +19,7 @@ _PEER_RTOL = 1e-13
 _STEPS_OF_ERROR = 10
 
 
-def peer_solution(
+def external_solution(
     f: Callable[[int, float, NDArray[np.float64]], ArrayLike],
     g: Callable[[float, NDArray[np.float64]], float],
     gdot: Callable[[int, float, NDArray[np.float64]], float],

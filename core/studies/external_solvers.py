@@ -1,7 +1,7 @@
 """Integrators made by others on any declared system: SciPy's DOP853 and heyoka, restarted where they reach the surface.
 
 Used as their manuals say: a terminal event stops them on the surface, the jump is applied, and they start anew with the
-field of the other side. The side is carried, so a restart does not fire again. (`core.reference.peer` looks for
+field of the other side. The side is carried, so a restart does not fire again. (`core.reference.external` looks for
 crossings itself, and at one tolerance: it is made to be trusted, not to be fast.)
 """
 
@@ -22,7 +22,7 @@ from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME
 from core.system import PiecewiseSystem
 
-__all__ = ["PEERS", "Arcs", "Peer", "Stopped", "peer_arcs"]
+__all__ = ["EXTERNAL_SOLVERS", "Arcs", "ExternalSolver", "Stopped", "external_arcs"]
 
 _EPS = 2.0**-52
 _OFF_SURFACE = 1e-9  #: |g| after a jump above this part of what it was on the way there: the jump leads off the surface
@@ -33,7 +33,7 @@ _STEPS_AT_ONCE = 4096  #: of heyoka, between looks at the clock
 
 
 class Stopped(Exception):  # noqa: N818 - it is no error of the program's
-    """A peer cannot go on, or may not; the text says why."""
+    """An external solver cannot go on, or may not; the text says why."""
 
 
 @dataclass
@@ -68,7 +68,7 @@ class Arcs:
 
 
 class Arrival(NamedTuple):
-    """Where a peer stopped: on the surface, or at the end time."""
+    """Where an external solver stopped: on the surface, or at the end time."""
 
     t: float
     x: Floats
@@ -83,11 +83,11 @@ class March(Protocol):
         """Go on from (t, x) on a side until the surface or `end`; `Stopped` where neither is reached."""
 
 
-class Peer(NamedTuple):
+class ExternalSolver(NamedTuple):
     """An integrator made by others."""
 
     name: str
-    """Its key in PEERS."""
+    """Its key in EXTERNAL_SOLVERS."""
     title: str
     """For people."""
     finest: float
@@ -158,7 +158,7 @@ class Numbers:
         return 1 if self.rate[1](t, x)[0] > 0 else -1
 
 
-def peer_arcs(
+def external_arcs(
     numbers: Numbers, march: March, t0: float, end: float, x0: Floats, most: int, check: Callable[[], None]
 ) -> Arcs:
     """Integrate from crossing to crossing.
@@ -268,11 +268,15 @@ def _in_floats(expression: Expr) -> Expr:
     return expression.xreplace({q: sympy.Float(q, 17) for q in exact})
 
 
-#: Every peer by name.
-PEERS: Mapping[str, Peer] = MappingProxyType({
-    peer.name: peer
-    for peer in (
-        Peer("scipy", "SciPy DOP853", 100 * _EPS, tuple(10.0**-k for k in (3, 5, 7, 9, 11, 12, 13)), _ScipyMarch),
-        Peer("heyoka", "heyoka", _EPS, tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13, 15)), _HeyokaMarch),
+def _tolerances(*digits: int) -> tuple[float, ...]:
+    return tuple(10.0**-k for k in digits)
+
+
+#: Every external solver by name.
+EXTERNAL_SOLVERS: Mapping[str, ExternalSolver] = MappingProxyType({
+    solver.name: solver
+    for solver in (
+        ExternalSolver("scipy", "SciPy DOP853", 100 * _EPS, _tolerances(3, 5, 7, 9, 11, 12, 13), _ScipyMarch),
+        ExternalSolver("heyoka", "heyoka", _EPS, _tolerances(3, 5, 7, 9, 11, 13, 15), _HeyokaMarch),
     )
 })  # fmt: skip

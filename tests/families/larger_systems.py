@@ -1,4 +1,4 @@
-"""Families of larger systems, drawn at random: what a system of many variables costs, and whether it is right."""
+"""Families of larger systems, drawn at random."""
 
 from __future__ import annotations
 

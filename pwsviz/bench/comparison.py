@@ -1,0 +1,130 @@
+"""Time to a given error of the state: Taylor's method beside heyoka and SciPy."""
+
+from __future__ import annotations
+
+import timeit
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from pwsviz.bench.heyoka import HeyokaRun, has_heyoka
+from pwsviz.bench.plan import Plan
+from pwsviz.bench.problems import ENDS, Problem, drawn_problems
+from pwsviz.bench.table import UNKNOWN, Table, milliseconds
+
+__all__ = ["drawn", "named", "time_to_error"]
+
+Floats: TypeAlias = NDArray[np.float64]
+#: What to call before a run, the run, and the state at its end.
+Integrator: TypeAlias = tuple[Callable[[], object], Callable[[], object], Callable[[], Floats]]
+
+#: Errors of the state to which times are stated.
+_TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
+#: Of Taylor's method and of heyoka.
+_TOLERANCES = (*(10.0**-k for k in range(2, 16)), 2.0**-52)
+#: Of SciPy, which takes none below 100 eps; coarser ones miss the first target.
+_SCIPY_TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12, 2.3e-14)
+_SEED = 20261122
+#: An error of the state below this one is round-off.
+_LEAST_ERROR = 1e-17
+
+
+def named(plan: Plan) -> Table:
+    """Times to the errors on systems of the catalogue."""
+    rows = []
+    for name in plan.compared:
+        problem = Problem(name, core.CATALOGUE[name], plan.share * ENDS[name])
+        times = np.array([*_own_and_heyoka(problem, plan), _scipy(problem, plan)])
+        rows += [[name, f"{e:.0e}", *map(milliseconds, t), *_ratios(t)] for e, t in zip(_TARGETS, times.T, strict=True)]
+    return Table(
+        "Time to a state error",
+        "milliseconds to integrate to t = 1240, 473, 755 and 1989, after some 500 crossings, until the state is right "
+        f"to an error; the least of {plan.repeats} runs, interpolated between tolerances. taylor is all of "
+        "core.integrate(record='end') and heyoka propagate_until alone, by the clock on the wall. SciPy "
+        "is DOP853, restarted at terminal events, in processor time, as core.work_precision has it. Last come the "
+        f"ratios of taylor's times to those of the three. {UNKNOWN}: not reached, or heyoka is not installed.",
+        ("system", "error", "taylor", "heyoka", "fast_math", "SciPy", "/ heyoka", "/ fast_math", "/ SciPy"),
+        rows,
+    )
+
+
+def drawn(plan: Plan) -> Table:
+    """Ratios to heyoka's times on problems drawn at random."""
+    ratios = {}
+    for problem in drawn_problems(plan.drawn if has_heyoka() else 0, _SEED):
+        own, _, fast = _own_and_heyoka(problem, plan)
+        ratios[problem.name] = own / fast
+    if ratios:
+        found = list(ratios.values())
+        ratios |= {"median": np.nanmedian(found, axis=0), "worst": np.nanmax(found, axis=0)}
+    return Table(
+        "Problems drawn at random",
+        f"the same ratios of taylor's time to heyoka's with fast_math (seed {_SEED}). None where heyoka is not "
+        "installed.",
+        ("energy; surface", *(f"{error:.0e}" for error in _TARGETS)),
+        [[name, *(f"{ratio:.2f}" for ratio in row)] for name, row in ratios.items()],
+    )
+
+
+def _own_and_heyoka(problem: Problem, plan: Plan) -> list[Floats]:
+    """Seconds to each target of Taylor's method, heyoka, and heyoka with fast_math; nan where not reached."""
+    exact = core.reference_solution(problem.system).state(problem.end)
+    errors, seconds = np.full((2, 3, len(_TOLERANCES)), np.nan)
+    for k, tolerance in enumerate(_TOLERANCES):
+        for row, (prepare, run, state) in enumerate(_integrators(problem, tolerance)):
+            seconds[row, k] = min(timeit.repeat(run, prepare, number=1, repeat=plan.repeats))
+            errors[row, k] = np.abs(state() - exact).max()
+    return [time_to_error(*curve) for curve in zip(errors, seconds, strict=True)]
+
+
+def _integrators(problem: Problem, tolerance: float) -> Iterator[Integrator]:
+    """Taylor's method and, where it is installed, heyoka without and with fast_math."""
+
+    def run() -> core.Trajectory:
+        return core.integrate(problem.system, (0.0, problem.end), method="taylor", tolerance=tolerance, record="end")
+
+    yield run, run, lambda: run().x[-1]
+    for fast_math in (False, True) if has_heyoka() else ():
+        other = HeyokaRun(problem, tolerance, fast_math)
+        yield other.reset, other.run, lambda: other.state  # noqa: B023 - called before the next
+
+
+def _scipy(problem: Problem, plan: Plan) -> Floats:
+    """Seconds to each target; nan where not reached."""
+    settings = {"scipy": _SCIPY_TOLERANCES}
+    study = core.work_precision(
+        problem.system, (0.0, problem.end), methods=(), settings=settings, repeats=plan.repeats, budget=plan.budget
+    )
+    return time_to_error(study.curves[0].state_error, study.curves[0].seconds)
+
+
+def time_to_error(errors: Floats, seconds: Floats, targets: Sequence[float] = _TARGETS) -> Floats:
+    """Seconds to each target, interpolated between the logarithms of the settings beside it; nan where not reached.
+
+    A setting counts with the largest error of itself and the finer ones, down to the least error of all, so that a
+    small error by luck is none; beyond that, round-off grows. A finer setting that is faster takes precedence.
+
+    Parameters
+    ----------
+    errors, seconds
+        (n,) of n settings, the coarsest first; nan where a setting has not been measured.
+    targets
+        (m,)
+    """
+    known = np.isfinite(errors) & np.isfinite(seconds)
+    errors, seconds = np.maximum(errors[known], _LEAST_ERROR), seconds[known]
+    if not len(errors):
+        return np.full(len(targets), np.nan)
+    best = int(errors.argmin()) + 1
+    bounds, seconds = np.maximum.accumulate(errors[:best][::-1])[::-1], seconds[:best]
+    between = np.exp(np.interp(-np.log(targets), -np.log(bounds), np.log(seconds)))
+    fastest = np.minimum.accumulate(seconds[::-1])[::-1]
+    first = np.array([np.argmax(bounds <= target) for target in targets])
+    return np.where(bounds[-1] <= np.array(targets), np.minimum(between, fastest[first]), np.nan)
+
+
+def _ratios(times: Floats) -> list[str]:
+    return [UNKNOWN if np.isnan(ratio) else f"{ratio:.2g}" for ratio in times[0] / times[1:]]

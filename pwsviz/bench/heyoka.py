@@ -1,0 +1,74 @@
+"""heyoka on a problem: Taylor's method compiled by LLVM, with a terminal event. It need not be installed."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pwsviz.bench.problems import Problem
+
+__all__ = ["HeyokaRun", "has_heyoka"]
+
+
+def has_heyoka() -> bool:
+    """Whether heyoka is installed."""
+    return find_spec("heyoka") is not None
+
+
+class HeyokaRun:
+    """One integrator on a problem, to be run again and again.
+
+    The coefficient that differs between the sides is a parameter of the integrator. The one terminal event changes it
+    and lets the integration go on; the direction in which g goes through zero tells the side entered. Two integrators,
+    one for each side, would take twice the time.
+
+    Parameters
+    ----------
+    tolerance
+        Relative, from eps on.
+    fast_math
+        heyoka's option to reorder floating-point operations.
+    """
+
+    def __init__(self, problem: Problem, tolerance: float, fast_math: bool = False) -> None:
+        import heyoka as hy
+
+        self._problem = problem
+        self._start = np.array(problem.system.x0)
+        variables = hy.make_vars(*problem.system.variables)
+        names = dict(zip(problem.system.laws.x, variables, strict=True)) | {problem.coefficient: hy.par[0]}
+        field = [(v, hy.from_sympy(f, names)) for v, f in zip(variables, problem.field, strict=True)]
+        event = hy.t_event(hy.from_sympy(problem.surface, names), callback=self._switch())
+        self._integrator = hy.taylor_adaptive(
+            field, self._start, pars=[0.0], tol=tolerance, t_events=[event], fast_math=fast_math
+        )
+        self._parameters = self._integrator.pars  # looked up once: each look costs as much as the event
+
+    def _switch(self) -> Any:
+        below, above = self._problem.levels[-1], self._problem.levels[1]
+
+        def switch(_: Any, direction: int) -> bool:
+            self._parameters[0] = above if direction > 0 else below
+            return True
+
+        return switch
+
+    def reset(self) -> None:
+        """Go back to the start."""
+        above = self._problem.system.switching(0.0, self._start) > 0
+        self._integrator.time = 0.0
+        self._integrator.state[:] = self._start
+        self._parameters[0] = self._problem.levels[1 if above else -1]
+        self._integrator.reset_cooldowns()
+
+    def run(self) -> None:
+        """Integrate to the end."""
+        self._integrator.propagate_until(self._problem.end)
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """State (d,), where the integrator is."""
+        return self._integrator.state.copy()  # type: ignore[no-any-return]
