@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from core.integrate import checked_method, checked_settings, checked_start
+from core.integration.conserved_error import psi_size
 from core.interface.arguments import count, listed, number
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
@@ -349,16 +350,9 @@ def _target(
     floor = {
         "state": max(_ROUND_OFF * size, estimate),
         "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),
-        "invariant": _ROUND_OFF * max(_psi_size(system, exact.side(t), t, y) for t, y in ((t0, x0), (end, x))),
+        "invariant": _ROUND_OFF * max(float(psi_size(system, exact.side(t), t, y)) for t, y in ((t0, x0), (end, x))),
     }
     return _Target(t0, end, x, len(times), times[-1] if times else math.nan, floor)
-
-
-def _psi_size(system: PiecewiseSystem, side: int, t: float, x: Sequence[float] | Floats) -> float:
-    """Size of the terms of ψ, of which ψ itself may be a small difference: the largest Σ|xₖ ∂ψ/∂xₖ|; 0 without a ψ."""
-    laws = system.laws
-    sizes = [sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.sides[side].conserved]
-    return float(laws.evaluate(("psi size", side), sizes, t, x, system.parameter_array).max(initial=0.0))
 
 
 def _usual_end(exact: Solution, t0: float) -> float:

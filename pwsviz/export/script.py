@@ -31,19 +31,11 @@ _USUAL: Mapping[str, object] = {
 _FIGURES = '''\
 def show(run):
     """Print a run in figures."""
-    crossings = np.count_nonzero(run.crossings.side)  # where a run stops it does not cross
+    crossings = len(run.crossings.passed)
     figures = f"{run.steps:,} steps, {crossings:,} crossings, {run.seconds * 1e3:.3g} ms"
     print(f"{run.method} from {run.x[0]}: {figures}WORST")
     if run.status is not core.Status.COMPLETED:
         print(run.message)
-'''
-
-_CHANGE = '''\
-def change_of_psi(run):
-    """|Change of psi| that the integrator made up to each step, added up over the visits to both sides."""
-    return np.fmax.reduce(np.abs(run.accumulated_error()), axis=1)
-
-
 '''
 
 
@@ -91,7 +83,7 @@ def _figures(scene: Scene) -> str:
     """Return the function that prints the figures of a run; with that of ψ, where any is known."""
     if not (scene.declaration.psi_minus or scene.declaration.psi_plus):
         return "\n" + _FIGURES.replace("WORST", "")
-    return "\n" + _CHANGE + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(change_of_psi(run)):.1e}")
+    return "\n" + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(run.change_of_psi()):.1e}")
 
 
 def _runs(scene: Scene) -> str:
@@ -143,7 +135,7 @@ def _order_study(scene: Scene, inputs: StudyInputs) -> str:
     return f"""\
 # The order: at crossings {STUDY_CROSSINGS}, or fewer where there are fewer.
 {looked}
-last = np.count_nonzero(run.crossings.side) - 1  # the stretch after it is looked at too
+last = len(run.crossings.passed) - 1  # the stretch after it is looked at too
 crossings = {STUDY_CROSSINGS} if last >= {STUDY_CROSSINGS[-1]} else sorted({{-(-last // 3), -(-2 * last // 3), last}})
 {study}
 print(f"{{study.method}} against {{study.reference}}")

@@ -19,7 +19,6 @@ from bokeh.plotting import figure
 from numpy.typing import ArrayLike, NDArray
 
 import core
-from pwsviz.results.invariant_error import accumulated_error
 from pwsviz.results.results import ErrorCurve, Orbit, Pictures
 from pwsviz.scene.scene import OWN, Scene
 
@@ -142,7 +141,7 @@ def run_table(run: core.Trajectory) -> dict[str, NDArray[Any]]:
         "t": run.t,
         **_by_name(run.system.variables, run.x),
         "side": run.side,
-        CHANGE: accumulated_error(run),
+        CHANGE: run.change_of_psi(),
         "crossing_t": crossings.t,
         **{f"crossing_{name}": column for name, column in _by_name(run.system.variables, crossings.x).items()},
         "crossing_side": crossings.side,

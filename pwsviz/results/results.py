@@ -20,7 +20,6 @@ from pwsviz.geometry.polyline_reduction import Floats, Mask, distinct_pixels, en
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.invariant_error import accumulated_error
 from pwsviz.results.requests import CostInputs, Ground, RunInputs, Scheme, StabilityInputs, StudyInputs
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
@@ -205,7 +204,7 @@ class Results:
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
         """Return |change of ψ| at every step of a run."""
-        return self._get("error", inputs, cancel, lambda: accumulated_error(self.run(inputs, cancel)))
+        return self._get("error", inputs, cancel, lambda: self.run(inputs, cancel).change_of_psi())
 
     def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
         """Return the error for the plot against time."""
@@ -298,7 +297,7 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
     )
     if cancel():
         raise Cancelled
-    passed = int(np.count_nonzero(run.crossings.side))
+    passed = len(run.crossings.passed)
     if passed < 2:
         found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
         why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
@@ -440,7 +439,7 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
-        crossings=int(np.count_nonzero(run.crossings.side)),  # where a run stops it does not cross
+        crossings=len(run.crossings.passed),
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error)),
         status=run.status,

@@ -15,7 +15,7 @@ from core.kernels.arrays import Floats
 from core.reference import Solution
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
-from core.studies.stability.verdict import passed, start_at, worst_error
+from core.studies.stability.verdict import start_at, worst_error
 from core.studies.tasks import as_completed
 from core.system import PiecewiseSystem
 
@@ -133,11 +133,8 @@ def _beside(
     horizon = float(horizons[int(np.argmax(clear))])
     rows = []
     for method in methods:
-        one = integrate(
-            system, (t0, horizon), x0, tau, method, record="crossings", envelope=1, max_steps=MAX_STEPS,
-            max_crossings=MAX_STEPS,
-        )  # fmt: skip
-        rows.append((passed(one), worst_error(one), int(one.status)))
+        one = integrate(system, (t0, horizon), x0, tau, method, max_steps=MAX_STEPS, max_crossings=MAX_STEPS)
+        rows.append((len(one.crossings.passed), worst_error(one), int(one.status)))
     expected = int(np.count_nonzero(times <= horizon)) if _reaches(solution, horizon) else UNKNOWN
     return horizon, expected, rows
 

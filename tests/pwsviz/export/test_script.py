@@ -8,7 +8,6 @@ import pytest
 
 import core
 from pwsviz.export.script import snippet
-from pwsviz.results.invariant_error import accumulated_error
 from pwsviz.results.requests import beside_inputs, run_inputs, study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -74,11 +73,11 @@ def test_the_program_runs_what_the_page_runs(key, monkeypatch, capsys):
     said = capsys.readouterr().out
     for run in page_runs(scene):
         assert f"{run.method} from " in said
-        assert f"{run.steps:,} steps, {np.count_nonzero(run.crossings.side):,} crossings" in said
+        assert f"{run.steps:,} steps, {len(run.crossings.passed):,} crossings" in said
         if scene.declaration.psi_minus or scene.declaration.psi_plus:
             told = float(re.search(rf"{run.method} from .*<= (\S+)", said)[1])
             # Where round-off is all that is lost: numpy's powers of one number and of many differ by an ulp.
-            assert told == pytest.approx(np.fmax.reduce(accumulated_error(run)), rel=0.05, abs=4e-15)
+            assert told == pytest.approx(np.fmax.reduce(run.change_of_psi()), rel=0.05, abs=4e-15)
 
 
 @pytest.mark.parametrize("locate", [True, False])
@@ -98,7 +97,7 @@ def test_changes_of_psi_are_added_up_as_on_the_page(monkeypatch, capsys):
     scene = Scene(system="bouncing_ball", methods=["rk2"], perturbation_order=1)  # jumps, and crossings moved
     for scene.system in ("bouncing_ball", "harmonic_oscillator", "kepler"):
         executed(scene, monkeypatch)
-        assert f"<= {np.fmax.reduce(accumulated_error(page_runs(scene)[0])):.1e}\n" in capsys.readouterr().out
+        assert f"<= {np.fmax.reduce(page_runs(scene)[0].change_of_psi()):.1e}\n" in capsys.readouterr().out
 
 
 def test_only_what_is_unusual_is_said():

@@ -28,7 +28,6 @@ from pwsviz.export.tables import (
     runs_table,
 )
 from pwsviz.figures.style import plain_figure
-from pwsviz.results.invariant_error import accumulated_error
 from pwsviz.results.requests import beside_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.permalink import query
@@ -115,7 +114,7 @@ def test_a_run_is_given_at_the_integrators_own_steps():
     assert np.array_equal(table["t"], run.t)
     assert np.array_equal(np.column_stack([table[name] for name in ("x", "y", "u", "v")]), run.x)
     assert np.array_equal(table["side"], run.side)
-    assert np.array_equal(table["change_of_psi"], accumulated_error(run))
+    assert np.array_equal(table["change_of_psi"], run.change_of_psi())
     assert len(table["crossing_t"]) == len(run.crossings) > 1
     _, columns = read_csv(csv_bytes(table))
     assert [float(cell) for cell in columns["v"]] == run.x[:, 3].tolist()

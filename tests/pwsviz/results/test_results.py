@@ -6,7 +6,6 @@ import pytest
 import core
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION
-from pwsviz.results.invariant_error import accumulated_error
 from pwsviz.results.requests import Scheme, beside_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
@@ -155,7 +154,7 @@ def test_accumulated_error_is_the_distance_from_the_exact_levels(results, system
     """Both systems of the paper return to the same level on each side, so the sum over visits telescopes."""
     scene = Scene(system=system, methods=["rk2"])
     run = results.run(run_inputs(scene)[0])
-    error = accumulated_error(run)
+    error = run.change_of_psi()
     assert error[0] == 0.0
     first = run.side == run.side[0]
     psi = run.system.conserved(int(run.side[0]), 0.0, run.x)[:, 0]
@@ -215,7 +214,7 @@ def test_the_study_measures_slope_two(results):
 def test_what_is_lost_at_crossings_counts_as_much_as_what_is_lost_between(how, least, most):
     # Against the exact levels (psi = 0 outside, 2 cos(4 pi/7) inside): round-off, 0.42, 0.18 and 6e-4.
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), tau=1e-2, **how)
-    assert least <= accumulated_error(run).max() <= most
+    assert least <= run.change_of_psi().max() <= most
 
 
 @pytest.mark.parametrize(
