@@ -105,7 +105,8 @@ def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> 
     laws = system.laws
     sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.sides[side].conserved]
     values = laws.evaluate(("size of psi", side), sizes, t, x, system.parameter_array)
-    return np.where(np.isfinite(values), values, 0.0).max(axis=-1, initial=0.0)
+    largest: Floats = np.where(np.isfinite(values), values, 0.0).max(axis=-1, initial=0.0)
+    return largest
 
 
 @lru_cache(maxsize=1)

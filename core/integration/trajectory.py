@@ -105,7 +105,8 @@ class Crossings:
     @property
     def passed(self) -> Crossings:
         """Those that the run went on from: where it stops on the surface it does not cross."""
-        return self[self.side != 0]
+        went_on: NDArray[np.bool_] = self.side != 0
+        return self[went_on]
 
     def first(self, count: int) -> Crossings:
         """The first `count` of them."""

@@ -19,7 +19,7 @@ from core.methods import METHODS, Method
 from core.reference import Solution, reference_solution
 from core.studies.measure import Measured, Problem, measure
 from core.studies.peers import PEERS
-from core.studies.tasks import as_completed
+from core.studies.tasks import Cancel, as_completed
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
@@ -111,7 +111,7 @@ def work_precision(
     budget: float = 2.0,
     executor: Executor | None = None,
     progress: Callable[[int, int, WorkPrecision], object] | None = None,
-    cancel: Callable[[], bool] | None = None,
+    cancel: Cancel | None = None,
 ) -> WorkPrecision:
     """Measure run time and error of some integrators, each at several step sizes or tolerances.
 

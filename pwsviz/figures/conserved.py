@@ -9,12 +9,13 @@ import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
 from bokeh.models.annotations import Span
 
-from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS, describe
+from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS
 from pwsviz.figures.style import (
     PURPLE,
     SIDES,
     VERMILION,
     assign,
+    describe,
     fit_to,
     legend_below,
     line_of,

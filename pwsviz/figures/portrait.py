@@ -26,6 +26,7 @@ from pwsviz.figures.style import (
     SIDES,
     VERMILION,
     assign,
+    describe,
     fit_to,
     legend_below,
     line_of,
@@ -357,11 +358,6 @@ def portrait_text(
         for one in pictures.summaries
     )
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {crossed}."
-
-
-def describe(plot: figure, words: str) -> None:
-    """Say what a figure shows now, for those who cannot see it; the browser takes it over at once."""
-    plot.html_attributes = {**plot.html_attributes, "aria-label": words}
 
 
 def extent(orbits: Sequence[Orbit], beside: Sequence[Orbit] = ()) -> Window:

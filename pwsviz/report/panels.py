@@ -12,7 +12,8 @@ import core
 from pwsviz.export.tables import Table, order_table, runs_table
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
-from pwsviz.figures.portrait import PortraitView, describe
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.style import describe
 from pwsviz.report.numbers import Numbers, run_numbers, slope_numbers
 from pwsviz.results.requests import RunInputs, beside_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results

@@ -242,10 +242,6 @@ class Results:
         """Measure what goes well and what does not."""
         return self._in_turn("stability", inputs, cancel, lambda: _stability(inputs, self._pool, cancel, report))
 
-    def forget(self, kind: str, inputs: Hashable) -> None:
-        """Have something computed anew when it is next asked for."""
-        self._cache.forget(kind, inputs)
-
     def _in_turn(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
         """Compute something long, when the processors are not busy with other people's."""
 

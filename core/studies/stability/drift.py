@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,7 +16,7 @@ from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import Plan
-from core.studies.tasks import as_completed
+from core.studies.tasks import Cancel, as_completed
 from core.system import PiecewiseSystem
 
 __all__ = ["Drift", "count", "run"]
@@ -73,7 +73,7 @@ def count(plan: Plan) -> int:
     return len(plan.methods) * (len(_edges(plan.steps)) - 1)
 
 
-def run(plan: Plan, executor: Executor | None, cancel: Callable[[], bool] | None) -> Iterator[Drift]:
+def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Drift]:
     """Yield what is known after each piece of each run: the first pieces of all, then the second ones, and so on."""
     n, edges = len(plan.methods), _edges(plan.steps)
     parts = np.arange(1, _COLUMNS + 1) / _COLUMNS

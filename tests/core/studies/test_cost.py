@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import core
-from core.studies import cost, measure
+from core.studies import measure
 from core.studies.cost import CANCELLED, DONE, WAITING, work_precision
 
 HARMONIC = core.CATALOGUE["harmonic_oscillator"]
