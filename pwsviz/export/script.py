@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from textwrap import indent
 
 import core
-from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs, study_inputs
+from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs
 from pwsviz.results.results import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.scene.scene import OWN, Scene
 from pwsviz.scene.validation import MAX_STEPS
@@ -39,14 +39,21 @@ def show(run):
 '''
 
 
-def snippet(scene: Scene) -> str:
-    """Return the program: the system, its run from each start with each integrator, the study of the view that is open.
+def snippet(scene: Scene, study: str = "") -> str:
+    """Return the program: the system, its run from each start with each integrator, and a study.
 
     It passes the arguments that the page passes, leaving out what `core` takes anyway, and prints the figures of the
     status lines.
+
+    Parameters
+    ----------
+    scene : Scene
+        What the page shows.
+    study : str
+        Lines of the view that is open, such as `order_program` returns; empty where it makes no study.
     """
     paragraphs = ["import numpy as np\n\nimport core", _system(scene), _figures(scene), _runs(scene)]
-    if study := _study(scene):
+    if study:
         paragraphs.append(study)
     return "\n\n".join(paragraphs).replace("\n\n\n\n", "\n\n\n") + "\n"
 
@@ -107,19 +114,8 @@ def _runs(scene: Scene) -> str:
     return loop if alike else f"methods = {{\n{listed}}}\n{loop}"
 
 
-def _study(scene: Scene) -> str:
-    """Return the study of the view that is open, if it makes one."""
-    match scene.view:
-        case "order" | "time":
-            return _order_study(scene, study_inputs(scene))
-        case "cost":
-            return _cost_study(scene, CostInputs.of(scene))
-        case "stability":
-            return _stability_study(scene, StabilityInputs.of(scene))
-    return ""
-
-
-def _order_study(scene: Scene, inputs: StudyInputs) -> str:
+def order_program(scene: Scene, inputs: StudyInputs) -> str:
+    """Return the lines that repeat an order study."""
     start, method = _x0(scene), _unusual({"method": inputs.scheme.method})
     looked = _call(
         "run = core.integrate",
@@ -143,7 +139,8 @@ print(f"state, before the first crossing and after {{study.crossings}}: slopes {
 print(f"times of crossings {{study.crossings}}: slopes {{study.time_slope}}")"""
 
 
-def _cost_study(scene: Scene, inputs: CostInputs) -> str:
+def cost_program(scene: Scene, inputs: CostInputs) -> str:
+    """Return the lines that repeat a comparison of run times."""
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"peers": inputs.peers})
     return f"""\
 # The cost of accuracy.
@@ -173,7 +170,8 @@ for method, missed, error in zip(study.methods, found.missed, found.error):
 }
 
 
-def _stability_study(scene: Scene, inputs: StabilityInputs) -> str:
+def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
+    """Return the lines that repeat a stability study."""
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
     call = _call("study = core.stability_study", ("system", _span(scene)), keywords | {"parts": repr(parts)})

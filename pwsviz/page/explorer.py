@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -15,7 +14,6 @@ from panel_material_ui.template.base import Page
 import core
 from pwsviz.editor.form import SystemEditor
 from pwsviz.export.tables import run_table
-from pwsviz.figures.linking import link_crossings
 from pwsviz.page.export_dialog import Piece, Share
 from pwsviz.page.portrait_panel import Stage
 from pwsviz.page.sidebar import Sidebar
@@ -23,13 +21,9 @@ from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.history import History
 from pwsviz.scene.permalink import adopt, query
-from pwsviz.scene.scene import VIEWS, Scene
-from pwsviz.tabs.base import LongTab, Tab
-from pwsviz.tabs.conserved import ConservedTab
-from pwsviz.tabs.cost import CostTab
-from pwsviz.tabs.order import state_order_tab, time_order_tab
-from pwsviz.tabs.scheme import SchemeTab
-from pwsviz.tabs.stability import StabilityTab
+from pwsviz.scene.scene import Scene
+from pwsviz.scene.views import VIEWS
+from pwsviz.tabs import TABS, LongTab, Tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Desk
 from pwsviz.text.words import as_text
@@ -38,15 +32,6 @@ from pwsviz.widgets.panes import PLAIN_SX, text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the server: a second visitor finds the first picture ready."""
-
-TABS: Mapping[str, Callable[[Scene, Results], Tab]] = {
-    "conserved": ConservedTab,
-    "order": state_order_tab,
-    "time": time_order_tab,
-    "cost": CostTab,
-    "stability": StabilityTab,
-    "scheme": SchemeTab,
-}
 
 ADDRESS_RESTS = 400
 """Milliseconds without a change after which the address bar is brought up to date."""
@@ -111,18 +96,18 @@ class Explorer(pn.viewable.Viewer):
         if scene is None and pn.state.location is not None:
             self.adopt(pn.state.location.search)  # before anything is asked for
         self.desk = Desk()
-        self.views = {key: make(self.scene, self.results) for key, make in TABS.items()}
-        conserved = self.views["conserved"]
-        assert isinstance(conserved, ConservedTab)  # noqa: S101  (it is the one named so)
-        self.stage = Stage(self.scene, self.results, self.desk, conserved.view, self._await_system)
-        link_crossings(self.stage.portrait, conserved.view)
+        self.views = {key: TABS[key](self.scene, self.results) for key in VIEWS}
+        lines = [view.now for view in self.views.values() if view.now is not None]
+        self.stage = Stage(self.scene, self.results, self.desk, lines, self._await_system)
+        for view in self.views.values():
+            view.link(self.stage.portrait)
         self.history = History(self.scene)
         self.sidebar = Sidebar(self.scene, self.edit)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
         self.editing = pmui.Dialog(
             title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
         )
-        self.share = Share(self.scene, self._pieces)
+        self.share = Share(self.scene, self._pieces, lambda: self.view.program())
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
         self._behind: set[str] = set()

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.models.annotations import Span
 
 import core
-from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
@@ -34,14 +34,14 @@ class Stage(pn.viewable.Viewer):
     ----------
     scene, results, desk
         What to show, where arrays come from, and who computes.
-    conserved : ConservedView
-        Marks the player's time.
+    lines : sequence of Span
+        What marks the player's time in other figures.
     on_wait : callable
         Told, in words, that another system is being prepared.
     """
 
     def __init__(
-        self, scene: Scene, results: Results, desk: Desk, conserved: ConservedView, on_wait: Callable[[str], None]
+        self, scene: Scene, results: Results, desk: Desk, lines: Sequence[Span], on_wait: Callable[[str], None]
     ) -> None:
         super().__init__()
         self.scene, self.results, self.desk, self._on_wait = scene, results, desk, on_wait
@@ -53,7 +53,7 @@ class Stage(pn.viewable.Viewer):
             on_select=self._select,
         )
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
-        self.player = Player(self.portrait, conserved)
+        self.player = Player(self.portrait, lines)
         self.player.param.watch(lambda *_: self._ask_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.trouble = text_pane("")

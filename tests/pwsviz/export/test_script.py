@@ -11,11 +11,18 @@ from pwsviz.export.script import snippet
 from pwsviz.results.requests import beside_inputs, run_inputs, study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
+from pwsviz.scene.views import VIEWS
+from pwsviz.tabs import TABS
 
 HOSTILE = (
     "'", '"', '"""', "'''", "\\", "\n", "\r", "\0", "{1/0}", "%s", "\u202e", "\ud800", "\u2028", "#", "</script>", "🙂",
     "__import__('os')", "'); raise SystemExit('out') #", "\nraise SystemExit\n", '"""\nraise SystemExit\n"""',
 )  # fmt: skip
+
+
+def program_of(scene):
+    """Return the program of a scene, as the dialog shows it."""
+    return snippet(scene, TABS[scene.view](scene, Results()).program())
 
 
 def executed(scene, monkeypatch, *functions):
@@ -34,7 +41,7 @@ def executed(scene, monkeypatch, *functions):
     with monkeypatch.context() as patched:
         for name in functions:
             patched.setattr(core, name, recorder(name))
-        exec(compile(snippet(scene), "snippet", "exec"), {"__name__": "__main__"})  # noqa: S102  (the claim is that it runs)
+        exec(compile(program_of(scene), "snippet", "exec"), {"__name__": "__main__"})  # noqa: S102  (the claim is that it runs)
     return [given[name] for name in functions]
 
 
@@ -101,15 +108,15 @@ def test_changes_of_psi_are_added_up_as_on_the_page(monkeypatch, capsys):
 
 
 def test_only_what_is_unusual_is_said():
-    program = snippet(Scene())
+    program = program_of(Scene())
     assert "system = core.CATALOGUE['elliptic_curve']\n" in program
     assert "core.integrate(system, (0.0, 20.0), method=method, max_steps=2_000_000)" in program
     assert not any(word in program for word in ("x0", "tau", "transition", "tolerance", "with_parameters"))
 
 
 def test_the_program_uses_core_and_numpy_alone():
-    for view in Scene.param["view"].objects:
-        tree = ast.parse(snippet(Scene(view=view)))
+    for view in VIEWS:
+        tree = ast.parse(program_of(Scene(view=view)))
         imported = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
         assert imported == {"core", "numpy"}
         assert not [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
@@ -153,13 +160,13 @@ def test_no_text_gets_out_of_its_quotes(text, monkeypatch):
     scene = Scene(methods=["rk2"])
     scene.use(own_system(text, text, text))
     scene.accept("t_end", 0.1)
-    program = snippet(scene)
+    program = program_of(scene)
     program.encode()
     assert all(c.isprintable() or c == "\n" for c in program)
     innocent = Scene(methods=["rk2"])
     innocent.use(own_system("a", "a", "a"))
     innocent.accept("t_end", 0.1)
-    assert shape(program) == shape(snippet(innocent))
+    assert shape(program) == shape(program_of(innocent))
     assert_program_is_the_page(scene, monkeypatch)
 
 

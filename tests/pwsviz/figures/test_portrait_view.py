@@ -172,7 +172,7 @@ def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
 
 
 def test_a_closed_player_makes_and_sends_nothing():
-    player = Player(Watched(), ConservedView())
+    player = Player(Watched(), [ConservedView().now])
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 1.0), tau=1e-2)
     player.show([frames(run, (0, 1))])
     assert not player.wanted

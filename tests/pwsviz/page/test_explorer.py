@@ -15,7 +15,10 @@ from pwsviz.geometry.phase_plane import Window
 from pwsviz.page.explorer import Explorer
 from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
-from pwsviz.scene.scene import VIEWS, Scene
+from pwsviz.scene.permalink import query, read
+from pwsviz.scene.scene import Scene
+from pwsviz.scene.views import VIEWS
+from pwsviz.tabs import TABS, Tab
 
 
 @pytest.fixture
@@ -408,3 +411,46 @@ def test_a_page_that_is_left_is_let_go():
     left = visit_and_leave()
     gc.collect()
     assert left() is None
+
+
+class StepSizeTab(Tab):
+    """A view of one number, as somebody else might add it."""
+
+    def inputs(self):
+        """The step size is all that it shows."""
+        return self.scene.tau
+
+    def compute(self, inputs, cancel, report):
+        """Nothing is left to compute."""
+        return inputs
+
+    def build(self):
+        """No figure."""
+        return []
+
+    def draw(self, outcome):
+        """Say it."""
+        return f"The step size is {outcome:g}."
+
+    def table(self):
+        """One number."""
+        return {"tau": [self.outcome]}
+
+    def program(self):
+        """Print it."""
+        return f"print('tau', {self.scene.tau})"
+
+
+def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(monkeypatch):
+    monkeypatch.setitem(VIEWS, "step", "Step size")
+    monkeypatch.setitem(TABS, "step", StepSizeTab)
+    explorer = Explorer(Scene(t_end=1.0), Results())
+    explorer.tabs.active = list(VIEWS).index("step")
+    assert explorer.settle(20)
+    assert "The step size is 0.01." in explorer.view.words.object
+    assert read(query(explorer.scene)) == (explorer.scene.settings(), [])
+    assert "scheme, step" in "".join(read("view=nonsense")[1])
+    explorer.share.open("")
+    assert "print(&#x27;tau&#x27;, 0.01)" in explorer.share.program.object
+    assert [row[0].object for row in explorer.share.numbers] == ["Phase portrait", "Step size"]
+    explorer.close()
