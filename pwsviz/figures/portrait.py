@@ -27,7 +27,7 @@ from pwsviz.figures.style import (
     VERMILION,
     assign,
     describe,
-    fit_to,
+    fit_to_corners,
     legend_below,
     line_of,
     plain_figure,
@@ -197,8 +197,7 @@ class PortraitView:
             "x", "y", source=self.moving, marker="marker", size="size", fill_color="colour", line_color="white",
             line_width=1.5,
         )  # fmt: skip
-        self.corners = ColumnDataSource({"x": [-1.0, 1.0], "y": [-1.0, 1.0]})
-        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        self.corners = fit_to_corners(plot, [-1.0, 1.0], [-1.0, 1.0])
 
     def _add_legend(self) -> None:
         *_, self.surface_entry, self.tint_entry = legend_below(
@@ -285,10 +284,7 @@ class PortraitView:
             self.crossings,
             x=marks[:, 0],
             y=marks[:, 1],
-            label=["crossing" if kind == "transversal" else kind for kind in kinds],
-            kind=kinds,
-            marker=[KIND_MARKERS.get(kind, "cross") for kind in kinds],
-            colour=[KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+            **kind_columns(kinds),
             method=[orbit.method for orbit in orbits for _ in orbit.kinds],
             number=np.concatenate([orbit.numbers for orbit in orbits]),
             time=np.concatenate([orbit.times for orbit in orbits]),
@@ -343,6 +339,16 @@ class PortraitView:
             self.levels[side].data = _columns(ground.levels[side])
             self.orbit_levels[side].data = _columns(ground.orbit_levels[side])
             self.arrows[side].data = _columns(ground.arrows[side])
+
+
+def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
+    """Return the columns of crossings of these kinds that say how each is marked; "crossing" is any kind, unsaid."""
+    return {
+        "label": ["crossing" if kind == "transversal" else kind for kind in kinds],
+        "kind": kinds,
+        "marker": [KIND_MARKERS.get(kind, "circle") for kind in kinds],
+        "colour": [KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+    }
 
 
 def portrait_text(
