@@ -193,7 +193,7 @@ def _adaptive(method: str) -> bool:
 
 
 def _x0(scene: Scene, variable: str | None = None) -> dict[str, str]:
-    """Return the argument for the start that is looked into, or for a loop variable; none where it is the usual one."""
+    """Return the argument for the selected start, or for a loop variable; none where it is the usual one."""
     if variable is None and repr(scene.x0) == repr(scene.declaration.x0):
         return {}
     return {"x0": variable or repr(scene.x0)}

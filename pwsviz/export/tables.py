@@ -1,4 +1,4 @@
-"""What a person takes away of a view: its numbers as CSV or NPZ, its picture as PNG, under a name that says what it is.
+"""What is exported of a view: its numbers as CSV or NPZ, its picture as PNG, under a name that says what it is.
 
 A table is columns by name. They need not be of one length: a run has more steps than crossings.
 """

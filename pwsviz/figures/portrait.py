@@ -49,7 +49,7 @@ KIND_COLOURS = {
 """Besides the markers; those of one colour never meet at one crossing."""
 
 PALE_STAR = "#F7DDA2"
-"""Of the starts that are not looked into; a black number is legible on it as on the other."""
+"""Of the other starts than the selected one; a black number is legible on it as on the other."""
 
 RIM = "#9A6700"
 """Around the stars; black would be lost on a dark page."""
@@ -57,7 +57,7 @@ RIM = "#9A6700"
 NEAR = 1.2
 """How far out, in sizes of the first orbit, another integrator's may still widen the view."""
 
-BESIDE = 3.0
+OTHERS = 3.0
 """How far out trajectories from other starts may."""
 
 SUMMARY = "Phase portrait"
@@ -79,7 +79,7 @@ class PortraitView:
         Told which start (from 0) was dragged where (x, y): some twenty times a second on the way, and at the end.
         Who refuses a move calls `show_starts`, or the star stays where it was dropped.
     on_remove, on_select : callable
-        Told which start is to go, or to be looked into.
+        Told which start is to go, or to be selected.
 
     Attributes
     ----------
@@ -152,8 +152,8 @@ class PortraitView:
         plot = self.figure
         columns = ("xs", "ys", "method", "colour", "dash", "width")
         looks: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_join": "round"}
-        self.beside = ColumnDataSource({name: [] for name in columns})
-        plot.multi_line("xs", "ys", source=self.beside, alpha=0.55, **looks)
+        self.others = ColumnDataSource({name: [] for name in columns})
+        plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
         self.jumps = _line_source()
@@ -264,18 +264,18 @@ class PortraitView:
         starts : sequence of (float, float)
             Where in that plane all trajectories start by now; the person may have gone on meanwhile.
         selected : int
-            Which of them is looked into.
+            Which of them is selected.
         """
         axes = pictures.inputs.axes
         self._name(system, axes)
         self.orbits.data = _curves(pictures.orbits)
-        self.beside.data = _curves(pictures.beside, thinner=0.5)
+        self.others.data = _curves(pictures.others, thinner=0.5)
         self._show_crossings(pictures.orbits)
-        self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.beside)]))
+        self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)]))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
-        self._box = extent(pictures.orbits, pictures.beside)
-        return self._fit((pictures.inputs.looked_into[0].ground.declaration, axes), self._box)
+        self._box = extent(pictures.orbits, pictures.others)
+        return self._fit((pictures.inputs.selected[0].ground.declaration, axes), self._box)
 
     def _show_crossings(self, orbits: Sequence[Orbit]) -> None:
         kinds = [kind for orbit in orbits for kind in orbit.kinds]
@@ -366,21 +366,21 @@ def portrait_text(
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {crossed}."
 
 
-def extent(orbits: Sequence[Orbit], beside: Sequence[Orbit] = ()) -> Window:
+def extent(orbits: Sequence[Orbit], others: Sequence[Orbit] = ()) -> Window:
     """Return the box that shows the first orbit whole, closed surfaces of its size, and the others near it.
 
     Parameters
     ----------
     orbits : sequence of Orbit
-        One for each integrator, from the start that is looked into.
-    beside : sequence of Orbit
+        One for each integrator, from the selected start.
+    others : sequence of Orbit
         The same from the other starts, start by start. Another start counts farther out than another integrator.
     """
     first = Window.around(np.concatenate([orbits[0].path, orbits[0].surface]))
     points = np.concatenate([*(orbit.path for orbit in orbits), orbits[0].surface])
-    others = np.concatenate([np.empty((0, 2)), *(orbit.path for orbit in beside[:: len(orbits)])])
-    near, far = first.scaled(NEAR).holds(points), first.scaled(BESIDE).holds(others)
-    return Window.around(np.concatenate([points[near], others[far]]))
+    there = np.concatenate([np.empty((0, 2)), *(orbit.path for orbit in others[:: len(orbits)])])
+    near, far = first.scaled(NEAR).holds(points), first.scaled(OTHERS).holds(there)
+    return Window.around(np.concatenate([points[near], there[far]]))
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:

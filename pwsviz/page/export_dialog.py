@@ -1,4 +1,4 @@
-"""What a person takes away: the link, a Python program, the numbers and the pictures."""
+"""The dialog of the export: the link, a Python program, the numbers and the pictures."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ navigator.clipboard.writeText(new DOMParser().parseFromString(page.body.textCont
 
 
 class Piece(NamedTuple):
-    """Something to take away: what a view shows."""
+    """Something to export: what a view shows."""
 
     title: str
     table: Callable[[], Table | None]
@@ -44,8 +44,8 @@ class Piece(NamedTuple):
     figure: figure | None
 
 
-class Share(pn.viewable.Viewer):
-    """The dialog “Take away”; what it holds is made when it is opened.
+class ExportDialog(pn.viewable.Viewer):
+    """The dialog behind “Take away”; what it holds is made when it is opened.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ class Frames:
 
 @dataclass(frozen=True)
 class Landmarks:
-    """What the plot of the conserved quantity marks of the run it looks into first.
+    """What the plot of the conserved quantity marks of its first run.
 
     Attributes
     ----------

@@ -104,9 +104,9 @@ class ErrorCurve:
 class PortraitInputs:
     """Exactly what the curves of one portrait depend on."""
 
-    looked_into: tuple[RunInputs, ...]
+    selected: tuple[RunInputs, ...]
     """One for each integrator."""
-    beside: tuple[RunInputs, ...] = ()
+    others: tuple[RunInputs, ...] = ()
     """Those of the other starts."""
     axes: Axes = (0, 1)
 
@@ -117,7 +117,7 @@ class Pictures:
 
     inputs: PortraitInputs
     orbits: list[Orbit]
-    beside: list[Orbit]
+    others: list[Orbit]
     summaries: list[Summary]
 
 
@@ -141,14 +141,14 @@ class Results:
     def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
         """Everything the portrait and the status lines need."""
         axes = inputs.axes
-        self._begin(inputs.looked_into, cancel)
-        first = self.orbit(inputs.looked_into[0], None, axes, cancel)
+        self._begin(inputs.selected, cancel)
+        first = self.orbit(inputs.selected[0], None, axes, cancel)
         near = Window.around(first.path).scaled(FAR)
         return Pictures(
             inputs=inputs,
-            orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.looked_into[1:])],
-            beside=[self.orbit(one, near, axes, cancel) for one in inputs.beside],
-            summaries=[self.summary(one, cancel) for one in inputs.looked_into],
+            orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
+            others=[self.orbit(one, near, axes, cancel) for one in inputs.others],
+            summaries=[self.summary(one, cancel) for one in inputs.selected],
         )
 
     def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:

@@ -54,7 +54,7 @@ class Scene(param.Parameterized):
     own: Any = param.ClassSelector(default=None, class_=core.PiecewiseSystem, doc="The system the person typed.")
     values = param.Dict(default={}, doc="Value of each parameter of the system.")
     starts: Any = param.ClassSelector(default=(), class_=tuple, doc="Initial states, one for each trajectory.")
-    selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="The start whose run the views look into.")
+    selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="Index of the start that is selected.")
     axes: Any = param.ClassSelector(default=(0, 1), class_=tuple, doc="The two variables that span the portrait.")
     methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
     tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
@@ -67,7 +67,7 @@ class Scene(param.Parameterized):
     perturbation_scale = param.Number(default=1.0, bounds=(-10.0, 10.0), doc="Its factor c.")
     view: Any = param.String(default="conserved", doc="The view beside the portrait: a key of `VIEWS`.")
     study_method: Any = param.Selector(
-        default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator looks into."
+        default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator shows."
     )
     peers = param.ListSelector(default=["scipy"], objects=list(PEERS), doc="Other people's integrators in Cost.")
     cost_across: Any = param.Selector(default="seconds", objects=list(COST_ACROSS))
@@ -92,7 +92,7 @@ class Scene(param.Parameterized):
 
     @property
     def x0(self) -> Start:
-        """The start that the views look into."""
+        """The selected start."""
         return tuple(self.starts[min(self.selected, len(self.starts) - 1)])
 
     @property
@@ -116,13 +116,13 @@ class Scene(param.Parameterized):
         return steady or [name for name in self.offered if not core.METHODS[name].adaptive][:1]
 
     @property
-    def looked_into(self) -> str:
-        """The integrator that a view of one integrator looks into: `study_method` where it is used."""
+    def selected_method(self) -> str:
+        """The integrator that a view of one integrator shows: `study_method` where it is used."""
         return self.study_method if self.study_method in self.used else self.used[0]
 
     @property
     def order_method(self) -> str:
-        """The integrator whose order is looked into."""
+        """The integrator whose order is studied."""
         return self.study_method if self.study_method in self.steady else self.steady[0]
 
     def build(self) -> core.PiecewiseSystem:
@@ -202,7 +202,7 @@ class Scene(param.Parameterized):
         return float(max(self.t_end, min(wanted, self.tau * MAX_STEPS)))
 
     def place(self, start: Start) -> None:
-        """Add a trajectory, and look into it.
+        """Add a trajectory, and select it.
 
         Raises
         ------
@@ -215,7 +215,7 @@ class Scene(param.Parameterized):
         self.param.update(starts=(*self.starts, added), selected=len(self.starts))
 
     def move(self, index: int, start: Start) -> None:
-        """Let one trajectory start elsewhere, and look into it; ValueError where it cannot."""
+        """Let one trajectory start elsewhere, and select it; ValueError where it cannot."""
         starts = list(self.starts)
         starts[index] = self._checked_start(start)
         self.param.update(starts=tuple(starts), selected=index)

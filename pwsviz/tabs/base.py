@@ -81,7 +81,7 @@ class Tab(pn.viewable.Viewer):
         raise NotImplementedError
 
     def table(self) -> Table | None:
-        """Return what is shown as columns to take away; None while there is nothing."""
+        """Return what is shown as columns to export; None while there is nothing."""
         raise NotImplementedError
 
     def program(self) -> str:

@@ -56,7 +56,7 @@ class OrderTab(LongTab):
         assert order is not None  # noqa: S101  (a study needs one)
         self.view.show(outcome.taus, rows, float(outcome.floor), order)
         words = study_text(outcome, rows)
-        chosen = self.scene.looked_into
+        chosen = self.scene.selected_method
         if chosen != outcome.method and core.METHODS[chosen].adaptive:
             words += f" {chosen} chooses its own steps and has no order; {outcome.method} is shown in its place."
         return words

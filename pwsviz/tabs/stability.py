@@ -70,8 +70,8 @@ class StabilityTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         self._offer()
         scene = self.scene
-        self.view.show(outcome, scene.stability_part, scene.looked_into, scene.stability_shown)
-        return stability_text(outcome, scene.stability_part, scene.looked_into)
+        self.view.show(outcome, scene.stability_part, scene.selected_method, scene.stability_shown)
+        return stability_text(outcome, scene.stability_part, scene.selected_method)
 
     def table(self) -> Table | None:
         """Return the columns of the part shown."""

@@ -1,4 +1,4 @@
-"""The program a person takes away is what the page ran, to the bit; and nothing they typed gets out of its quotes."""
+"""The program that is exported is what the page ran, to the bit; and nothing they typed gets out of its quotes."""
 
 import ast
 import re
@@ -8,7 +8,7 @@ import pytest
 
 import core
 from pwsviz.export.script import snippet
-from pwsviz.results.requests import beside_inputs, run_inputs, study_inputs
+from pwsviz.results.requests import other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
@@ -57,7 +57,7 @@ def assert_same(run, other):
 def page_runs(scene):
     """Return the page's own runs, in the order of the program: start by start."""
     results, runs = Results(), {}
-    for one in (*run_inputs(scene), *beside_inputs(scene)):
+    for one in (*run_inputs(scene), *other_inputs(scene)):
         runs[repr(one.ground.x0), one.scheme.method] = results.run(one)
     return [runs[repr(tuple(start)), method] for start in scene.starts for method in scene.used]
 

@@ -6,7 +6,7 @@ import pytest
 import core
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION
-from pwsviz.results.requests import Scheme, beside_inputs, run_inputs, study_inputs
+from pwsviz.results.requests import Scheme, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
@@ -18,7 +18,7 @@ def results():
 
 
 def portrait(scene):
-    return PortraitInputs(run_inputs(scene), beside_inputs(scene), scene.axes)
+    return PortraitInputs(run_inputs(scene), other_inputs(scene), scene.axes)
 
 
 def test_portrait_alone_draws_no_error_curve(results):
@@ -49,7 +49,7 @@ def test_one_more_trajectory_costs_one_more_run_for_each_integrator(results):
     pictures = results.pictures(portrait(scene))
     assert results.computed["run"] == 4
     assert [orbit.start for orbit in pictures.orbits] == [(-0.5, 0.25)] * 2
-    assert [orbit.start for orbit in pictures.beside] == [(-1.0, -1.0)] * 2
+    assert [orbit.start for orbit in pictures.others] == [(-1.0, -1.0)] * 2
     scene.selected = 0
     results.pictures(portrait(scene))
     assert results.computed["run"] == 4
