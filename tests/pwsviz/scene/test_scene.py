@@ -241,6 +241,15 @@ def test_loading_begins_anew():
     assert scene.settings() == Scene().settings()
 
 
+def test_step_size_and_end_time_are_taken_over_together_or_not_at_all():
+    scene = Scene(tau=1e-5, t_end=20.0)
+    scene.accept_times(0.5, 50_000.0)  # either alone would ask for too many steps, or leave them
+    assert (scene.tau, scene.t_end) == (0.5, 50_000.0)
+    with pytest.raises(ValueError, match="steps are more than this page runs"):
+        scene.accept_times(1e-5, 50_000.0)
+    assert (scene.tau, scene.t_end) == (0.5, 50_000.0)
+
+
 def test_a_system_of_ones_own_is_like_any_other():
     own = core.PiecewiseSystem(
         "mine", ("u", "v"), ("v", "-k*u"), ("v", "-u"), "v", parameters={"k": 3.0}, x0=(1.0, 1.0)
