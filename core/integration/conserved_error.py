@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numba import njit, types
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from core.compilation.compiled import compile_run
 from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, Frame, call
@@ -22,7 +22,7 @@ from core.methods import METHODS
 from core.system import PiecewiseSystem
 from core.transition.records import mode_of
 
-__all__ = ["level_residual_along", "with_exits"]
+__all__ = ["level_residual_along", "psi_size", "with_exits"]
 
 
 def level_residual_along(
@@ -85,6 +85,29 @@ def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floa
         larger = larger[np.argsort(np.abs(found[larger]))]  # of several for one row the last, the largest, stays
         error[row[larger], j] = found[larger]
     return error
+
+
+def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
+    """Size of the terms that ψ adds up, of which it may be a small difference: |ψ| + Σₖ |xₖ ∂ψ/∂xₖ|.
+
+    Rounding the state and ψ to doubles moves ψ by up to eps/2 times this.
+
+    Parameters
+    ----------
+    side
+        Whose ψ, −1 or +1.
+    t, x
+        (...) times and (..., d) states.
+
+    Returns
+    -------
+    (...), of several conserved quantities the largest; 0 where none is known, or it has no finite size.
+    """
+    laws = system.laws
+    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.sides[side].conserved]
+    values = laws.evaluate(("size of psi", side), sizes, t, x, system.parameter_array)
+    largest: Floats = np.where(np.isfinite(values), values, 0.0).max(axis=-1, initial=0.0)
+    return largest
 
 
 @lru_cache(maxsize=1)

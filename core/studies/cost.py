@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from core.integrate import checked_method, checked_settings, checked_start
+from core.integration.conserved_error import psi_size
 from core.interface.arguments import count, listed, number
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
@@ -18,7 +19,7 @@ from core.methods import METHODS, Method
 from core.reference import Solution, reference_solution
 from core.studies.external_solvers import EXTERNAL_SOLVERS
 from core.studies.measure import Measured, Problem, measure
-from core.studies.tasks import as_completed
+from core.studies.tasks import Cancel, as_completed
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
@@ -110,7 +111,7 @@ def work_precision(
     budget: float = 2.0,
     executor: Executor | None = None,
     progress: Callable[[int, int, WorkPrecision], object] | None = None,
-    cancel: Callable[[], bool] | None = None,
+    cancel: Cancel | None = None,
 ) -> WorkPrecision:
     """Measure run time and error of some integrators, each at several step sizes or tolerances.
 
@@ -350,16 +351,9 @@ def _target(
     floor = {
         "state": max(_ROUND_OFF * size, estimate),
         "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),
-        "invariant": _ROUND_OFF * max(_psi_size(system, exact.side(t), t, y) for t, y in ((t0, x0), (end, x))),
+        "invariant": _ROUND_OFF * max(float(psi_size(system, exact.side(t), t, y)) for t, y in ((t0, x0), (end, x))),
     }
     return _Target(t0, end, x, len(times), times[-1] if times else math.nan, floor)
-
-
-def _psi_size(system: PiecewiseSystem, side: int, t: float, x: Sequence[float] | Floats) -> float:
-    """Size of the terms of ψ, of which ψ itself may be a small difference: the largest Σ|xₖ ∂ψ/∂xₖ|; 0 without a ψ."""
-    laws = system.laws
-    sizes = [sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.sides[side].conserved]
-    return float(laws.evaluate(("psi size", side), sizes, t, x, system.parameter_array).max(initial=0.0))
 
 
 def _usual_end(exact: Solution, t0: float) -> float:

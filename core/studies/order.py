@@ -17,6 +17,7 @@ from core.interface.arguments import count, listed, number
 from core.kernels.arrays import Floats
 from core.methods import Method
 from core.reference import Solution, reference_solution
+from core.studies.tasks import Cancel
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
@@ -85,7 +86,7 @@ def order_study(
     perturbation_scale: float = 1.0,
     transition: str = "mannshardt",
     t0: float = 0.0,
-    cancel: Callable[[], bool] | None = None,
+    cancel: Cancel | None = None,
     progress: Progress | None = None,
 ) -> OrderStudy:
     """Measure the order of a method before the first crossing and after later ones.

@@ -7,7 +7,10 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from typing import Any, TypeVar
 
-__all__ = ["as_completed"]
+__all__ = ["Cancel", "as_completed"]
+
+Cancel = Callable[[], bool]
+"""Asked whether to give up."""
 
 Result = TypeVar("Result")
 
@@ -19,7 +22,7 @@ def as_completed(
     call: Callable[..., Result],
     tasks: Iterable[Any],
     executor: Executor | None = None,
-    cancel: Callable[[], bool] | None = None,
+    cancel: Cancel | None = None,
 ) -> Iterator[tuple[int, Result]]:
     """Call a function for each of many tasks, and yield what comes of them in the order of completion.
 
@@ -58,7 +61,7 @@ def as_completed(
 
 
 def _completed(
-    call: Callable[..., Result], tasks: Iterable[Any], executor: Executor, cancel: Callable[[], bool] | None
+    call: Callable[..., Result], tasks: Iterable[Any], executor: Executor, cancel: Cancel | None
 ) -> Iterator[tuple[int, Result]]:
     waiting = enumerate(tasks)
     under_way: dict[Future[Result], int] = {}

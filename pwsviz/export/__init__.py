@@ -1,1 +1,1 @@
-"""What a person takes along: tables and programs."""
+"""What is exported: tables and programs."""

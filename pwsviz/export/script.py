@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from textwrap import indent
 
 import core
-from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs, study_inputs
+from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs
 from pwsviz.results.results import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.scene.scene import OWN, Scene
 from pwsviz.scene.validation import MAX_STEPS
@@ -31,30 +31,29 @@ _USUAL: Mapping[str, object] = {
 _FIGURES = '''\
 def show(run):
     """Print a run in figures."""
-    crossings = np.count_nonzero(run.crossings.side)  # where a run stops it does not cross
+    crossings = len(run.crossings.passed)
     figures = f"{run.steps:,} steps, {crossings:,} crossings, {run.seconds * 1e3:.3g} ms"
     print(f"{run.method} from {run.x[0]}: {figures}WORST")
     if run.status is not core.Status.COMPLETED:
         print(run.message)
 '''
 
-_CHANGE = '''\
-def change_of_psi(run):
-    """|Change of psi| that the integrator made up to each step, added up over the visits to both sides."""
-    return np.fmax.reduce(np.abs(run.accumulated_error()), axis=1)
 
-
-'''
-
-
-def snippet(scene: Scene) -> str:
-    """Return the program: the system, its run from each start with each integrator, the study of the view that is open.
+def snippet(scene: Scene, study: str = "") -> str:
+    """Return the program: the system, its run from each start with each integrator, and a study.
 
     It passes the arguments that the page passes, leaving out what `core` takes anyway, and prints the figures of the
     status lines.
+
+    Parameters
+    ----------
+    scene : Scene
+        What the page shows.
+    study : str
+        Lines of the view that is open, such as `order_program` returns; empty where it makes no study.
     """
     paragraphs = ["import numpy as np\n\nimport core", _system(scene), _figures(scene), _runs(scene)]
-    if study := _study(scene):
+    if study:
         paragraphs.append(study)
     return "\n\n".join(paragraphs).replace("\n\n\n\n", "\n\n\n") + "\n"
 
@@ -91,7 +90,7 @@ def _figures(scene: Scene) -> str:
     """Return the function that prints the figures of a run; with that of ψ, where any is known."""
     if not (scene.declaration.psi_minus or scene.declaration.psi_plus):
         return "\n" + _FIGURES.replace("WORST", "")
-    return "\n" + _CHANGE + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(change_of_psi(run)):.1e}")
+    return "\n" + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(run.change_of_psi()):.1e}")
 
 
 def _runs(scene: Scene) -> str:
@@ -115,19 +114,8 @@ def _runs(scene: Scene) -> str:
     return loop if alike else f"methods = {{\n{listed}}}\n{loop}"
 
 
-def _study(scene: Scene) -> str:
-    """Return the study of the view that is open, if it makes one."""
-    match scene.view:
-        case "order" | "time":
-            return _order_study(scene, study_inputs(scene))
-        case "cost":
-            return _cost_study(scene, CostInputs.of(scene))
-        case "stability":
-            return _stability_study(scene, StabilityInputs.of(scene))
-    return ""
-
-
-def _order_study(scene: Scene, inputs: StudyInputs) -> str:
+def order_program(scene: Scene, inputs: StudyInputs) -> str:
+    """Return the lines that repeat an order study."""
     start, method = _x0(scene), _unusual({"method": inputs.scheme.method})
     looked = _call(
         "run = core.integrate",
@@ -143,7 +131,7 @@ def _order_study(scene: Scene, inputs: StudyInputs) -> str:
     return f"""\
 # The order: at crossings {STUDY_CROSSINGS}, or fewer where there are fewer.
 {looked}
-last = np.count_nonzero(run.crossings.side) - 1  # the stretch after it is looked at too
+last = len(run.crossings.passed) - 1  # the stretch after it is looked at too
 crossings = {STUDY_CROSSINGS} if last >= {STUDY_CROSSINGS[-1]} else sorted({{-(-last // 3), -(-2 * last // 3), last}})
 {study}
 print(f"{{study.method}} against {{study.reference}}")
@@ -151,7 +139,8 @@ print(f"state, before the first crossing and after {{study.crossings}}: slopes {
 print(f"times of crossings {{study.crossings}}: slopes {{study.time_slope}}")"""
 
 
-def _cost_study(scene: Scene, inputs: CostInputs) -> str:
+def cost_program(scene: Scene, inputs: CostInputs) -> str:
+    """Return the lines that repeat a comparison of run times."""
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"peers": inputs.peers})
     return f"""\
 # The cost of accuracy.
@@ -181,7 +170,8 @@ for method, missed, error in zip(study.methods, found.missed, found.error):
 }
 
 
-def _stability_study(scene: Scene, inputs: StabilityInputs) -> str:
+def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
+    """Return the lines that repeat a stability study."""
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
     call = _call("study = core.stability_study", ("system", _span(scene)), keywords | {"parts": repr(parts)})
@@ -203,7 +193,7 @@ def _adaptive(method: str) -> bool:
 
 
 def _x0(scene: Scene, variable: str | None = None) -> dict[str, str]:
-    """Return the argument for the start that is looked into, or for a loop variable; none where it is the usual one."""
+    """Return the argument for the selected start, or for a loop variable; none where it is the usual one."""
     if variable is None and repr(scene.x0) == repr(scene.declaration.x0):
         return {}
     return {"x0": variable or repr(scene.x0)}

@@ -1,4 +1,4 @@
-"""What a person takes away of a view: its numbers as CSV or NPZ, its picture as PNG, under a name that says what it is.
+"""What is exported of a view: its numbers as CSV or NPZ, its picture as PNG, under a name that says what it is.
 
 A table is columns by name. They need not be of one length: a run has more steps than crossings.
 """
@@ -9,7 +9,7 @@ import csv
 import io
 import re
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from itertools import zip_longest
 from typing import Any
@@ -19,8 +19,6 @@ from bokeh.plotting import figure
 from numpy.typing import ArrayLike, NDArray
 
 import core
-from pwsviz.results.invariant_error import accumulated_error
-from pwsviz.results.results import ErrorCurve, Orbit, Pictures
 from pwsviz.scene.scene import OWN, Scene
 
 Table = Mapping[str, ArrayLike]
@@ -142,7 +140,7 @@ def run_table(run: core.Trajectory) -> dict[str, NDArray[Any]]:
         "t": run.t,
         **_by_name(run.system.variables, run.x),
         "side": run.side,
-        CHANGE: accumulated_error(run),
+        CHANGE: run.change_of_psi(),
         "crossing_t": crossings.t,
         **{f"crossing_{name}": column for name, column in _by_name(run.system.variables, crossings.x).items()},
         "crossing_side": crossings.side,
@@ -153,63 +151,6 @@ def run_table(run: core.Trajectory) -> dict[str, NDArray[Any]]:
 def runs_table(runs: Mapping[str, core.Trajectory]) -> dict[str, NDArray[Any]]:
     """Return several runs side by side, each column named after its run: “dmm2.t”."""
     return {f"{title}.{name}": column for title, run in runs.items() for name, column in run_table(run).items()}
-
-
-def portrait_table(pictures: Pictures) -> dict[str, NDArray[Any]]:
-    """Return what the portrait draws: the curves as thinned for a screen, and the crossings marked on them.
-
-    Columns
-    -------
-    method, start (0 for the one looked into, then 1, 2, … for the others), the two variables (NaN between pieces of a
-    curve); crossing_method, crossing_start, crossing_number, crossing_t, the two variables, crossing_kind.
-    """
-    inputs = pictures.inputs
-    variables = inputs.looked_into[0].ground.declaration.variables
-    names = [variables[k] for k in inputs.axes]
-    orbits = [*pictures.orbits, *pictures.beside]
-    starts = list(_numbered(orbits, len(pictures.orbits)))
-    marks = [len(orbit.times) for orbit in orbits]
-    return {
-        **_labels("", orbits, starts, [len(orbit.path) for orbit in orbits]),
-        **_by_name(names, np.concatenate([orbit.path for orbit in orbits])),
-        **_labels("crossing_", orbits, starts, marks),
-        "crossing_number": np.concatenate([orbit.numbers for orbit in orbits]),
-        "crossing_t": np.concatenate([orbit.times for orbit in orbits]),
-        **{
-            f"crossing_{name}": column
-            for name, column in _by_name(names, np.concatenate([orbit.crossings for orbit in orbits])).items()
-        },
-        "crossing_kind": np.array([kind for orbit in orbits for kind in orbit.kinds], dtype=np.str_),
-    }
-
-
-def _numbered(orbits: Sequence[Orbit], looked_into: int) -> Iterator[int]:
-    """Number the starts: those beside come start by start, with as many integrators each as the first."""
-    return (k // looked_into for k in range(len(orbits)))
-
-
-def _labels(
-    prefix: str, orbits: Sequence[Orbit], starts: Sequence[int], counts: Sequence[int]
-) -> dict[str, NDArray[Any]]:
-    methods = np.array([orbit.method for orbit in orbits])
-    return {f"{prefix}method": np.repeat(methods, counts), f"{prefix}start": np.repeat(starts, counts)}
-
-
-def conserved_table(curves: Sequence[ErrorCurve]) -> dict[str, NDArray[Any]]:
-    """Return what the view of the conserved quantity draws, thinned for a screen.
-
-    Columns
-    -------
-    method, t, change_of_psi; crossing_method, crossing_t.
-    """
-    methods = np.array([curve.method for curve in curves])
-    return {
-        "method": np.repeat(methods, [len(curve.t) for curve in curves]),
-        "t": np.concatenate([curve.t for curve in curves]),
-        CHANGE: np.concatenate([curve.error for curve in curves]),
-        "crossing_method": np.repeat(methods, [len(curve.crossings) for curve in curves]),
-        "crossing_t": np.concatenate([curve.crossings for curve in curves]),
-    }
 
 
 def order_table(study: core.OrderStudy) -> dict[str, NDArray[Any]]:

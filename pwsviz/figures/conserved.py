@@ -9,13 +9,14 @@ import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
 from bokeh.models.annotations import Span
 
-from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS, describe
+from pwsviz.figures.portrait import kind_columns
 from pwsviz.figures.style import (
     PURPLE,
     SIDES,
     VERMILION,
     assign,
-    fit_to,
+    describe,
+    fit_to_corners,
     legend_below,
     line_of,
     mark_levels,
@@ -97,8 +98,7 @@ class ConservedView:
                 formatters={"$snap_x": "printf", "$snap_y": "printf"},
             )
         )  # fmt: skip
-        self.corners = ColumnDataSource({"x": [0.0, 1.0], "y": [FLOOR / 2, 1e-2]})
-        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        self.corners = fit_to_corners(plot, [0.0, 1.0], [FLOOR / 2, 1e-2])
 
     def _tick_glyphs(self) -> None:
         plot = self.figure
@@ -166,10 +166,7 @@ class ConservedView:
             foot=np.full(count, FLOOR / 1.5),
             x=places[:, 0],
             y=places[:, 1],
-            label=["crossing" if kind == "transversal" else kind for kind in kinds],
-            kind=kinds,
-            marker=[KIND_MARKERS.get(kind, "circle") for kind in kinds],
-            colour=[KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+            **kind_columns(kinds),
             number=np.arange(1, 1 + count),
             method=[first.method] * count,
         )

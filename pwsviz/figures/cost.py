@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 import core
 from core.studies.cost import CostCurve
 from pwsviz.figures.cost_text import ACROSS, UP, Across, Up, cost_of, cost_text, cost_words, error_of, setting_text
-from pwsviz.figures.style import GREY, Line, assign, fit_to, legend_below, line_of, mark_levels, plain_figure
+from pwsviz.figures.style import GREY, Line, assign, fit_to_corners, legend_below, line_of, mark_levels, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 
@@ -48,8 +48,7 @@ class CostView:
         names = ("x", "y", "colour", "marker", "label", "setting", "cost", "error", "status")
         self.points = ColumnDataSource({name: [] for name in names})
         points = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=8, line_width=1.6)
-        self.corners = ColumnDataSource({"x": [1e-4, 1e-1], "y": [1e-15, 1.0]})
-        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         tips = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
         plot.add_tools(HoverTool(renderers=[points], tooltips=tips))
         legend_below(plot, 3, [({"field": "label"}, lines)])

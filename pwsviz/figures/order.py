@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d
 
 import core
-from pwsviz.figures.style import GREEN, GREY, ORANGE, SKY, Line, fit_to, legend_below, mark_levels, plain_figure
+from pwsviz.figures.style import GREEN, GREY, ORANGE, SKY, Line, fit_to_corners, legend_below, mark_levels, plain_figure
 from pwsviz.geometry.polyline_reduction import Floats
 
 LINES = (
@@ -111,9 +111,7 @@ class OrderView:
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
         self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker")})
         plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
-        self.corners = ColumnDataSource({"x": [1e-4, 1e-1], "y": [1e-15, 1.0]})
-        frame = plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1)
-        fit_to(plot, frame)
+        self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         legend_below(
             plot,
             2,

@@ -26,7 +26,8 @@ from pwsviz.figures.style import (
     SIDES,
     VERMILION,
     assign,
-    fit_to,
+    describe,
+    fit_to_corners,
     legend_below,
     line_of,
     plain_figure,
@@ -48,7 +49,7 @@ KIND_COLOURS = {
 """Besides the markers; those of one colour never meet at one crossing."""
 
 PALE_STAR = "#F7DDA2"
-"""Of the starts that are not looked into; a black number is legible on it as on the other."""
+"""Of the other starts than the selected one; a black number is legible on it as on the other."""
 
 RIM = "#9A6700"
 """Around the stars; black would be lost on a dark page."""
@@ -56,7 +57,7 @@ RIM = "#9A6700"
 NEAR = 1.2
 """How far out, in sizes of the first orbit, another integrator's may still widen the view."""
 
-BESIDE = 3.0
+OTHERS = 3.0
 """How far out trajectories from other starts may."""
 
 SUMMARY = "Phase portrait"
@@ -78,7 +79,7 @@ class PortraitView:
         Told which start (from 0) was dragged where (x, y): some twenty times a second on the way, and at the end.
         Who refuses a move calls `show_starts`, or the star stays where it was dropped.
     on_remove, on_select : callable
-        Told which start is to go, or to be looked into.
+        Told which start is to go, or to be selected.
 
     Attributes
     ----------
@@ -151,8 +152,8 @@ class PortraitView:
         plot = self.figure
         columns = ("xs", "ys", "method", "colour", "dash", "width")
         looks: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_join": "round"}
-        self.beside = ColumnDataSource({name: [] for name in columns})
-        plot.multi_line("xs", "ys", source=self.beside, alpha=0.55, **looks)
+        self.others = ColumnDataSource({name: [] for name in columns})
+        plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
         self.jumps = _line_source()
@@ -196,8 +197,7 @@ class PortraitView:
             "x", "y", source=self.moving, marker="marker", size="size", fill_color="colour", line_color="white",
             line_width=1.5,
         )  # fmt: skip
-        self.corners = ColumnDataSource({"x": [-1.0, 1.0], "y": [-1.0, 1.0]})
-        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        self.corners = fit_to_corners(plot, [-1.0, 1.0], [-1.0, 1.0])
 
     def _add_legend(self) -> None:
         *_, self.surface_entry, self.tint_entry = legend_below(
@@ -264,18 +264,18 @@ class PortraitView:
         starts : sequence of (float, float)
             Where in that plane all trajectories start by now; the person may have gone on meanwhile.
         selected : int
-            Which of them is looked into.
+            Which of them is selected.
         """
         axes = pictures.inputs.axes
         self._name(system, axes)
         self.orbits.data = _curves(pictures.orbits)
-        self.beside.data = _curves(pictures.beside, thinner=0.5)
+        self.others.data = _curves(pictures.others, thinner=0.5)
         self._show_crossings(pictures.orbits)
-        self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.beside)]))
+        self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)]))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
-        self._box = extent(pictures.orbits, pictures.beside)
-        return self._fit((pictures.inputs.looked_into[0].ground.declaration, axes), self._box)
+        self._box = extent(pictures.orbits, pictures.others)
+        return self._fit((pictures.inputs.selected[0].ground.declaration, axes), self._box)
 
     def _show_crossings(self, orbits: Sequence[Orbit]) -> None:
         kinds = [kind for orbit in orbits for kind in orbit.kinds]
@@ -284,10 +284,7 @@ class PortraitView:
             self.crossings,
             x=marks[:, 0],
             y=marks[:, 1],
-            label=["crossing" if kind == "transversal" else kind for kind in kinds],
-            kind=kinds,
-            marker=[KIND_MARKERS.get(kind, "cross") for kind in kinds],
-            colour=[KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+            **kind_columns(kinds),
             method=[orbit.method for orbit in orbits for _ in orbit.kinds],
             number=np.concatenate([orbit.numbers for orbit in orbits]),
             time=np.concatenate([orbit.times for orbit in orbits]),
@@ -344,6 +341,16 @@ class PortraitView:
             self.arrows[side].data = _columns(ground.arrows[side])
 
 
+def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
+    """Return the columns of crossings of these kinds that say how each is marked; "crossing" is any kind, unsaid."""
+    return {
+        "label": ["crossing" if kind == "transversal" else kind for kind in kinds],
+        "kind": kinds,
+        "marker": [KIND_MARKERS.get(kind, "circle") for kind in kinds],
+        "colour": [KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+    }
+
+
 def portrait_text(
     system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
 ) -> str:
@@ -359,26 +366,21 @@ def portrait_text(
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {crossed}."
 
 
-def describe(plot: figure, words: str) -> None:
-    """Say what a figure shows now, for those who cannot see it; the browser takes it over at once."""
-    plot.html_attributes = {**plot.html_attributes, "aria-label": words}
-
-
-def extent(orbits: Sequence[Orbit], beside: Sequence[Orbit] = ()) -> Window:
+def extent(orbits: Sequence[Orbit], others: Sequence[Orbit] = ()) -> Window:
     """Return the box that shows the first orbit whole, closed surfaces of its size, and the others near it.
 
     Parameters
     ----------
     orbits : sequence of Orbit
-        One for each integrator, from the start that is looked into.
-    beside : sequence of Orbit
+        One for each integrator, from the selected start.
+    others : sequence of Orbit
         The same from the other starts, start by start. Another start counts farther out than another integrator.
     """
     first = Window.around(np.concatenate([orbits[0].path, orbits[0].surface]))
     points = np.concatenate([*(orbit.path for orbit in orbits), orbits[0].surface])
-    others = np.concatenate([np.empty((0, 2)), *(orbit.path for orbit in beside[:: len(orbits)])])
-    near, far = first.scaled(NEAR).holds(points), first.scaled(BESIDE).holds(others)
-    return Window.around(np.concatenate([points[near], others[far]]))
+    there = np.concatenate([np.empty((0, 2)), *(orbit.path for orbit in others[:: len(orbits)])])
+    near, far = first.scaled(NEAR).holds(points), first.scaled(OTHERS).holds(there)
+    return Window.around(np.concatenate([points[near], there[far]]))
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:

@@ -12,7 +12,7 @@ import core
 from core.studies.stability import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
 from pwsviz.figures.stability_text import side_words
-from pwsviz.figures.style import VERMILION, assign, fit_to, legend_below, line_of, mark_levels, plain_figure
+from pwsviz.figures.style import VERMILION, assign, fit_to_corners, legend_below, line_of, mark_levels, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 
@@ -41,8 +41,7 @@ class DriftFigure:
         self.stops = ColumnDataSource({name: [] for name in ("x", "y", "colour", "method", "message")})
         stops = plot.scatter("x", "y", source=self.stops, marker="x", color="colour", size=11, line_width=2.5)
         mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, or 0"})
-        self.corners = ColumnDataSource({"x": [1.0, 1e3], "y": [FLOOR / 2, 1e-12]})
-        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        self.corners = fit_to_corners(plot, [1.0, 1e3], [FLOOR / 2, 1e-12])
         plot.add_tools(HoverTool(renderers=[stops], tooltips=[("", "@method"), ("", "@message")]))
         self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)])[1]
 
@@ -97,8 +96,7 @@ class GrazingFigure:
             "x", "y", source=self.wrong, marker="circle", fill_alpha=0.0, line_color=VERMILION, line_width=2, size=17
         )
         mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, 0 or unknown"})
-        self.corners = ColumnDataSource({"x": [1e-14, 0.1], "y": [FLOOR / 2, 1e-12]})
-        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        self.corners = fit_to_corners(plot, [1e-14, 0.1], [FLOOR / 2, 1e-12])
         tips = [("", "@method, @side"), ("δ", "@x"), ("crossings", "@crossings"), ("|Δψ|", "@error"), ("", "@status")]
         plot.add_tools(HoverTool(renderers=marks, tooltips=tips))
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]

@@ -25,7 +25,7 @@ from pwsviz.figures.style import (
     VERMILION,
     VIOLET,
     assign,
-    fit_to,
+    fit_to_corners,
     legend_below,
     line_of,
     plain_figure,
@@ -84,8 +84,7 @@ class MapFigure:
         self.bar = ColorBar(color_mapper=mapper, title="|Δψ|", visible=False, width=12)
         plot.add_layout(self.bar, "right")
         self._limit_glyphs()
-        self.corners = ColumnDataSource({"x": [1e-3, 1.0], "y": [-1.0, 1.0]})
-        fit_to(plot, plot.scatter("x", "y", source=self.corners, alpha=0.0, size=1))
+        self.corners = fit_to_corners(plot, [1e-3, 1.0], [-1.0, 1.0])
         tips = [("", "@words"), ("τ", "@tau"), ("start", "@value"), ("crossings", "@crossings"), ("|Δψ|", "@error")]
         plot.add_tools(HoverTool(renderers=[outcomes, errors], tooltips=tips))
         legend_below(plot, 2, [({"field": "words"}, outcomes)], widest=240)

@@ -139,10 +139,13 @@ def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
     return NamedLevels(ticker, names, spans)
 
 
-def fit_to(plot: figure, renderer: Any) -> None:
-    """Let the ranges follow one renderer and no other."""
+def fit_to_corners(plot: figure, x: list[float], y: list[float]) -> ColumnDataSource:
+    """Let the ranges hold two corners, which are not drawn, and follow nothing else; return their source."""
+    corners = ColumnDataSource({"x": x, "y": y})
+    renderer = plot.scatter("x", "y", source=corners, alpha=0.0, size=1)
     for axis in ranges(plot):
         axis.renderers = [renderer]
+    return corners
 
 
 def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:

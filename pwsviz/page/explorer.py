@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -14,39 +13,25 @@ from panel_material_ui.template.base import Page
 
 import core
 from pwsviz.editor.form import SystemEditor
-from pwsviz.export.tables import run_table
-from pwsviz.figures.linking import link_crossings
-from pwsviz.page.export_dialog import Piece, Share
-from pwsviz.page.portrait_panel import Stage
+from pwsviz.export.tables import Table, run_table
+from pwsviz.page.export_dialog import ExportDialog, Piece
+from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.history import History
 from pwsviz.scene.permalink import adopt, query
-from pwsviz.scene.scene import VIEWS, Scene
-from pwsviz.tabs.base import LongTab, Tab
-from pwsviz.tabs.conserved import ConservedTab
-from pwsviz.tabs.cost import CostTab
-from pwsviz.tabs.order import state_order_tab, time_order_tab
-from pwsviz.tabs.scheme import SchemeTab
-from pwsviz.tabs.stability import StabilityTab
+from pwsviz.scene.scene import Scene
+from pwsviz.scene.views import VIEWS
+from pwsviz.tabs import TABS, LongTab, Tab
 from pwsviz.tasks.cancellation import Cancel
-from pwsviz.tasks.scheduler import Desk
+from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.panes import PLAIN_SX, text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the server: a second visitor finds the first picture ready."""
-
-TABS: Mapping[str, Callable[[Scene, Results], Tab]] = {
-    "conserved": ConservedTab,
-    "order": state_order_tab,
-    "time": time_order_tab,
-    "cost": CostTab,
-    "stability": StabilityTab,
-    "scheme": SchemeTab,
-}
 
 ADDRESS_RESTS = 400
 """Milliseconds without a change after which the address bar is brought up to date."""
@@ -110,26 +95,26 @@ class Explorer(pn.viewable.Viewer):
         self.notice = text_pane("")
         if scene is None and pn.state.location is not None:
             self.adopt(pn.state.location.search)  # before anything is asked for
-        self.desk = Desk()
-        self.views = {key: make(self.scene, self.results) for key, make in TABS.items()}
-        conserved = self.views["conserved"]
-        assert isinstance(conserved, ConservedTab)  # noqa: S101  (it is the one named so)
-        self.stage = Stage(self.scene, self.results, self.desk, conserved.view, self._await_system)
-        link_crossings(self.stage.portrait, conserved.view)
+        self.scheduler = Scheduler()
+        self.views = {key: TABS[key](self.scene, self.results) for key in VIEWS}
+        lines = [view.now for view in self.views.values() if view.now is not None]
+        self.portrait_panel = PortraitPanel(self.scene, self.results, self.scheduler, lines, self._await_system)
+        for view in self.views.values():
+            view.link(self.portrait_panel.portrait)
         self.history = History(self.scene)
         self.sidebar = Sidebar(self.scene, self.edit)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
         self.editing = pmui.Dialog(
             title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
         )
-        self.share = Share(self.scene, self._pieces)
+        self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
         self._behind: set[str] = set()
         self.tabs = self._make_tabs()
         for tab in self.views.values():
             if isinstance(tab, LongTab):
-                tab.on_cancel, tab.on_again = self._cancel, partial(self.desk.soon, self._again)
+                tab.on_cancel, tab.on_again = self._cancel, partial(self.scheduler.call_soon, self._again)
         self.scene.param.watch(self._follow, [name for name in self.scene.param if name != "name"])
         self.refresh()
 
@@ -151,7 +136,7 @@ class Explorer(pn.viewable.Viewer):
         waiting = bool(self._behind)
         self._behind |= {event.name for event in events}
         if not waiting:
-            self.desk.soon(self._catch_up)
+            self.scheduler.call_soon(self._catch_up)
 
     def _catch_up(self) -> None:
         """Bring the page up to date with the scene."""
@@ -160,30 +145,30 @@ class Explorer(pn.viewable.Viewer):
         if behind & set(self.view.settings):
             self.view.redraw()
         self._changes += 1
-        self.desk.later(ADDRESS_RESTS, partial(self._write_address, self._changes))
+        self.scheduler.call_later(ADDRESS_RESTS, partial(self._write_address, self._changes))
 
     def refresh(self) -> None:
         """Ask for whatever the visible views lack."""
-        self.stage.refresh()
+        self.portrait_panel.refresh()
         view = self.view
         view.reveal()
         wanted = view.inputs()
         if wanted == view.shown:
-            self.desk.cancel("view")
-            self.desk.forget("view")
+            self.scheduler.cancel("view")
+            self.scheduler.forget("view")
             return
         show, advance = partial(self._show, view, wanted), partial(self._advance, view)
         view.expect(self.scene.declaration)
-        asked = self.desk.ask(
+        submitted = self.scheduler.submit(
             "view", (self.scene.view, wanted), partial(view.compute, wanted), show, advance, view.quiet, view.patience
         )
-        if asked:
+        if submitted:
             self._stop_others(view)
-            self.desk.later(SOON, partial(self._promise, view, wanted))
+            self.scheduler.call_later(SOON, partial(self._promise, view, wanted))
 
     def _promise(self, view: Tab, wanted: Any) -> None:
         """Say that something is under way, unless it was there at once."""
-        if self.desk.busy("view") and self.desk.asked("view") == (self.scene.view, wanted):
+        if self.scheduler.busy("view") and self.scheduler.submitted("view") == (self.scene.view, wanted):
             view.begin()
 
     def _stop_others(self, view: Tab) -> None:
@@ -200,18 +185,18 @@ class Explorer(pn.viewable.Viewer):
 
     def _cancel(self) -> None:
         """Give up the study under way; what there is of it stays."""
-        if self.desk.cancel("view") and isinstance(self.view, LongTab):
+        if self.scheduler.cancel("view") and isinstance(self.view, LongTab):
             self.view.stop()
 
     def _again(self) -> None:
         """Begin the study anew."""
-        self.desk.forget("view")
+        self.scheduler.forget("view")
         self.refresh()
 
     def _await_system(self, words: str) -> None:
         self.view.await_system(as_text(words))
 
-    # Own system, link, take away -------------------------------------------------------------------------------------
+    # Own system, link, export -------------------------------------------------------------------------------------
 
     def edit(self) -> None:
         """Open the editor: on what was last written there, or else on the system at hand."""
@@ -236,7 +221,7 @@ class Explorer(pn.viewable.Viewer):
             for one in runs:
                 self.results.run(one, cancel)
 
-        self.desk.ask("ahead", runs, compute, lambda _: None, quiet=AHEAD)
+        self.scheduler.submit("ahead", runs, compute, lambda _: None, quiet=AHEAD)
 
     def _use(self, system: core.PiecewiseSystem) -> None:
         self.scene.use(system)
@@ -257,34 +242,34 @@ class Explorer(pn.viewable.Viewer):
             self.browser.query = ""
 
     def _pieces(self) -> list[Piece]:
-        """What there is to take away: the portrait's run, and the view beside it."""
-        run = self.stage.shown.inputs.looked_into[0] if self.stage.shown else None
-        view, title = self.view, VIEWS[self.scene.view]
-        pieces = [
-            Piece(
-                "Phase portrait", lambda: run_table(self.results.run(run)) if run else None, self.stage.portrait.figure
-            )
-        ]
+        """What there is to export: the portrait's run, and the view beside it."""
+        panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view]
+        run = panel.shown.inputs.selected[0] if panel.shown else None
+
+        def table() -> Table | None:
+            return run_table(self.results.run(run)) if run else None
+
+        pieces = [Piece("Phase portrait", table, panel.portrait.figure)]
         if view.outcome is not None:
             pieces.append(Piece(title, view.table, view.plots[0].object if view.plots else None))
         return pieces
 
     def settle(self, timeout: float) -> bool:
         """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""
-        return self.desk.settle(timeout)
+        return self.scheduler.settle(timeout)
 
     def close(self) -> None:
         """Give up all work: the person has left."""
-        self.desk.close()
+        self.scheduler.close()
         if self.editor is not None:
             self.editor.close()
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
         right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
-        views = pn.Column(self.stage, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
+        views = pn.Column(self.portrait_panel, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            self.notice, views, self.editing, self.share, stylesheets=[STACK_CSS], margin=(8, 16),
+            self.notice, views, self.editing, self.export, stylesheets=[STACK_CSS], margin=(8, 16),
             sizing_mode="stretch_width",
         )  # fmt: skip
 
@@ -324,9 +309,9 @@ class Explorer(pn.viewable.Viewer):
         )
         self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "repeatable")
         redo.on_click(lambda _: self.history.redo())
-        share = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
-        share.on_click(lambda _: self.share.open(self._page_address()))
-        return [undo, redo, share]
+        export = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
+        export.on_click(lambda _: self.export.open(self._page_address()))
+        return [undo, redo, export]
 
     @staticmethod
     def _page_address() -> str:

@@ -1,4 +1,4 @@
-"""What a person takes away: the link, a Python program, the numbers and the pictures."""
+"""The dialog of the export: the link, a Python program, the numbers and the pictures."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ navigator.clipboard.writeText(new DOMParser().parseFromString(page.body.textCont
 
 
 class Piece(NamedTuple):
-    """Something to take away: what a view shows."""
+    """Something to export: what a view shows."""
 
     title: str
     table: Callable[[], Table | None]
@@ -44,18 +44,20 @@ class Piece(NamedTuple):
     figure: figure | None
 
 
-class Share(pn.viewable.Viewer):
-    """The dialog “Take away”; what it holds is made when it is opened.
+class ExportDialog(pn.viewable.Viewer):
+    """The dialog behind “Take away”; what it holds is made when it is opened.
 
     Parameters
     ----------
     pieces : callable
         Returns what is visible.
+    program : callable
+        Returns the lines of Python of the view that is open.
     """
 
-    def __init__(self, scene: Scene, pieces: Callable[[], Sequence[Piece]]) -> None:
+    def __init__(self, scene: Scene, pieces: Callable[[], Sequence[Piece]], program: Callable[[], str]) -> None:
         super().__init__()
-        self.scene, self._pieces = scene, pieces
+        self.scene, self._pieces, self._program = scene, pieces, program
         self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
@@ -87,7 +89,8 @@ class Share(pn.viewable.Viewer):
             self.link.param.update(value=f"{address}?{query(self.scene)}", error_state=False, helper_text="")
         except ValueError as reason:
             self.link.param.update(value="", error_state=True, helper_text=str(reason))
-        self.program.object = f'<pre tabindex="0" aria-label="Python program">{escape(snippet(self.scene))}</pre>'
+        program = escape(snippet(self.scene, self._program()))
+        self.program.object = f'<pre tabindex="0" aria-label="Python program">{program}</pre>'
         self.numbers.objects = [self._row(piece) for piece in self._pieces()]
         self.contents.objects = self.contents.objects or self._make_contents()
         self.dialog.open = True

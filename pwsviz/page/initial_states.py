@@ -1,4 +1,4 @@
-"""The starts of the trajectories: which is looked into, one more, one less."""
+"""The starts of the trajectories: which is selected, one more, one less."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import panel as pn
 import panel_material_ui as pmui
 import param
+from bokeh.models.annotations import Span
 
-from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import line_of
 from pwsviz.results.animation import Frames
@@ -145,7 +145,9 @@ _CSS = """
 _MOVE = """
 const { t, ...markers } = cb_obj.now
 moving.setv({ data: markers }, { sync: false })
-line.setv(t == null ? { visible: false } : { location: t, visible: true }, { sync: false })
+for (const line of lines) {
+  line.setv(t == null ? { visible: false } : { location: t, visible: true }, { sync: false })
+}
 """
 
 
@@ -162,21 +164,21 @@ class Bar(pn.custom.JSComponent):
 
 
 class Player(pn.viewable.Viewer):
-    """Moves a marker for each integrator in the portrait, and a line in the plot of the conserved quantity.
+    """Moves a marker for each integrator in the portrait, and a line in each view that time runs across.
 
     The keys, once the focus is in it: space plays and pauses, the arrows go by one step, with shift by one crossing.
 
     Parameters
     ----------
-    portrait, conserved
-        The figures it moves things in; it copes with either not being on the screen.
+    portrait, lines
+        The figure it moves markers in, and the lines; it copes with any of them not being on the screen.
     """
 
     open = param.Boolean(default=False, doc="Whether the controls are shown; until then nothing is made or sent.")
 
-    def __init__(self, portrait: PortraitView, conserved: ConservedView) -> None:
+    def __init__(self, portrait: PortraitView, lines: Sequence[Span]) -> None:
         super().__init__()
-        self._targets = {"moving": portrait.moving, "line": conserved.now}
+        self._targets = {"moving": portrait.moving, "lines": list(lines)}
         self.bar: Bar | None = None
         self.button = pmui.Button(
             label="Play in time", icon="play_circle", variant="text", size="small", margin=(0, 4), on_click=self._toggle

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.models.annotations import Span
 
 import core
-from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import portrait_note
 from pwsviz.page.player import Player
-from pwsviz.results.requests import beside_inputs, run_inputs
+from pwsviz.results.requests import other_inputs, run_inputs
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.scene import Scene, Start
-from pwsviz.tasks.scheduler import Desk
+from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 
@@ -27,24 +27,29 @@ REMIND = 300
 """Milliseconds after which a person begins to wonder whether anything happens."""
 
 
-class Stage(pn.viewable.Viewer):
+class PortraitPanel(pn.viewable.Viewer):
     """The phase portrait of a scene, always visible.
 
     Parameters
     ----------
-    scene, results, desk
+    scene, results, scheduler
         What to show, where arrays come from, and who computes.
-    conserved : ConservedView
-        Marks the player's time.
+    lines : sequence of Span
+        What marks the player's time in other figures.
     on_wait : callable
         Told, in words, that another system is being prepared.
     """
 
     def __init__(
-        self, scene: Scene, results: Results, desk: Desk, conserved: ConservedView, on_wait: Callable[[str], None]
+        self,
+        scene: Scene,
+        results: Results,
+        scheduler: Scheduler,
+        lines: Sequence[Span],
+        on_wait: Callable[[str], None],
     ) -> None:
         super().__init__()
-        self.scene, self.results, self.desk, self._on_wait = scene, results, desk, on_wait
+        self.scene, self.results, self.scheduler, self._on_wait = scene, results, scheduler, on_wait
         self.portrait = PortraitView(
             on_window=self._look_at,
             on_place=self.place,
@@ -53,8 +58,8 @@ class Stage(pn.viewable.Viewer):
             on_select=self._select,
         )
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
-        self.player = Player(self.portrait, conserved)
-        self.player.param.watch(lambda *_: self._ask_frames(), "open")
+        self.player = Player(self.portrait, lines)
+        self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.trouble = text_pane("")
         self.progress = pmui.LinearProgress(
@@ -65,8 +70,8 @@ class Stage(pn.viewable.Viewer):
 
     def refresh(self) -> None:
         """Ask for the picture of the scene as it is."""
-        wanted = PortraitInputs(run_inputs(self.scene), beside_inputs(self.scene), self.scene.axes)
-        if self.desk.ask(
+        wanted = PortraitInputs(run_inputs(self.scene), other_inputs(self.scene), self.scene.axes)
+        if self.scheduler.submit(
             "runs", wanted, lambda cancel, _: self.results.pictures(wanted, cancel), self._show, patience=0.1
         ):
             self._promise(wanted)
@@ -77,7 +82,7 @@ class Stage(pn.viewable.Viewer):
         """Show that something is on its way, if it has not come by the time a person begins to wonder."""
 
         def remind() -> None:
-            self.progress.visible = self.desk.busy("runs") and self.desk.asked("runs") == wanted
+            self.progress.visible = self.scheduler.busy("runs") and self.scheduler.submitted("runs") == wanted
             if self.progress.visible and self.shown and self._declaration(self.shown) != self.scene.declaration:
                 words = (
                     f"{self.scene.declaration.name}: preparing its integrators. That takes some seconds the first time."
@@ -86,11 +91,11 @@ class Stage(pn.viewable.Viewer):
                 fade(self.pane, past=True)
                 self._on_wait(words)
 
-        self.desk.later(REMIND, remind)
+        self.scheduler.call_later(REMIND, remind)
 
     @staticmethod
     def _declaration(pictures: Pictures) -> core.PiecewiseSystem:
-        return pictures.inputs.looked_into[0].ground.declaration
+        return pictures.inputs.selected[0].ground.declaration
 
     def _show(self, outcome: Pictures | Exception) -> None:
         self.progress.visible = False
@@ -108,7 +113,7 @@ class Stage(pn.viewable.Viewer):
         self.note.object = as_text(portrait_note(system, axes), "about")
         self.status.object = run_lines(outcome.summaries)
         self._cover()
-        self._ask_frames()
+        self._submit_frames()
 
     def _mark_starts(self) -> None:
         """Draw the curves there are, with the starts as they are now."""
@@ -117,11 +122,11 @@ class Stage(pn.viewable.Viewer):
         starts = [(start[a], start[b]) for start in self.scene.starts]
         self.portrait.show_orbits(self._declaration(self.shown), self.shown, starts, self.scene.selected)
 
-    def _ask_frames(self) -> None:
+    def _submit_frames(self) -> None:
         """Ask for the steps that the player shows, while it is open."""
         if self.player.wanted and self.shown is not None:
-            inputs = self.shown.inputs.looked_into, self.shown.inputs.axes
-            self.desk.ask(
+            inputs = self.shown.inputs.selected, self.shown.inputs.axes
+            self.scheduler.submit(
                 "frames",
                 inputs,
                 lambda cancel, _: self.results.frames(*inputs, cancel),
@@ -147,9 +152,9 @@ class Stage(pn.viewable.Viewer):
         window = self.portrait.covered
         if window is None or not window.shows_well(visible):
             window = visible.scaled(1.3 if self._visible else 2.0)
-        ground, axes = self.shown.inputs.looked_into[0].ground, self.shown.inputs.axes
+        ground, axes = self.shown.inputs.selected[0].ground, self.shown.inputs.axes
         levels = self.shown.orbits[0].levels  # it speaks for all: one that drifts has a new level each turn
-        self.desk.ask(
+        self.scheduler.submit(
             "ground",
             (ground.declaration, ground.values, window, levels, axes),
             lambda _cancel, _report: self.results.backdrop(ground, window, levels, axes),

@@ -12,9 +12,10 @@ import core
 from pwsviz.export.tables import Table, order_table, runs_table
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
-from pwsviz.figures.portrait import PortraitView, describe
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.style import describe
 from pwsviz.report.numbers import Numbers, run_numbers, slope_numbers
-from pwsviz.results.requests import RunInputs, beside_inputs, run_inputs, study_inputs
+from pwsviz.results.requests import RunInputs, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import Preset
@@ -66,16 +67,16 @@ Drawn = tuple[figure, Numbers, Table]
 
 
 def _portrait(scene: Scene, results: Results) -> Drawn:
-    inputs = PortraitInputs(run_inputs(scene), beside_inputs(scene), scene.axes)
+    inputs = PortraitInputs(run_inputs(scene), other_inputs(scene), scene.axes)
     pictures = results.pictures(inputs)
     view = PortraitView(_ignore, _ignore, _ignore, _ignore, _ignore)
     a, b = scene.axes
     starts = [(start[a], start[b]) for start in scene.starts]
     frame = view.show_orbits(scene.declaration, pictures, starts, scene.selected)
-    ground = inputs.looked_into[0].ground
+    ground = inputs.selected[0].ground
     view.show_backdrop(results.backdrop(ground, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
     _let_lie(view.figure, HEIGHT["portrait"])
-    return view.figure, *_measured((*inputs.looked_into, *inputs.beside), results)
+    return view.figure, *_measured((*inputs.selected, *inputs.others), results)
 
 
 def _conserved(scene: Scene, results: Results) -> Drawn:

@@ -5,18 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import sympy
 
 import core
 from pwsviz.geometry.numbers import MACHINE_EPSILON
-from pwsviz.geometry.polyline_reduction import Floats, Indices
+from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, in_plane
 
-ROUND_OFF = 4.0
-"""Of ψ, in machine epsilons of the terms it is the sum of."""
-
-SAMPLE = 500
-"""States in which these terms are looked at."""
+ROUND_OFF = 2.0
+"""Of ψ, in machine epsilons of `Trajectory.psi_size`: a few roundings of the state."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,7 @@ class Frames:
 
 @dataclass(frozen=True)
 class Landmarks:
-    """What the plot of the conserved quantity marks of the run it looks into first.
+    """What the plot of the conserved quantity marks of its first run.
 
     Attributes
     ----------
@@ -52,7 +48,7 @@ class Landmarks:
     kinds : tuple of str
         What kind each is.
     round_off : float
-        What rounding alone does to ψ; NaN where no ψ is known.
+        What rounding alone does to ψ; 0 where no ψ is known.
     """
 
     places: Floats
@@ -89,30 +85,5 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:
     """Return what the plot of the conserved quantity marks of a run."""
     kinds = tuple(str(kind) for kind in run.crossings.kind)
-    return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds, round_off(run))
-
-
-def round_off(run: core.Trajectory) -> float:
-    """Return what rounding alone does to ψ: a few units in the last place of the largest of the terms it adds up.
-
-    A ψ close to 0 may be the difference of large terms; no arithmetic of double precision tells it better than these
-    are told. Of several conserved quantities the one with the largest terms counts, as the plot shows the worst.
-
-    Returns
-    -------
-    float
-        NaN where no ψ is known.
-    """
-    rows = np.arange(0, len(run.t), max(1, len(run.t) // SAMPLE))
-    largest = [_largest_terms(run, side, rows[run.side[rows] == side]) for side in (-1, 1)]
-    return ROUND_OFF * MACHINE_EPSILON * float(np.fmax.reduce(largest))
-
-
-def _largest_terms(run: core.Trajectory, side: int, rows: Indices) -> float:
-    """Return the largest term of ψ of a side in some of the states; NaN where there is none."""
-    system = run.system
-    terms = [term for psi in system.laws.sides[side].conserved for term in sympy.Add.make_args(psi)]
-    if not terms or not len(rows):
-        return float("nan")
-    values = system.laws.evaluate(("terms", side), terms, run.t[rows], run.x[rows], system.parameter_array)
-    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    round_off = ROUND_OFF * MACHINE_EPSILON * run.psi_size()
+    return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds, round_off)

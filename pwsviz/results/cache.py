@@ -61,15 +61,6 @@ class Cache:
                 continue
             return value
 
-    def forget(self, kind: str, inputs: Hashable) -> None:
-        """Drop a value, so that it is computed anew when next asked for; one under way stays."""
-        key = (kind, inputs)
-        with self._lock:
-            size = self._sizes.pop(key, None)
-            if size is not None:
-                self._held -= size
-                del self._futures[key]
-
     def _fill(self, key: Hashable, future: Future[Any], compute: Callable[[], Value]) -> Value:
         try:
             value = compute()

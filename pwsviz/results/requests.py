@@ -23,7 +23,7 @@ class Ground:
 
     @classmethod
     def of(cls, scene: Scene, start: Start | None = None) -> Ground:
-        """Read it from a scene, with the start that is looked into or with another."""
+        """Read it from a scene, with the selected start or with another."""
         values = tuple(sorted(scene.values.items()))
         return cls(scene.declaration, values, scene.x0 if start is None else start)
 
@@ -119,11 +119,11 @@ class StabilityInputs:
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
-    """Inputs of each integrator on the start that the views look into."""
+    """Inputs of each integrator on the selected start."""
     return tuple(_run_inputs(scene, name, scene.x0) for name in scene.used)
 
 
-def beside_inputs(scene: Scene) -> tuple[RunInputs, ...]:
+def other_inputs(scene: Scene) -> tuple[RunInputs, ...]:
     """Inputs of each integrator on each of the other starts, start by start."""
     index = min(scene.selected, len(scene.starts) - 1)
     others = scene.starts[:index] + scene.starts[index + 1 :]

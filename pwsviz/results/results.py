@@ -20,7 +20,6 @@ from pwsviz.geometry.polyline_reduction import Floats, Mask, distinct_pixels, en
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.invariant_error import accumulated_error
 from pwsviz.results.requests import CostInputs, Ground, RunInputs, Scheme, StabilityInputs, StudyInputs
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
@@ -105,9 +104,9 @@ class ErrorCurve:
 class PortraitInputs:
     """Exactly what the curves of one portrait depend on."""
 
-    looked_into: tuple[RunInputs, ...]
+    selected: tuple[RunInputs, ...]
     """One for each integrator."""
-    beside: tuple[RunInputs, ...] = ()
+    others: tuple[RunInputs, ...] = ()
     """Those of the other starts."""
     axes: Axes = (0, 1)
 
@@ -118,7 +117,7 @@ class Pictures:
 
     inputs: PortraitInputs
     orbits: list[Orbit]
-    beside: list[Orbit]
+    others: list[Orbit]
     summaries: list[Summary]
 
 
@@ -142,14 +141,14 @@ class Results:
     def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
         """Everything the portrait and the status lines need."""
         axes = inputs.axes
-        self._begin(inputs.looked_into, cancel)
-        first = self.orbit(inputs.looked_into[0], None, axes, cancel)
+        self._begin(inputs.selected, cancel)
+        first = self.orbit(inputs.selected[0], None, axes, cancel)
         near = Window.around(first.path).scaled(FAR)
         return Pictures(
             inputs=inputs,
-            orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.looked_into[1:])],
-            beside=[self.orbit(one, near, axes, cancel) for one in inputs.beside],
-            summaries=[self.summary(one, cancel) for one in inputs.looked_into],
+            orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
+            others=[self.orbit(one, near, axes, cancel) for one in inputs.others],
+            summaries=[self.summary(one, cancel) for one in inputs.selected],
         )
 
     def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:
@@ -205,7 +204,7 @@ class Results:
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
         """Return |change of ψ| at every step of a run."""
-        return self._get("error", inputs, cancel, lambda: accumulated_error(self.run(inputs, cancel)))
+        return self._get("error", inputs, cancel, lambda: self.run(inputs, cancel).change_of_psi())
 
     def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
         """Return the error for the plot against time."""
@@ -242,10 +241,6 @@ class Results:
     ) -> core.StabilityStudy:
         """Measure what goes well and what does not."""
         return self._in_turn("stability", inputs, cancel, lambda: _stability(inputs, self._pool, cancel, report))
-
-    def forget(self, kind: str, inputs: Hashable) -> None:
-        """Have something computed anew when it is next asked for."""
-        self._cache.forget(kind, inputs)
 
     def _in_turn(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
         """Compute something long, when the processors are not busy with other people's."""
@@ -298,7 +293,7 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
     )
     if cancel():
         raise Cancelled
-    passed = int(np.count_nonzero(run.crossings.side))
+    passed = len(run.crossings.passed)
     if passed < 2:
         found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
         why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
@@ -440,7 +435,7 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
-        crossings=int(np.count_nonzero(run.crossings.side)),  # where a run stops it does not cross
+        crossings=len(run.crossings.passed),
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error)),
         status=run.status,

@@ -261,23 +261,18 @@ class _Reader:
         self.scene.param.update(**times)
 
     def _time(self, key: str, times: dict[str, float]) -> bool:
-        """Read one of the two, by a scene in which either alone asks for few steps; return whether it is one."""
-        roomy = Scene(tau=1.0, t_end=1e-3)
+        """Read one of the two; return whether it is one."""
         try:
-            _take(roomy, key, self._given.pop(key))
+            times[key] = self.scene.checked_time(key, _number(_short(key, self._given.pop(key))))
         except ValueError as reason:
             self._complain_of(key, reason)
             return False
-        times[key] = getattr(roomy, key)
         return True
 
 
 def _take(scene: Scene, key: str, text: str) -> None:
     """Take over one setting from a link; ValueError where it makes no sense."""
-    limit = {"own": MAX_OWN, "starts": MAX_LENGTH}.get(key, MAX_VALUE)
-    if len(text) > limit:
-        raise ValueError(f"“{shown(text)}” is {len(text):,} characters long; at most {limit:,} can be read.")
-    value: object = text
+    value: object = _short(key, text)
     variables = scene.declaration.variables
     match key:
         case "own":
@@ -297,9 +292,17 @@ def _take(scene: Scene, key: str, text: str) -> None:
             value = text.split(",") if text else []
         case "perturbation_order":
             value = {str(order or "none"): order for order in scene.param[key].objects}.get(text, text)
-        case "tau" | "t_end" | "tolerance" | "perturbation_scale":
+        case "tolerance" | "perturbation_scale":
             value = _number(text)
     scene.accept(key, value)
+
+
+def _short(key: str, text: str) -> str:
+    """Return a value's text, if it is short enough to be read."""
+    limit = {"own": MAX_OWN, "starts": MAX_LENGTH}.get(key, MAX_VALUE)
+    if len(text) > limit:
+        raise ValueError(f"“{shown(text)}” is {len(text):,} characters long; at most {limit:,} can be read.")
+    return text
 
 
 def _use(scene: Scene, text: str) -> None:

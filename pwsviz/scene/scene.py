@@ -6,7 +6,7 @@ a value over or raises a ValueError whose text can stand beside the field; a sce
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -17,6 +17,7 @@ from core.integrate import checked_method, checked_start
 from pwsviz.geometry.projection import PLANE
 from pwsviz.scene.names import short_name
 from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
+from pwsviz.scene.views import VIEWS
 
 MAX_COORDINATE = 1e6
 MAX_STARTS = 12
@@ -24,16 +25,6 @@ MAX_STARTS = 12
 
 OWN = "own"
 """Key of the system that the person typed."""
-
-VIEWS = {
-    "conserved": "Conserved quantity",
-    "order": "Order",
-    "time": "Crossing time",
-    "cost": "Cost",
-    "stability": "Stability",
-    "scheme": "Scheme",
-}
-"""The views beside the portrait, one at a time: key and title, in display order."""
 
 PEERS = {"scipy": "SciPy", "heyoka": "heyoka"}
 COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
@@ -49,6 +40,8 @@ END_TIMES = {"type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
 
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
 
+_TIMES = {"tau": "The step size", "t_end": "The end time"}
+
 Start = tuple[float, ...]
 
 
@@ -61,7 +54,7 @@ class Scene(param.Parameterized):
     own: Any = param.ClassSelector(default=None, class_=core.PiecewiseSystem, doc="The system the person typed.")
     values = param.Dict(default={}, doc="Value of each parameter of the system.")
     starts: Any = param.ClassSelector(default=(), class_=tuple, doc="Initial states, one for each trajectory.")
-    selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="The start whose run the views look into.")
+    selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="Index of the start that is selected.")
     axes: Any = param.ClassSelector(default=(0, 1), class_=tuple, doc="The two variables that span the portrait.")
     methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
     tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
@@ -72,9 +65,9 @@ class Scene(param.Parameterized):
         default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the disturbance c·τᵖ of crossing times."
     )
     perturbation_scale = param.Number(default=1.0, bounds=(-10.0, 10.0), doc="Its factor c.")
-    view: Any = param.Selector(default="conserved", objects=list(VIEWS), doc="The view beside the portrait.")
+    view: Any = param.String(default="conserved", doc="The view beside the portrait: a key of `VIEWS`.")
     study_method: Any = param.Selector(
-        default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator looks into."
+        default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator shows."
     )
     peers = param.ListSelector(default=["scipy"], objects=list(PEERS), doc="Other people's integrators in Cost.")
     cost_across: Any = param.Selector(default="seconds", objects=list(COST_ACROSS))
@@ -99,7 +92,7 @@ class Scene(param.Parameterized):
 
     @property
     def x0(self) -> Start:
-        """The start that the views look into."""
+        """The selected start."""
         return tuple(self.starts[min(self.selected, len(self.starts) - 1)])
 
     @property
@@ -123,13 +116,13 @@ class Scene(param.Parameterized):
         return steady or [name for name in self.offered if not core.METHODS[name].adaptive][:1]
 
     @property
-    def looked_into(self) -> str:
-        """The integrator that a view of one integrator looks into: `study_method` where it is used."""
+    def selected_method(self) -> str:
+        """The integrator that a view of one integrator shows: `study_method` where it is used."""
         return self.study_method if self.study_method in self.used else self.used[0]
 
     @property
     def order_method(self) -> str:
-        """The integrator whose order is looked into."""
+        """The integrator whose order is studied."""
         return self.study_method if self.study_method in self.steady else self.steady[0]
 
     def build(self) -> core.PiecewiseSystem:
@@ -160,9 +153,9 @@ class Scene(param.Parameterized):
         fresh.accept("system", given.pop("system", fresh.system))
         for name, value in given.pop("values", {}).items():
             fresh.accept(f"values.{name}", value)
-        fresh.tau = fresh.param["tau"].bounds[1]  # so that any end time will do
-        for name in ("t_end", "tau", "methods", "starts"):
-            fresh.accept(name, given.pop(name, Scene.param[name].default if name == "tau" else getattr(fresh, name)))
+        fresh.accept_times(given.pop("tau", fresh.tau), given.pop("t_end", fresh.t_end))
+        for name in ("methods", "starts"):  # what is said of one integrator, or of one start, comes after all of them
+            fresh.accept(name, given.pop(name, getattr(fresh, name)))
         for name, value in given.items():
             fresh.accept(name, value)
         self.restore(fresh.settings())
@@ -209,7 +202,7 @@ class Scene(param.Parameterized):
         return float(max(self.t_end, min(wanted, self.tau * MAX_STEPS)))
 
     def place(self, start: Start) -> None:
-        """Add a trajectory, and look into it.
+        """Add a trajectory, and select it.
 
         Raises
         ------
@@ -222,7 +215,7 @@ class Scene(param.Parameterized):
         self.param.update(starts=(*self.starts, added), selected=len(self.starts))
 
     def move(self, index: int, start: Start) -> None:
-        """Let one trajectory start elsewhere, and look into it; ValueError where it cannot."""
+        """Let one trajectory start elsewhere, and select it; ValueError where it cannot."""
         starts = list(self.starts)
         starts[index] = self._checked_start(start)
         self.param.update(starts=tuple(starts), selected=index)
@@ -271,14 +264,31 @@ class Scene(param.Parameterized):
             "locate": self._checked_switch,
             "stability_coordinate": self._checked_coordinate,
             "system": self._checked_system,
+            "view": self._checked_view,
         }
         check = checks.get(name)
         if check is None and not (name in self.param and isinstance(self.param[name], param.Selector)):
             raise ValueError(f"“{name}” is no setting of this page.")
         self.param.update(**{name: check(part, value) if check else self._checked_choice(name, value)})
 
+    def accept_times(self, tau: object, t_end: object) -> None:
+        """Take over step size and end time together: with the other as it was, one of them may ask for too many steps.
+
+        Raises
+        ------
+        ValueError
+            As `accept`; the scene is then unchanged.
+        """
+        step, end = self.checked_time("tau", tau), self.checked_time("t_end", t_end)
+        require_few_steps(end, step)
+        self.param.update(tau=step, t_end=end)
+
+    def checked_time(self, field: str, value: object) -> float:
+        """Return the step size ``"tau"`` or the end time ``"t_end"`` by itself, if it is one; else ValueError."""
+        return number(value, _TIMES[field], *self.param[field].bounds)
+
     def _checked_tau(self, _: str, value: object) -> float:
-        tau = number(value, "The step size", *self.param["tau"].bounds)
+        tau = self.checked_time("tau", value)
         require_few_steps(self.t_end, tau)
         return tau
 
@@ -286,7 +296,7 @@ class Scene(param.Parameterized):
         return number(value, "The tolerance", *self.param["tolerance"].bounds)
 
     def _checked_end(self, _: str, value: object) -> float:
-        t_end = number(value, "The end time", *self.param["t_end"].bounds)
+        t_end = self.checked_time("t_end", value)
         require_few_steps(t_end, self.tau)
         return t_end
 
@@ -311,11 +321,11 @@ class Scene(param.Parameterized):
             raise ValueError("There is no system of one's own yet.")
         return str(self._checked_choice("system", value))
 
+    def _checked_view(self, _: str, value: object) -> object:
+        return _one_of(VIEWS, value)
+
     def _checked_choice(self, name: str, value: object) -> object:
-        objects = self.param[name].objects
-        if not any(value == known and type(value) is type(known) for known in objects):
-            raise ValueError(f"“{value}” is none of {', '.join(str(known or 'none') for known in objects)}.")
-        return value
+        return _one_of(self.param[name].objects, value)
 
     def _checked_switch(self, _: str, value: object) -> bool:
         if not isinstance(value, bool):
@@ -369,6 +379,13 @@ def _can_use(system: core.PiecewiseSystem, method: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _one_of(choices: Iterable[Any], value: object) -> object:
+    known = list(choices)
+    if not any(value == one and type(value) is type(one) for one in known):
+        raise ValueError(f"“{value}” is none of {', '.join(str(one or 'none') for one in known)}.")
+    return value
 
 
 def _require_known(names: list[Any], known: Mapping[str, Any], what: str) -> None:

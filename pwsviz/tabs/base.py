@@ -6,10 +6,12 @@ from collections.abc import Callable, Hashable
 from typing import Any
 
 import panel as pn
+from bokeh.models.annotations import Span
 from bokeh.plotting import figure
 
 import core
 from pwsviz.export.tables import Table
+from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -38,11 +40,14 @@ class Tab(pn.viewable.Viewer):
         Inputs of what is drawn; None where it is a part, or of something past.
     settings : tuple of str
         Settings of the scene whose change alters what is drawn, though nothing is computed anew.
+    now : Span or None
+        The line that the player moves, where time runs across the view.
     quiet, patience : float
         As in `latest_wins.Job`.
     """
 
     settings: tuple[str, ...] = ()
+    now: Span | None = None
     quiet, patience = 0.0, 0.1
 
     def __init__(self, scene: Scene, results: Results) -> None:
@@ -76,8 +81,15 @@ class Tab(pn.viewable.Viewer):
         raise NotImplementedError
 
     def table(self) -> Table | None:
-        """Return what is shown as columns to take away; None while there is nothing."""
+        """Return what is shown as columns to export; None while there is nothing."""
         raise NotImplementedError
+
+    def program(self) -> str:
+        """Return the lines of Python that repeat the study shown, after those of the runs; none by default."""
+        return ""
+
+    def link(self, portrait: PortraitView) -> None:
+        """Mark in the portrait what is pointed at here, and here what is pointed at there; nothing by default."""
 
     # For the page ----------------------------------------------------------------------------------------------------
 

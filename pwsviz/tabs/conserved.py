@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import core
 from pwsviz.export.tables import Table, run_table
 from pwsviz.figures.conserved import ConservedView, conserved_text
+from pwsviz.figures.linking import link_crossings
+from pwsviz.figures.portrait import PortraitView
 from pwsviz.geometry.projection import conserved_note
 from pwsviz.results.animation import Landmarks
 from pwsviz.results.requests import ErrorInputs, run_inputs
@@ -29,6 +31,11 @@ class ConservedTab(Tab):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.view = ConservedView()  # made at once: the portrait's player and crossings are linked to it
+        self.now = self.view.now
+
+    def link(self, portrait: PortraitView) -> None:
+        """Mark a crossing that is pointed at in the portrait here, and the other way round."""
+        link_crossings(portrait, self.view)
 
     def inputs(self) -> ErrorInputs:
         """One run for each integrator."""

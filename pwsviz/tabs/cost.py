@@ -8,6 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
+from pwsviz.export.script import cost_program
 from pwsviz.export.tables import Table
 from pwsviz.figures.cost import CostView, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
@@ -58,3 +59,7 @@ class CostTab(LongTab):
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""
         return cost_rows(self.outcome) if self.outcome is not None else None
+
+    def program(self) -> str:
+        """Return the lines that repeat the study."""
+        return cost_program(self.scene, self.inputs())

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import core
+from pwsviz.export.script import order_program
 from pwsviz.export.tables import Table, order_table
 from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
 from pwsviz.figures.summaries import study_text
@@ -55,7 +56,7 @@ class OrderTab(LongTab):
         assert order is not None  # noqa: S101  (a study needs one)
         self.view.show(outcome.taus, rows, float(outcome.floor), order)
         words = study_text(outcome, rows)
-        chosen = self.scene.looked_into
+        chosen = self.scene.selected_method
         if chosen != outcome.method and core.METHODS[chosen].adaptive:
             words += f" {chosen} chooses its own steps and has no order; {outcome.method} is shown in its place."
         return words
@@ -63,6 +64,10 @@ class OrderTab(LongTab):
     def table(self) -> Table | None:
         """Return both errors over the step sizes."""
         return order_table(self.outcome) if self.outcome is not None else None
+
+    def program(self) -> str:
+        """Return the lines that repeat the study."""
+        return order_program(self.scene, self.inputs())
 
 
 state_order_tab = partial(OrderTab, error="state error", rows=state_rows)

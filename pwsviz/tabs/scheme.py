@@ -21,8 +21,8 @@ class SchemeTab(Tab):
         self.mathematics = markup_pane(SCHEME_STYLE)
 
     def inputs(self) -> RunInputs:
-        """The run of the integrator that is looked into."""
-        return next(one for one in run_inputs(self.scene) if one.scheme.method == self.scene.looked_into)
+        """The run of the selected integrator."""
+        return next(one for one in run_inputs(self.scene) if one.scheme.method == self.scene.selected_method)
 
     def compute(self, inputs: RunInputs, cancel: Cancel, report: Report) -> str:
         """Derive and typeset."""

@@ -7,6 +7,7 @@ from typing import Any
 import panel as pn
 
 import core
+from pwsviz.export.script import stability_program
 from pwsviz.export.tables import Table
 from pwsviz.figures.stability import StabilityView, stability_table, stability_text
 from pwsviz.results.requests import StabilityInputs
@@ -69,9 +70,13 @@ class StabilityTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         self._offer()
         scene = self.scene
-        self.view.show(outcome, scene.stability_part, scene.looked_into, scene.stability_shown)
-        return stability_text(outcome, scene.stability_part, scene.looked_into)
+        self.view.show(outcome, scene.stability_part, scene.selected_method, scene.stability_shown)
+        return stability_text(outcome, scene.stability_part, scene.selected_method)
 
     def table(self) -> Table | None:
         """Return the columns of the part shown."""
         return stability_table(self.outcome, self.scene.stability_part) if self.outcome is not None else None
+
+    def program(self) -> str:
+        """Return the lines that repeat the study."""
+        return stability_program(self.scene, self.inputs())

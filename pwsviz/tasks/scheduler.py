@@ -16,7 +16,7 @@ BETWEEN_REPORTS = 0.15
 """Seconds at least: a browser cannot paint partial results faster."""
 
 
-class Desk:
+class Scheduler:
     """Lanes of work by name; within each only the newest request counts.
 
     Made while a page is served, it hands outcomes to the event loop of that page; else it delivers them at once.
@@ -26,12 +26,12 @@ class Desk:
         self._delivery = Delivery()
         self.closed = False
         self._lanes: dict[str, Lane] = {}
-        self._asked: dict[str, Hashable] = {}
+        self._submitted: dict[str, Hashable] = {}
         self._numbers: dict[str, int] = {}
         self._shown: dict[str, int] = {}
         self._short = Lock()
 
-    def ask(
+    def submit(
         self,
         lane: str,
         inputs: Hashable,
@@ -41,7 +41,7 @@ class Desk:
         quiet: float = 0.0,
         patience: float = 0.0,
     ) -> bool:
-        """Have something computed unless it is what was asked for last; return whether it was not.
+        """Have something computed unless it is what was submitted last; return whether it was not.
 
         Parameters
         ----------
@@ -50,13 +50,13 @@ class Desk:
         show : callable
             Is told the outcome, or the exception that came instead, in the event loop.
         advance : callable, optional
-            Is told of progress there, as long as nothing else was asked for.
+            Is told of progress there, as long as nothing else was submitted.
         quiet, patience : float
             As in `latest_wins.Job`; what starts at once is taken to be short.
         """
-        if self._asked.get(lane) == inputs:
+        if self._submitted.get(lane) == inputs:
             return False
-        self._asked[lane] = inputs
+        self._submitted[lane] = inputs
         if quiet == 0.0:
             compute = partial(self._in_turn, compute)
         told = _Seldom(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
@@ -67,34 +67,34 @@ class Desk:
         self._lanes.setdefault(lane, Lane()).submit(job)
         return True
 
-    def asked(self, lane: str) -> Hashable:
-        """Return what was asked for last."""
-        return self._asked.get(lane)
+    def submitted(self, lane: str) -> Hashable:
+        """Return what was submitted last."""
+        return self._submitted.get(lane)
 
     def busy(self, lane: str) -> bool:
         """Whether something waits or is under way."""
         return lane in self._lanes and self._lanes[lane].busy
 
     def cancel(self, lane: str) -> bool:
-        """Give up what is asked for and not there yet, and return whether there was such; it may be asked for again."""
+        """Give up what is submitted and not there yet, and return whether there was such; it may be submitted again."""
         if not self.busy(lane):
             return False
         self._lanes[lane].cancel()
-        self._asked.pop(lane, None)
+        self._submitted.pop(lane, None)
         return True
 
     def forget(self, lane: str) -> None:
-        """Let the same be asked for again."""
-        self._asked.pop(lane, None)
+        """Let the same be submitted again."""
+        self._submitted.pop(lane, None)
 
-    def soon(self, callback: Callable[[], None]) -> None:
+    def call_soon(self, callback: Callable[[], None]) -> None:
         """Call back from the event loop as soon as it is free, where figures may be changed; at once without one.
 
         Panel calls what a click does without that right, if a field was left for it and has a change to tell yet.
         """
         self._deliver(callback)
 
-    def later(self, milliseconds: int, callback: Callable[[], None]) -> None:
+    def call_later(self, milliseconds: int, callback: Callable[[], None]) -> None:
         """Call back from the event loop after a while; not at all where there is none."""
         if self._delivery.document is not None:
             self._delivery.document.add_timeout_callback(callback, milliseconds)
@@ -126,7 +126,7 @@ class Desk:
 
     def _pass_on(self, lane: str, inputs: Hashable, advance: Callable[..., None] | None, *news: Any) -> None:
         """Tell of progress, unless it is of something no longer wanted."""
-        if advance is not None and self._asked.get(lane) == inputs and self.busy(lane):
+        if advance is not None and self._submitted.get(lane) == inputs and self.busy(lane):
             advance(*news)
 
     def _deliver(self, show: Callable[..., None], *outcome: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -11,12 +11,12 @@ from typing import TypeVar
 import numpy as np
 
 from core.integrate import integrate
-from core.integration.trajectory import Status, Trajectory
+from core.integration.trajectory import Status
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import Plan
-from core.studies.tasks import as_completed
+from core.studies.tasks import Cancel, as_completed
 from core.system import PiecewiseSystem
 
 __all__ = ["Drift", "count", "run"]
@@ -32,8 +32,8 @@ _ADAPTIVE = 4  #: a method that chooses its steps may take so many times as many
 class Drift(Brief):
     """|Δψ| against time: what an integrator has made of ψ, added up over the visits to both sides.
 
-    A visit's part of it is worked out in double-double in the loop; what earlier visits left is measured at the
-    crossings, where rounding the states to double is good for about eps times the size of ψ each.
+    It is worked out in double-double at the ends of steps and at the crossings, where rounding the states to double is
+    good for about eps times the size of ψ each.
     """
 
     tau: float
@@ -73,7 +73,7 @@ def count(plan: Plan) -> int:
     return len(plan.methods) * (len(_edges(plan.steps)) - 1)
 
 
-def run(plan: Plan, executor: Executor | None, cancel: Callable[[], bool] | None) -> Iterator[Drift]:
+def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Drift]:
     """Yield what is known after each piece of each run: the first pieces of all, then the second ones, and so on."""
     n, edges = len(plan.methods), _edges(plan.steps)
     parts = np.arange(1, _COLUMNS + 1) / _COLUMNS
@@ -127,24 +127,18 @@ def _piece(
 ) -> _Piece:  # fmt: skip
     """Run one piece, from a state at which ψ is off by `offset` (m,) already."""
     most = _ADAPTIVE * steps + _FIRST if METHODS[method].adaptive else steps + _FIRST
-    part = integrate(
-        system, span, x0, tau, method, record="crossings", envelope=_COLUMNS, max_steps=most, max_crossings=most
-    )
-    carried = offset + part.carried_error()  # in each visit
-    error = _column_errors(part, span, carried)
-    x = tuple(map(float, part.x[-1]))
-    end = carried[part.segment[-1]] + np.nan_to_num(part.conserved_error(exits=False)[-1]) if len(offset) else offset
+    part = integrate(system, span, x0, tau, method, max_steps=most, max_crossings=most)
+    x, change = tuple(map(float, part.x[-1])), offset + part.accumulated_error()
+    end = np.where(np.isnan(change[-1]), offset, change[-1])
+    error = _column_errors(part.t, span, change)
     return _Piece(x, end, error, part.status, part.outcome, part.crossing_count, part.seconds)
 
 
-def _column_errors(part: Trajectory, span: tuple[float, float], carried: Floats) -> Floats:
-    """Largest |Δψ| in each part of the time (columns,): that of a visit on top of what the visits before have left."""
+def _column_errors(t: Floats, span: tuple[float, float], change: Floats) -> Floats:
+    """Largest |Δψ| in each part of the time (columns,), the start apart; nan where no step ends."""
     errors = np.full(_COLUMNS, np.nan)
-    if part.envelope is None or not carried.shape[1]:
-        return errors
-    edges = np.searchsorted(part.crossings.t, np.linspace(*span, _COLUMNS + 1))
+    edges = np.searchsorted(t, np.linspace(*span, _COLUMNS + 1), side="right")
     for c, (first, last) in enumerate(pairwise(edges)):
-        before = carried[first : last + 1]
-        low, high = part.envelope[c, :, 0] + before.min(axis=0), part.envelope[c, :, 1] + before.max(axis=0)
-        errors[c] = np.fmax.reduce(np.fmax(np.abs(low), np.abs(high)))
+        if last > first:
+            errors[c] = np.fmax.reduce(np.abs(change[first:last]), axis=None, initial=np.nan)
     return errors

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -15,8 +15,8 @@ from core.kernels.arrays import Floats
 from core.reference import Solution
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
-from core.studies.stability.verdict import passed, start_at, worst_error
-from core.studies.tasks import as_completed
+from core.studies.stability.verdict import start_at, worst_error
+from core.studies.tasks import Cancel, as_completed
 from core.system import PiecewiseSystem
 
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
@@ -80,7 +80,7 @@ def count(plan: Plan) -> int:
     return 1 + 2 * len(_DELTAS)
 
 
-def run(plan: Plan, executor: Executor | None, cancel: Callable[[], bool] | None) -> Iterator[Grazing]:
+def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Grazing]:
     """Yield what is known after the search for a tangency, and after each start beside it."""
     tangency = find_tangency(plan, cancel)
     if cancel is not None and cancel():
@@ -133,11 +133,8 @@ def _beside(
     horizon = float(horizons[int(np.argmax(clear))])
     rows = []
     for method in methods:
-        one = integrate(
-            system, (t0, horizon), x0, tau, method, record="crossings", envelope=1, max_steps=MAX_STEPS,
-            max_crossings=MAX_STEPS,
-        )  # fmt: skip
-        rows.append((passed(one), worst_error(one), int(one.status)))
+        one = integrate(system, (t0, horizon), x0, tau, method, max_steps=MAX_STEPS, max_crossings=MAX_STEPS)
+        rows.append((len(one.crossings.passed), worst_error(one), int(one.status)))
     expected = int(np.count_nonzero(times <= horizon)) if _reaches(solution, horizon) else UNKNOWN
     return horizon, expected, rows
 

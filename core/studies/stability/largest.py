@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -16,7 +16,7 @@ from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
-from core.studies.tasks import as_completed
+from core.studies.tasks import Cancel, as_completed
 from core.system import PiecewiseSystem
 
 __all__ = ["LargestTau", "count", "run"]
@@ -55,7 +55,7 @@ def count(plan: Plan) -> int:
     return len(plan.methods)
 
 
-def run(plan: Plan, executor: Executor | None, cancel: Callable[[], bool] | None) -> Iterator[LargestTau]:
+def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[LargestTau]:
     """Yield what is known after each method."""
     expected = expected_of(plan.system, plan.x0, plan.t_span)
     n = len(plan.methods)

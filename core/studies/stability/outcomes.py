@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 
@@ -13,7 +13,7 @@ from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, NO_START, Verdict, expected_of, judge, start_at
-from core.studies.tasks import as_completed
+from core.studies.tasks import Cancel, as_completed
 from core.system import PiecewiseSystem
 
 __all__ = ["OutcomeMap", "count", "run"]
@@ -52,7 +52,7 @@ def count(plan: Plan) -> int:
     return len(plan.methods) * len(plan.values)
 
 
-def run(plan: Plan, executor: Executor | None, cancel: Callable[[], bool] | None) -> Iterator[OutcomeMap]:
+def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[OutcomeMap]:
     """Yield what is known after each column of the map."""
     n, shape = len(plan.values), (len(plan.methods), len(plan.taus), len(plan.values))
     found = OutcomeMap(

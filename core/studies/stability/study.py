@@ -16,12 +16,11 @@ from core.studies.stability.largest import LargestTau
 from core.studies.stability.outcomes import OutcomeMap
 from core.studies.stability.plan import Plan, checked_plan
 from core.studies.stability.verdict import REFERENCE
+from core.studies.tasks import Cancel
 from core.system import Start
 from core.systems import System, system_of
 
 __all__ = ["PARTS", "StabilityStudy", "stability_study"]
-
-Cancel = Callable[[], bool]
 
 PARTS = ("largest_tau", "map", "drift", "grazing")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,9 +14,8 @@ from core.kernels.arrays import Floats
 from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
 from core.studies.stability.verdict import ENDINGS, reference_run, start_at
+from core.studies.tasks import Cancel
 from core.system import PiecewiseSystem
-
-Cancel = Callable[[], bool]
 
 __all__ = ["Tangency", "exact_times", "find_tangency"]
 

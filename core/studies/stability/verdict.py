@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import sympy
 
 from core.integrate import integrate
 from core.integration.trajectory import Status, Trajectory
@@ -23,7 +22,6 @@ __all__ = [
     "expected_of",
     "judge",
     "outcome_words",
-    "passed",
     "reference_run",
     "start_at",
     "worst_error",
@@ -70,7 +68,7 @@ class Expected:
     horizon: float
     """Until when to run: about the end time, where a small error of time does not change how many there are."""
     size: float
-    """Size of the terms that ψ is the sum of: rounding the state moves ψ by about eps times this."""
+    """`Trajectory.psi_size` of the solution."""
 
 
 @dataclass(frozen=True)
@@ -103,9 +101,9 @@ def expected_of(system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[fl
     t0, t1 = t_span
     beyond = t1 + _BEYOND * (t1 - t0)
     run = reference_run(system, x0, (t0, beyond))
-    t, size = run.crossings.t, _psi_size(run)
+    t, size = run.crossings.t, run.psi_size()
     if run.status is not Status.COMPLETED and run.t[-1] <= t1:
-        return Expected(run.status, passed(run), beyond, size)
+        return Expected(run.status, len(run.crossings.passed), beyond, size)
     before, after = t[t <= t1], t[t > t1]
     start = float(before[-1]) if len(before) else t0
     end = float(after[0]) if len(after) else float(run.t[-1])
@@ -119,53 +117,28 @@ def judge(
     max_steps: int,
 ) -> Verdict:  # fmt: skip
     """Run a method and say whether it does what the solution does."""
-    run = integrate(
-        system, (t0, expected.horizon), x0, tau, method, record="crossings", envelope=1,
-        max_steps=max_steps, max_crossings=max_steps,
-    )  # fmt: skip
-    outcome = int(run.status)
+    run = integrate(system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps)
+    outcome, passed = int(run.status), len(run.crossings.passed)
     if run.status is not expected.status:
         outcome = WENT_ON if run.status is Status.COMPLETED else outcome
-    elif run.status in _COUNTED and passed(run) != expected.crossings:
+    elif run.status in _COUNTED and passed != expected.crossings:
         outcome = WRONG_CROSSINGS
-    return Verdict(outcome, passed(run), worst_error(run), _message(run, outcome, expected))
+    return Verdict(outcome, passed, worst_error(run), _message(run.status, outcome, passed, expected))
 
 
-def _message(run: Trajectory, outcome: int, expected: Expected) -> str:
+def _message(status: Status, outcome: int, passed: int, expected: Expected) -> str:
     if outcome == WRONG_CROSSINGS:
-        count = passed(run)
-        return f"{count} crossing{'s' * (count != 1)} instead of {expected.crossings}"
+        return f"{passed} crossing{'s' * (passed != 1)} instead of {expected.crossings}"
     if outcome == WENT_ON:
         return f"it goes on where the solution stops because {expected.status.reason}"
-    return run.status.reason
-
-
-def passed(run: Trajectory) -> int:
-    """Return how many crossings a run has: where it stops on the surface it does not cross."""
-    return int(np.count_nonzero(run.crossings.side))
+    return status.reason
 
 
 def worst_error(run: Trajectory) -> float:
-    """Largest |Δψ| of a run of ``record="crossings"`` with an envelope: of a visit, on top of all visits before.
+    """Largest |Δψ| of a run that has recorded its steps, see `Trajectory.change_of_psi`.
 
     nan where no ψ is known, where it has no value, and of a run that has run away: its ψ would be a difference of huge
     numbers.
     """
-    if run.envelope is None or not run.envelope.size or run.status in (Status.ESCAPED, Status.UNSTABLE):
-        return np.nan
-    within = np.fmax.reduce(np.abs(run.envelope), axis=None, initial=0.0)
-    carried = np.abs(run.carried_error()).max(initial=0.0)
-    return float(within + carried)
-
-
-def _psi_size(run: Trajectory) -> float:
-    """Largest |ψ| + Σᵢ |xᵢ ∂ψ/∂xᵢ| at the ends of the visits of a run; 0 where no ψ is known."""
-    laws, p = run.system.laws, run.system.parameter_array
-    t, x = np.append(run.entered_t, run.t[-1]), np.concatenate([run.entered_x, run.x[-1:]])
-    sizes = [0.0]
-    for sign, side in laws.sides.items():
-        terms = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in side.conserved]
-        if terms:
-            values = laws.evaluate(("size of psi", sign), [sympy.sympify(e) for e in terms], t, x, p)
-            sizes.append(float(values[np.isfinite(values)].max(initial=0.0)))
-    return max(sizes)
+    gone = run.status in (Status.ESCAPED, Status.UNSTABLE)
+    return np.nan if gone else float(np.fmax.reduce(run.change_of_psi()))

@@ -145,3 +145,28 @@ def test_a_run_that_stops_after_a_jump_has_no_error_of_psi_from_before_it():
         assert run.status is Status.SLIDING
         assert run.x[-1].tolist() == [0.0, 1.0]
         assert np.nanmax(np.abs(run.conserved_error())) < 1e-15
+
+
+def test_the_size_of_psi_is_that_of_its_terms_and_not_of_their_difference():
+    psi = ("x**2 - y**2",)
+    hyperbola = core.PiecewiseSystem("saddle", ("x", "y"), ("y", "x"), ("y", "x"), "x - 1e9", psi, psi, x0=(1e4, 1e4))
+    run = core.integrate(hyperbola, (0.0, 1e-3), tau=1e-3)
+    assert run.psi_size() == pytest.approx(2 * (run.x**2).sum(axis=1).max(), rel=1e-12)
+
+
+def test_without_a_conserved_quantity_there_is_no_change_and_no_size_of_it():
+    run = core.integrate("relay_feedback", (0.0, 1.0), tau=1e-2, method="rk2")
+    assert run.psi_size() == 0.0
+    assert np.isnan(run.change_of_psi()).all()
+
+
+def test_of_several_conserved_quantities_the_change_is_the_largest():
+    run = core.integrate("kepler", (0.0, 20.0), tau=1e-2, method="rk2")
+    assert run.accumulated_error().shape[1] == 2
+    assert np.array_equal(run.change_of_psi(), np.abs(run.accumulated_error()).max(axis=1))
+
+
+def test_a_crossing_at_which_a_run_stops_is_not_passed():
+    run = core.integrate("coulomb_friction", (0.0, 20.0), tau=1e-2)
+    assert run.status is Status.SLIDING
+    assert len(run.crossings.passed) == len(run.crossings) - 1

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import core
-from core.studies import cost, measure
+from core.studies import measure
 from core.studies.cost import CANCELLED, DONE, WAITING, work_precision
 
 HARMONIC = core.CATALOGUE["harmonic_oscillator"]
@@ -209,10 +209,3 @@ def test_an_end_after_that_of_the_solution_is_refused():
     # The impacts of a ball that loses half its speed accumulate at three times the first: 1.355.
     with pytest.raises(ValueError, match="take an earlier end"):
         work_precision(core.CATALOGUE["bouncing_ball"], (0.0, 2.0))
-
-
-def test_round_off_of_psi_is_told_by_its_terms_and_not_by_their_difference():
-    # x**2 - y**2 is 0 at (1, 1), a difference of 1 and 1: |2x x| + |2y y| = 4.
-    f, psi = ("y", "x"), ("x**2 - y**2",)
-    saddle = core.PiecewiseSystem("saddle", ("x", "y"), f, f, "x - 9", psi, psi)
-    assert cost._psi_size(saddle, 1, 0.0, (1.0, 1.0)) == 4.0

@@ -9,6 +9,7 @@ import pytest
 
 import core
 from core.studies.stability import NO_START, NOT_YET, PARTS, WENT_ON, WRONG_CROSSINGS, outcome_words, stability_study
+from core.studies.stability.verdict import expected_of, judge, worst_error
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 HARMONIC = core.CATALOGUE["harmonic_oscillator"]
@@ -128,6 +129,23 @@ def test_a_run_that_goes_on_where_the_solution_stops_is_told():
     assert (found.outcome[0, 0] == core.Status.SLIDING).all()
     assert (found.outcome[0, 1] != core.Status.SLIDING).all()
     assert WENT_ON in found.outcome[0, 1] or WRONG_CROSSINGS in found.outcome[0, 1]
+
+
+@pytest.mark.parametrize("name", ["damped_oscillator", "elliptic_curve", "bouncing_ball", "relay_feedback"])
+@pytest.mark.parametrize("perturbation_order", [None, 1, 2])
+def test_the_error_of_a_verdict_is_the_largest_change_of_psi_along_the_run(name, perturbation_order):
+    arguments = {"tau": 0.02, "method": "rk2", "perturbation_order": perturbation_order}
+    run = core.integrate(name, (0.0, 20.0), max_crossings=500, **arguments)
+    along = run.accumulated_error()
+    assert worst_error(run) == np.abs(along).max() if along.size else np.isnan(worst_error(run))
+
+
+def test_a_verdict_and_the_run_that_it_is_about_tell_of_one_error():
+    start, span = (1.0, 1.0), (0.0, 10.0)
+    expected = expected_of(HARMONIC, start, span)
+    verdict = judge(HARMONIC, start, 0.0, expected, "rk2", 0.01, 10_000)
+    run = core.integrate(HARMONIC, (0.0, expected.horizon), start, tau=0.01, method="rk2")
+    assert verdict.error == np.abs(run.accumulated_error()).max()
 
 
 def test_every_outcome_has_words():

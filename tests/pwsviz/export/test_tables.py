@@ -17,20 +17,17 @@ from hypothesis import strategies as st
 import core
 from pwsviz.export.tables import (
     ROWS,
-    conserved_table,
     csv_bytes,
     file_name,
     npz_bytes,
     order_table,
     png_callback,
-    portrait_table,
     run_table,
     runs_table,
 )
 from pwsviz.figures.style import plain_figure
-from pwsviz.results.invariant_error import accumulated_error
-from pwsviz.results.requests import beside_inputs, run_inputs, study_inputs
-from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.results.requests import study_inputs
+from pwsviz.results.results import Results
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 
@@ -115,7 +112,7 @@ def test_a_run_is_given_at_the_integrators_own_steps():
     assert np.array_equal(table["t"], run.t)
     assert np.array_equal(np.column_stack([table[name] for name in ("x", "y", "u", "v")]), run.x)
     assert np.array_equal(table["side"], run.side)
-    assert np.array_equal(table["change_of_psi"], accumulated_error(run))
+    assert np.array_equal(table["change_of_psi"], run.change_of_psi())
     assert len(table["crossing_t"]) == len(run.crossings) > 1
     _, columns = read_csv(csv_bytes(table))
     assert [float(cell) for cell in columns["v"]] == run.x[:, 3].tolist()
@@ -138,31 +135,6 @@ def test_a_variable_may_be_called_as_a_column_of_ours():
     assert table["variable_crossing_t"][0] == 3.0
     assert table["crossing_t"] == pytest.approx([1.0])
     assert set(np.load(io.BytesIO(npz_bytes(table))).files) == {*table, "about"}
-
-
-def test_the_portrait_gives_what_it_draws():
-    scene = Scene(t_end=4.0)
-    scene.place((0.5, 0.5))
-    scene.accept("axes", (1, 0))
-    pictures = Results().pictures(PortraitInputs(run_inputs(scene), beside_inputs(scene), scene.axes))
-    table = portrait_table(pictures)
-    orbits = [*pictures.orbits, *pictures.beside]
-    for k, orbit in enumerate(orbits):
-        rows = (table["method"] == orbit.method) & (table["start"] == k // 2)
-        assert np.array_equal(np.column_stack([table["y"], table["x"]])[rows], orbit.path, equal_nan=True)
-        marks = (table["crossing_method"] == orbit.method) & (table["crossing_start"] == k // 2)
-        assert np.array_equal(table["crossing_number"][marks], orbit.numbers)
-        assert np.array_equal(table["crossing_y"][marks], orbit.crossings[:, 0])
-        assert table["crossing_kind"][marks].tolist() == list(orbit.kinds)
-    assert len({len(table[name]) for name in ("method", "start", "x", "y")}) == 1
-
-
-def test_the_conserved_quantity_gives_what_it_draws():
-    curves = Results().error_curves(run_inputs(Scene(t_end=4.0)))
-    table = conserved_table(curves)
-    for curve in curves:
-        assert np.array_equal(table["change_of_psi"][table["method"] == curve.method], curve.error, equal_nan=True)
-        assert np.array_equal(table["crossing_t"][table["crossing_method"] == curve.method], curve.crossings)
 
 
 def test_an_order_study_gives_errors_slopes_and_reference():

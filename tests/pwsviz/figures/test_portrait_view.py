@@ -9,11 +9,11 @@ from bokeh.events import Tap
 import core
 from core.transition.status import CROSSING_KINDS
 from pwsviz.figures.conserved import ConservedView
-from pwsviz.figures.portrait import BESIDE, KIND_MARKERS, PortraitView, extent
+from pwsviz.figures.portrait import KIND_MARKERS, OTHERS, PortraitView, extent
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.page.player import Player
 from pwsviz.results.animation import frames
-from pwsviz.results.requests import beside_inputs, run_inputs
+from pwsviz.results.requests import other_inputs, run_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 
@@ -23,7 +23,7 @@ TWO = ((-1.0, -1.0), (-0.5, 0.2))
 @cache
 def pictured(starts=TWO[:1], selected=0, axes=(0, 1), system="elliptic_curve"):
     scene = Scene(system=system, starts=starts, selected=selected, axes=axes)
-    inputs = PortraitInputs(run_inputs(scene), beside_inputs(scene), axes)
+    inputs = PortraitInputs(run_inputs(scene), other_inputs(scene), axes)
     return scene.declaration, Results().pictures(inputs)
 
 
@@ -59,21 +59,21 @@ def test_the_view_holds_the_first_orbit():
 
 def test_the_view_holds_trajectories_from_other_starts_but_none_that_is_far():
     _, pictures = pictured(TWO, 1)
-    assert extent(pictures.orbits, pictures.beside).covers(Window.around(pictures.beside[0].path))
+    assert extent(pictures.orbits, pictures.others).covers(Window.around(pictures.others[0].path))
     first = Window.around(pictures.orbits[0].path)
-    far = np.array([[first.x_high + BESIDE * 5 * first.width, 0.0]])
-    away = [type(one)(**{**vars(one), "path": far}) for one in pictures.beside]
+    far = np.array([[first.x_high + OTHERS * 5 * first.width, 0.0]])
+    away = [type(one)(**{**vars(one), "path": far}) for one in pictures.others]
     assert extent(pictures.orbits, away) == extent(pictures.orbits)
 
 
 def test_other_starts_are_drawn_thinner_and_the_legend_names_each_integrator_once():
     view = Watched()
     view.draw(TWO, 1)
-    assert view.orbits.data["method"] == view.beside.data["method"] == ["dmm2", "rk2"]
-    assert all(np.less(view.beside.data["width"], view.orbits.data["width"]))
+    assert view.orbits.data["method"] == view.others.data["method"] == ["dmm2", "rk2"]
+    assert all(np.less(view.others.data["width"], view.orbits.data["width"]))
     named = [renderer for item in view.figure.legend[0].items for renderer in item.renderers]
     assert [renderer.data_source for renderer in named].count(view.orbits) == 1
-    assert view.beside not in [renderer.data_source for renderer in named]
+    assert view.others not in [renderer.data_source for renderer in named]
 
 
 def test_stars_are_numbered_and_the_selected_one_is_the_largest():
@@ -172,7 +172,7 @@ def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
 
 
 def test_a_closed_player_makes_and_sends_nothing():
-    player = Player(Watched(), ConservedView())
+    player = Player(Watched(), [ConservedView().now])
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 1.0), tau=1e-2)
     player.show([frames(run, (0, 1))])
     assert not player.wanted

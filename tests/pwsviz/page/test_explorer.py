@@ -15,7 +15,10 @@ from pwsviz.geometry.phase_plane import Window
 from pwsviz.page.explorer import Explorer
 from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
-from pwsviz.scene.scene import VIEWS, Scene
+from pwsviz.scene.permalink import query, read
+from pwsviz.scene.scene import Scene
+from pwsviz.scene.views import VIEWS
+from pwsviz.tabs import TABS, Tab
 
 
 @pytest.fixture
@@ -107,36 +110,36 @@ def test_tab_and_scene_agree(explorer):
 
 
 def test_a_change_repaints_by_data_not_by_new_figures(explorer):
-    figures = [explorer.stage.portrait.figure, explorer.views["conserved"].view.figure]
+    figures = [explorer.portrait_panel.portrait.figure, explorer.views["conserved"].view.figure]
     models = [figure.references() for figure in figures]
-    before = explorer.stage.portrait.orbits.data["xs"][0]
+    before = explorer.portrait_panel.portrait.orbits.data["xs"][0]
     explorer.scene.accept("tau", 0.05)
     explorer.scene.system = next(key for key in core.CATALOGUE if key != explorer.scene.system)
     explorer.settle(20)
     assert [figure.references() for figure in figures] == models
-    assert explorer.stage.portrait.orbits.data["xs"][0] is not before
+    assert explorer.portrait_panel.portrait.orbits.data["xs"][0] is not before
 
 
 def test_the_status_line_tells_each_run(explorer):
-    assert "2,000 steps, 21 crossings" in explorer.stage.status.object
-    assert explorer.stage.status.object.count("|Δψ| ≤") == 2
+    assert "2,000 steps, 21 crossings" in explorer.portrait_panel.status.object
+    assert explorer.portrait_panel.status.object.count("|Δψ| ≤") == 2
 
 
 def test_the_view_holds_still_while_only_the_step_size_moves(explorer):
-    frame = explorer.stage.portrait.frame
+    frame = explorer.portrait_panel.portrait.frame
     explorer.scene.accept("tau", 2e-2)
     explorer.settle(20)
-    assert explorer.stage.portrait.frame == frame
+    assert explorer.portrait_panel.portrait.frame == frame
 
 
 def test_bad_input_is_told_beside_the_field_and_the_picture_stays(explorer):
-    shown = explorer.stage.portrait.orbits.data
+    shown = explorer.portrait_panel.portrait.orbits.data
     field = explorer.sidebar.tau
     field.text.value = "minus one"
     explorer.settle(20)
     assert field.text.error_state
     assert "not a number" in field.text.helper_text
-    assert explorer.stage.portrait.orbits.data is shown
+    assert explorer.portrait_panel.portrait.orbits.data is shown
     field.text.value = "0.02"
     assert not field.text.error_state
     assert explorer.scene.tau == 0.02
@@ -184,12 +187,12 @@ def test_the_fields_of_one_system_become_those_of_the_next(explorer):
 
 
 def test_a_click_places_one_more_trajectory(explorer):
-    explorer.stage.place(-0.123456, 0.654321)
+    explorer.portrait_panel.place(-0.123456, 0.654321)
     explorer.settle(20)
     assert explorer.scene.starts == ((-1.0, -1.0), (-0.123, 0.654))
     assert explorer.scene.selected == 1
-    assert list(explorer.stage.portrait.starts.data["x"]) == [-1.0, -0.123]
-    assert len(explorer.stage.portrait.beside.data["xs"]) == 2
+    assert list(explorer.portrait_panel.portrait.starts.data["x"]) == [-1.0, -0.123]
+    assert len(explorer.portrait_panel.portrait.others.data["xs"]) == 2
     assert explorer.sidebar.fields["x0.0"].text.value == "-0.123"
 
 
@@ -197,23 +200,23 @@ def test_a_dragged_start_moves_and_an_older_complaint_goes(explorer):
     coordinate = explorer.sidebar.fields["x0.0"]
     coordinate.text.value = "?"
     assert coordinate.text.error_state
-    explorer.stage.move(0, -0.8, 0.5)
+    explorer.portrait_panel.move(0, -0.8, 0.5)
     explorer.settle(20)
     assert explorer.scene.starts == ((-0.8, 0.5),)
     assert not coordinate.text.error_state
 
 
 def test_the_last_trajectory_cannot_be_removed_and_that_is_said(explorer):
-    explorer.stage.place(-0.5, 0.5)
-    explorer.stage.remove(0)
+    explorer.portrait_panel.place(-0.5, 0.5)
+    explorer.portrait_panel.remove(0)
     assert explorer.scene.starts == ((-0.5, 0.5),)
     explorer.settle(20)
-    explorer.stage.remove(0)
-    assert "has to stay" in explorer.stage.trouble.object
+    explorer.portrait_panel.remove(0)
+    assert "has to stay" in explorer.portrait_panel.trouble.object
 
 
 def test_looking_into_another_trajectory_computes_no_run(explorer):
-    explorer.stage.place(-0.5, 0.5)
+    explorer.portrait_panel.place(-0.5, 0.5)
     explorer.settle(20)
     runs = counts(explorer)["run"]
     explorer.scene.selected = 0
@@ -223,11 +226,11 @@ def test_looking_into_another_trajectory_computes_no_run(explorer):
 
 def test_undo_brings_back_what_was_there(explorer):
     before = explorer.scene.settings()
-    explorer.stage.place(-0.5, 0.5)
+    explorer.portrait_panel.place(-0.5, 0.5)
     explorer.history.undo()
     explorer.settle(20)
     assert explorer.scene.settings() == before
-    assert list(explorer.stage.portrait.starts.data["x"]) == [-1.0]
+    assert list(explorer.portrait_panel.portrait.starts.data["x"]) == [-1.0]
 
 
 def test_a_place_is_rounded_to_about_a_pixel_and_what_is_not_shown_stays():
@@ -242,19 +245,19 @@ def test_another_projection_shows_other_variables(explorer):
     explorer.sidebar.plane.value = (2, 3)
     explorer.settle(20)
     names = core.CATALOGUE["kepler"].variables
-    figure = explorer.stage.portrait.figure
+    figure = explorer.portrait_panel.portrait.figure
     assert figure.xaxis[0].axis_label.startswith(names[2])
     assert figure.yaxis[0].axis_label == names[3]
     start = core.CATALOGUE["kepler"].x0
-    assert list(explorer.stage.portrait.starts.data["y"]) == [start[3]]
+    assert list(explorer.portrait_panel.portrait.starts.data["y"]) == [start[3]]
 
 
 def test_the_player_gets_its_steps_once_it_is_open_and_not_before(explorer):
     assert "frames" not in counts(explorer)
-    explorer.stage.player.open = True
+    explorer.portrait_panel.player.open = True
     explorer.settle(20)
     assert counts(explorer)["frames"] == 2
-    assert len(explorer.stage.player.bar.ways) == 2
+    assert len(explorer.portrait_panel.player.bar.ways) == 2
 
 
 def test_a_preset_is_loaded_and_says_what_to_look_at(explorer):
@@ -270,14 +273,14 @@ def test_a_system_of_ones_own_is_used_like_any_other(explorer):
     )
     explorer._use(own)
     assert explorer.settle(60)
-    assert explorer.stage.trouble.object == ""
+    assert explorer.portrait_panel.trouble.object == ""
     assert "<b>mine</b> (yours)" in explorer.sidebar.system.options
     explorer.sidebar.fields["values.k"].text.value = "2"
     for view in VIEWS:
         explorer.scene.param.update(view=view, t_end=5.0, peers=[])
         assert explorer.settle(60)
         assert 'class="error"' not in explorer.view.words.object or view in ("order", "time")
-    assert "<b>mine" not in explorer.stage.note.object + explorer.view.mathematics.object
+    assert "<b>mine" not in explorer.portrait_panel.note.object + explorer.view.mathematics.object
 
 
 def test_a_typed_system_is_computed_before_it_is_wanted(explorer):
@@ -291,7 +294,7 @@ def test_a_typed_system_is_computed_before_it_is_wanted(explorer):
     explorer.editor.use.clicks += 1
     assert explorer.settle(20)
     assert explorer.scene.declaration.g == "x + 0.125"
-    assert "crossings" in explorer.stage.status.object
+    assert "crossings" in explorer.portrait_panel.status.object
     assert explorer.results.computed["run"] == computed
 
 
@@ -308,11 +311,11 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     explorer.settle(20)
     portrait, order = explorer._pieces()
     assert len(portrait.table()["t"]) == 2001
-    assert portrait.figure is explorer.stage.portrait.figure
+    assert portrait.figure is explorer.portrait_panel.portrait.figure
     assert len(order.table()) > 2
-    explorer.share.open("http://here/app")
-    assert explorer.share.link.value.startswith("http://here/app?v=1")
-    assert "core.integrate" in explorer.share.program.object
+    explorer.export.open("http://here/app")
+    assert explorer.export.link.value.startswith("http://here/app?v=1")
+    assert "core.integrate" in explorer.export.program.object
 
 
 @pytest.mark.parametrize("system", list(core.CATALOGUE))
@@ -320,8 +323,8 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     explorer.scene.system = system
     explorer.settle(60)
     laws = core.CATALOGUE[system]
-    portrait = explorer.stage.portrait
-    assert explorer.stage.trouble.object == ""
+    portrait = explorer.portrait_panel.portrait
+    assert explorer.portrait_panel.trouble.object == ""
     assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
     assert all(np.isfinite(x).sum() > 20 for x in portrait.orbits.data["xs"])
     assert list(portrait.starts.data["x"]) == [laws.x0[0]]
@@ -376,19 +379,19 @@ def test_a_study_that_is_impossible_says_why(explorer):
 def test_one_integrator_that_blows_up_does_not_spoil_the_view_of_another(explorer):
     explorer.scene.param.update(system="harmonic_oscillator", tau=0.25, t_end=60_000.0)
     explorer.settle(20)
-    assert "stopped" in explorer.stage.status.object
-    frame = explorer.stage.portrait.frame
+    assert "stopped" in explorer.portrait_panel.status.object
+    frame = explorer.portrait_panel.portrait.frame
     assert max(frame.width, frame.height) < 10
-    for x in explorer.stage.portrait.orbits.data["xs"]:
+    for x in explorer.portrait_panel.portrait.orbits.data["xs"]:
         assert np.nanmax(np.abs(x)) < 100
-    assert len(explorer.stage.portrait.orbits.data["xs"][1]) > 100
+    assert len(explorer.portrait_panel.portrait.orbits.data["xs"][1]) > 100
 
 
 def test_a_run_that_stops_early_says_why_and_shows_what_there_is(explorer):
     explorer.scene.accept("x0", (1.4, 1.4))
     explorer.settle(20)
-    assert "stopped" in explorer.stage.status.object
-    frame = explorer.stage.portrait.frame
+    assert "stopped" in explorer.portrait_panel.status.object
+    frame = explorer.portrait_panel.portrait.frame
     assert max(frame.width, frame.height) < 100
 
 
@@ -408,3 +411,46 @@ def test_a_page_that_is_left_is_let_go():
     left = visit_and_leave()
     gc.collect()
     assert left() is None
+
+
+class StepSizeTab(Tab):
+    """A view of one number, as somebody else might add it."""
+
+    def inputs(self):
+        """The step size is all that it shows."""
+        return self.scene.tau
+
+    def compute(self, inputs, cancel, report):
+        """Nothing is left to compute."""
+        return inputs
+
+    def build(self):
+        """No figure."""
+        return []
+
+    def draw(self, outcome):
+        """Say it."""
+        return f"The step size is {outcome:g}."
+
+    def table(self):
+        """One number."""
+        return {"tau": [self.outcome]}
+
+    def program(self):
+        """Print it."""
+        return f"print('tau', {self.scene.tau})"
+
+
+def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(monkeypatch):
+    monkeypatch.setitem(VIEWS, "step", "Step size")
+    monkeypatch.setitem(TABS, "step", StepSizeTab)
+    explorer = Explorer(Scene(t_end=1.0), Results())
+    explorer.tabs.active = list(VIEWS).index("step")
+    assert explorer.settle(20)
+    assert "The step size is 0.01." in explorer.view.words.object
+    assert read(query(explorer.scene)) == (explorer.scene.settings(), [])
+    assert "scheme, step" in "".join(read("view=nonsense")[1])
+    explorer.export.open("")
+    assert "print(&#x27;tau&#x27;, 0.01)" in explorer.export.program.object
+    assert [row[0].object for row in explorer.export.numbers] == ["Phase portrait", "Step size"]
+    explorer.close()

@@ -11,7 +11,7 @@ def listed():
     return Trajectories(Scene())
 
 
-def test_adding_places_one_beside_and_looks_into_it(listed):
+def test_adding_places_one_beside_and_selects_it(listed):
     listed.more.clicks += 1
     assert listed.scene.starts == ((-1.0, -1.0), (-0.9, -1.0))
     assert listed.numbers.options == [1, 2]

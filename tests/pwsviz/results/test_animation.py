@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.results.animation import ROUND_OFF, frames, landmarks, round_off
+from pwsviz.results.animation import frames, landmarks
 
 
 @pytest.fixture(scope="module")
@@ -60,17 +60,3 @@ def test_landmarks_tell_every_crossing_also_where_one_hides_another(run):
 def test_landmarks_name_jumps():
     ball = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 1.0), tau=1e-2)
     assert landmarks(ball, (0, 1)).kinds[0] == "jump"
-
-
-def test_round_off_is_that_of_the_terms_and_not_of_their_difference():
-    hyperbola = core.PiecewiseSystem(
-        "saddle", ("x", "y"), ("y", "x"), ("y", "x"), "x - 1e9", ("x**2 - y**2",), ("x**2 - y**2",), x0=(1e4, 1e4)
-    )
-    run = core.integrate(hyperbola, (0.0, 1e-3), tau=1e-3)
-    largest = np.abs(run.x).max() ** 2
-    assert round_off(run) == pytest.approx(ROUND_OFF * np.finfo(float).eps * largest, rel=1e-12)
-
-
-def test_without_a_conserved_quantity_there_is_no_round_off_of_it():
-    run = core.integrate(core.CATALOGUE["relay_feedback"], (0.0, 1.0), tau=1e-2, method="rk2")
-    assert np.isnan(round_off(run))

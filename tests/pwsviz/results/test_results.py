@@ -6,8 +6,7 @@ import pytest
 import core
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION
-from pwsviz.results.invariant_error import accumulated_error
-from pwsviz.results.requests import Scheme, beside_inputs, run_inputs, study_inputs
+from pwsviz.results.requests import Scheme, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
@@ -19,7 +18,7 @@ def results():
 
 
 def portrait(scene):
-    return PortraitInputs(run_inputs(scene), beside_inputs(scene), scene.axes)
+    return PortraitInputs(run_inputs(scene), other_inputs(scene), scene.axes)
 
 
 def test_portrait_alone_draws_no_error_curve(results):
@@ -50,7 +49,7 @@ def test_one_more_trajectory_costs_one_more_run_for_each_integrator(results):
     pictures = results.pictures(portrait(scene))
     assert results.computed["run"] == 4
     assert [orbit.start for orbit in pictures.orbits] == [(-0.5, 0.25)] * 2
-    assert [orbit.start for orbit in pictures.beside] == [(-1.0, -1.0)] * 2
+    assert [orbit.start for orbit in pictures.others] == [(-1.0, -1.0)] * 2
     scene.selected = 0
     results.pictures(portrait(scene))
     assert results.computed["run"] == 4
@@ -155,7 +154,7 @@ def test_accumulated_error_is_the_distance_from_the_exact_levels(results, system
     """Both systems of the paper return to the same level on each side, so the sum over visits telescopes."""
     scene = Scene(system=system, methods=["rk2"])
     run = results.run(run_inputs(scene)[0])
-    error = accumulated_error(run)
+    error = run.change_of_psi()
     assert error[0] == 0.0
     first = run.side == run.side[0]
     psi = run.system.conserved(int(run.side[0]), 0.0, run.x)[:, 0]
@@ -215,7 +214,7 @@ def test_the_study_measures_slope_two(results):
 def test_what_is_lost_at_crossings_counts_as_much_as_what_is_lost_between(how, least, most):
     # Against the exact levels (psi = 0 outside, 2 cos(4 pi/7) inside): round-off, 0.42, 0.18 and 6e-4.
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), tau=1e-2, **how)
-    assert least <= accumulated_error(run).max() <= most
+    assert least <= run.change_of_psi().max() <= most
 
 
 @pytest.mark.parametrize(

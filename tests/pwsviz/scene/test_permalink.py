@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 import core
 from pwsviz.scene.permalink import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt, query, read
-from pwsviz.scene.scene import MAX_STARTS, OWN, PEERS, PERTURBATION_ORDERS, VIEWS, Scene
+from pwsviz.scene.scene import MAX_STARTS, OWN, PEERS, PERTURBATION_ORDERS, Scene
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
+from pwsviz.scene.views import VIEWS
 
 # Scenes, as people make them -----------------------------------------------------------------------------------------
 

@@ -118,7 +118,7 @@ def test_methods_keep_the_order_of_the_table():
 def test_the_order_study_follows_when_its_method_is_dropped():
     scene = Scene()
     scene.accept("methods", ["rk4"])
-    assert scene.looked_into == scene.order_method == "rk4"
+    assert scene.selected_method == scene.order_method == "rk4"
     scene.accept("methods", ["dmm2", "rk4"])
     assert scene.order_method == "dmm2", "what the person chose comes back"
 
@@ -138,7 +138,7 @@ def test_there_is_an_integrator_where_none_of_the_chosen_can_be_used():
     scene = Scene(methods=["dmm2"])
     scene.system = "gene_switch"
     assert scene.used == ["rk2"]
-    assert scene.looked_into == "rk2"
+    assert scene.selected_method == "rk2"
     scene.system = "kepler"
     assert scene.used == ["dmm2"]
 
@@ -149,7 +149,7 @@ def test_the_order_study_offers_methods_that_have_an_order():
     scene.accept("methods", ["taylor"])
     assert scene.steady == ["dmm2"]
     assert scene.order_method == "dmm2"
-    assert scene.looked_into == "taylor"
+    assert scene.selected_method == "taylor"
 
 
 def test_a_slow_system_gets_time_to_cross_and_no_more_steps_than_allowed():
@@ -239,6 +239,15 @@ def test_loading_begins_anew():
     with pytest.raises(ValueError, match="between"):
         scene.load({"system": "pendulum", "tau": -1.0})
     assert scene.settings() == Scene().settings()
+
+
+def test_step_size_and_end_time_are_taken_over_together_or_not_at_all():
+    scene = Scene(tau=1e-5, t_end=20.0)
+    scene.accept_times(0.5, 50_000.0)  # either alone would ask for too many steps, or leave them
+    assert (scene.tau, scene.t_end) == (0.5, 50_000.0)
+    with pytest.raises(ValueError, match="steps are more than this page runs"):
+        scene.accept_times(1e-5, 50_000.0)
+    assert (scene.tau, scene.t_end) == (0.5, 50_000.0)
 
 
 def test_a_system_of_ones_own_is_like_any_other():

@@ -6,28 +6,28 @@ from time import sleep
 import pytest
 
 from pwsviz.tasks.cancellation import Cancelled
-from pwsviz.tasks.scheduler import Desk
+from pwsviz.tasks.scheduler import Scheduler
 
 
 @pytest.fixture
-def desk():
-    made = Desk()
+def scheduler():
+    made = Scheduler()
     yield made
     made.close()
 
 
-def test_the_same_is_asked_for_once(desk):
+def test_the_same_is_computed_once(scheduler):
     seen = []
-    assert desk.ask("a", 1, lambda _cancel, _report: "one", seen.append)
-    assert desk.settle(5)
-    assert not desk.ask("a", 1, lambda _cancel, _report: "again", seen.append)
-    desk.forget("a")
-    assert desk.ask("a", 1, lambda _cancel, _report: "again", seen.append)
-    assert desk.settle(5)
+    assert scheduler.submit("a", 1, lambda _cancel, _report: "one", seen.append)
+    assert scheduler.settle(5)
+    assert not scheduler.submit("a", 1, lambda _cancel, _report: "again", seen.append)
+    scheduler.forget("a")
+    assert scheduler.submit("a", 1, lambda _cancel, _report: "again", seen.append)
+    assert scheduler.settle(5)
     assert seen == ["one", "again"]
 
 
-def test_what_was_cancelled_may_be_asked_for_again(desk):
+def test_what_was_cancelled_may_be_submitted_again(scheduler):
     seen, started = [], Event()
 
     def endless(cancel, _report):
@@ -36,17 +36,17 @@ def test_what_was_cancelled_may_be_asked_for_again(desk):
             pass
         raise Cancelled
 
-    desk.ask("a", 1, endless, seen.append)
+    scheduler.submit("a", 1, endless, seen.append)
     assert started.wait(5)
-    assert desk.cancel("a")
-    assert desk.settle(5)
-    assert not desk.cancel("a"), "nothing is under way"
-    assert desk.ask("a", 1, lambda _cancel, _report: "done", seen.append)
-    assert desk.settle(5)
+    assert scheduler.cancel("a")
+    assert scheduler.settle(5)
+    assert not scheduler.cancel("a"), "nothing is under way"
+    assert scheduler.submit("a", 1, lambda _cancel, _report: "done", seen.append)
+    assert scheduler.settle(5)
     assert seen == ["done"]
 
 
-def test_progress_is_told_while_it_is_wanted_and_not_too_often(desk):
+def test_progress_is_told_while_it_is_wanted_and_not_too_often(scheduler):
     told, seen = [], []
 
     def study(_cancel, report):
@@ -54,22 +54,22 @@ def test_progress_is_told_while_it_is_wanted_and_not_too_often(desk):
             report(done, 1000, "part")
         return "whole"
 
-    desk.ask("a", 1, study, seen.append, lambda *news: told.append(news))
-    assert desk.settle(5)
+    scheduler.submit("a", 1, study, seen.append, lambda *news: told.append(news))
+    assert scheduler.settle(5)
     assert seen == ["whole"]
     assert told[0] == (1, 1000, "part")
     assert len(told) < 20
 
 
-def test_what_is_short_does_not_wait_for_what_is_long(desk):
+def test_what_is_short_does_not_wait_for_what_is_long(scheduler):
     gate, seen = Event(), []
-    desk.ask("long", 1, lambda _cancel, _report: gate.wait(5), seen.append, quiet=1e-3)
-    desk.ask("short", 1, lambda _cancel, _report: "short", lambda outcome: (seen.append(outcome), gate.set()))
-    assert desk.settle(5)
+    scheduler.submit("long", 1, lambda _cancel, _report: gate.wait(5), seen.append, quiet=1e-3)
+    scheduler.submit("short", 1, lambda _cancel, _report: "short", lambda outcome: (seen.append(outcome), gate.set()))
+    assert scheduler.settle(5)
     assert seen == ["short", True]
 
 
-def test_short_work_is_done_one_at_a_time(desk):
+def test_short_work_is_done_one_at_a_time(scheduler):
     under_way, most = [], []
 
     def short(_cancel, _report):
@@ -79,15 +79,15 @@ def test_short_work_is_done_one_at_a_time(desk):
         under_way.pop()
 
     for k in range(8):
-        desk.ask(f"lane {k}", 1, short, lambda _: None)
-    assert desk.settle(5)
+        scheduler.submit(f"lane {k}", 1, short, lambda _: None)
+    assert scheduler.settle(5)
     assert most == [1] * 8
 
 
-def test_a_closed_desk_delivers_nothing(desk):
+def test_a_closed_scheduler_delivers_nothing(scheduler):
     gate, seen = Event(), []
-    desk.ask("a", 1, lambda _cancel, _report: gate.wait(5), seen.append)
-    desk.close()
+    scheduler.submit("a", 1, lambda _cancel, _report: gate.wait(5), seen.append)
+    scheduler.close()
     gate.set()
-    assert desk.settle(5)
+    assert scheduler.settle(5)
     assert seen == []
