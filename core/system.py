@@ -88,7 +88,7 @@ class PiecewiseSystem:
     x0
         A state to start from, d numbers.
     jump
-        d expressions: the state after reaching the surface, for impacts. None: it goes on as it is.
+        d expressions: the state after reaching the surface, for impacts. None or (): it goes on as it is.
     doc
         What the system is, in a sentence or two.
 
@@ -121,6 +121,7 @@ class PiecewiseSystem:
             texts = getattr(self, name)
             if texts is not None or name != "jump":
                 set_(self, name, tuple(_text(e) for e in _listed(texts, name)))
+        set_(self, "jump", self.jump or None)
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
         set_(self, "psi_minus", self._declared.psi_minus)
@@ -147,7 +148,7 @@ class PiecewiseSystem:
     def _declared(self) -> Declaration:
         """What is declared, checked, and shared by all systems that differ in parameter values only."""
         names, bounds = tuple(q.name for q in self.parameters), tuple(q.bounds for q in self.parameters)
-        texts = (self.f_minus, self.f_plus, (self.g,), self.psi_minus, self.psi_plus, self.jump)
+        texts = (self.f_minus, self.f_plus, (self.g,), self.psi_minus, self.psi_plus, self.jump or ())
         return accepted(Declaration(self.variables, names, bounds, *texts))
 
     @property

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from core.symbolic.laws import Laws, derive
+from core.symbolic.declaration import Declaration
+from core.symbolic.laws import Laws
 
 __all__ = ["examples"]
 
@@ -30,4 +31,4 @@ _KINDS = (
 def examples() -> Iterator[Laws]:
     """Laws of one system of each kind."""
     for variables, field, psi, g in _KINDS:
-        yield derive(variables, ("a",), field, field, g, psi, psi, None)
+        yield Declaration(variables, ("a",), (None,), field, field, (g,), psi, psi).laws

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from types import MappingProxyType
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import Expr, Symbol
@@ -15,23 +15,12 @@ from sympy import Expr, Symbol
 from core.symbolic.expressions import TIME, check_name, parse, quoted, to_text
 from core.symbolic.laws import Laws, derive, rate_along
 from core.symbolic.stream_function import stream_function
-from core.symbolic.zero_testing import (
-    Counterexample,
-    Domain,
-    counterexample,
-    has_values,
-    independent,
-    is_larger,
-    tidied,
-)
+from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, tidied
 
-__all__ = ["MAX_DIMENSION", "SIDES", "Called", "Declaration", "Problem", "Verdict", "accepted", "miscounted"]
+__all__ = ["MAX_DIMENSION", "SIDES", "Declaration", "Problem", "Verdict", "accepted", "miscounted"]
 
 MAX_DIMENSION = 24
 _SHOWN_NODES = 200  #: of the time derivative of what is not conserved
-
-#: How a message calls a field, or the entry of it that has a number.
-Called: TypeAlias = "Callable[[str, int | None], str]"
 
 #: The sides of the surface, and what their fields are called by.
 SIDES: Mapping[int, str] = MappingProxyType({-1: "minus", 1: "plus"})
@@ -48,45 +37,13 @@ class Problem(NamedTuple):
     """Number of the expression by whose name the message begins; None where it is about the field as a whole."""
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(NamedTuple):
     """What is found out about a quantity along the field of its side."""
 
-    psi: Expr
-    """The quantity."""
-    rate: Expr
-    """Its time derivative."""
-    is_real: bool
-    """Whether it has a real value anywhere on its side."""
-    against: Counterexample | None
-    """A point at which the time derivative does not vanish."""
-
-    @property
-    def conserved(self) -> bool:
-        """Whether it is a conserved quantity."""
-        return self.is_real and self.against is None
-
-    @cached_property
-    def left_over(self) -> Expr | None:
-        """The time derivative where that vanishes nowhere; None where it does somewhere, or is too long to be shown."""
-        if self.conserved or not self.is_real or self.against is None or self.against.partly:
-            return None
-        return None if is_larger(self.rate, _SHOWN_NODES) else tidied(self.rate)
-
-    def objection(self, field: str, sign: int) -> str:
-        """What is wrong with a quantity that is not conserved, and what would do; `field` is what its field is called.
-
-        It continues the name of the quantity.
-        """
-        if not self.is_real or self.against is None:
-            where = f"where g {'<' if sign < 0 else '>'} 0"
-            return f"has no real value {where}: write it so that it has, as log(x**2) for log(x), or leave it out"
-        mend = f"mend it, mend {field}, or leave it out"
-        if self.against.partly:
-            value = f"its time derivative is {self.against.value:.3g}, not 0"
-            return f"is conserved by {field} {self.against.scope}: at {self.against.at()}, {value}; {mend}"
-        shown = "too long to show" if self.left_over is None else to_text(self.left_over)
-        return f"is not conserved by {field}: its time derivative is {shown}, not 0; {mend}"
+    objection: str
+    """Why it is not conserved, and what would do; nothing if it is."""
+    left_over: Expr | None = None
+    """Its time derivative where that vanishes nowhere, unless it is too long to be shown."""
 
 
 def _as_declared(field: str, entry: int | None) -> str:
@@ -96,51 +53,34 @@ def _as_declared(field: str, entry: int | None) -> str:
 
 @dataclass(frozen=True)
 class Declaration:
-    """The texts of a system, which need not make one.
+    """The texts of a system, which need not make one: fields as in `PiecewiseSystem`, each a tuple, () for none.
 
-    Each field of expressions is a tuple of them; see `PiecewiseSystem` for what they mean.
+    Parameters
+    ----------
+    bounds
+        Least and greatest value of each parameter; None where it has none.
+    called
+        Returns what messages call a field, or the entry of it that has a number.
+    longest
+        Most nodes of the trees of all first derivatives of one expression; None for any number.
     """
 
     variables: tuple[str, ...]
-    """d names."""
     parameters: tuple[str, ...]
-    """Names."""
     bounds: tuple[tuple[float, float] | None, ...]
-    """Least and greatest value of each parameter, None where it has none."""
     f_minus: tuple[str, ...]
-    """d expressions."""
     f_plus: tuple[str, ...]
-    """d expressions."""
     g: tuple[str, ...]
-    """One expression."""
     psi_minus: tuple[str, ...] = ()
-    """At most d − 1 expressions."""
     psi_plus: tuple[str, ...] = ()
-    """At most d − 1 expressions."""
-    jump: tuple[str, ...] | None = None
-    """d expressions, or None."""
-    called: Called = _as_declared
-    """How messages call the parts of the declaration."""
+    jump: tuple[str, ...] = ()
+    called: Callable[[str, int | None], str] = _as_declared
     longest: int | None = None
-    """Most nodes of the trees of all first derivatives of one expression; None for any number."""
 
     @cached_property
     def problems(self) -> tuple[Problem, ...]:
         """Everything that is wrong: with the names, then with each expression, then with what is to be conserved."""
         return (*self._faults, *self._of_quantities())
-
-    def _of_quantities(self) -> Iterator[Problem]:
-        for sign, word in SIDES.items():
-            verdicts, names = self.verdicts[sign], (f"psi_{word}", f"f_{word}")
-            for k, verdict in enumerate(verdicts):
-                if not verdict.conserved:
-                    objection = verdict.objection(self.called(names[1], None), sign)
-                    yield Problem(names[0], f"{self._entry(names[0], k)} {objection}", k)
-            if verdicts and all(v.conserved for v in verdicts) and not self._independent(sign):
-                words = "their gradients are linearly dependent (or zero), everywhere or in a part of their side; "
-                yield Problem(names[0], words + "leave out what follows from the others")
-
-    # What is read of it ----------------------------------------------------------------------------------------------
 
     def expressions(self, field: str) -> dict[int, Expr]:
         """The expressions of a field that can be read, by their numbers."""
@@ -150,36 +90,35 @@ class Declaration:
     def verdicts(self) -> Mapping[int, tuple[Verdict, ...]]:
         """Side (−1 or +1) -> what is found out about its quantities; () where something else has to be mended first."""
         wrong = {problem.field for problem in self._faults}
-        judged = {}
-        for sign, word in SIDES.items():
-            ready = not wrong & {"variables", "parameters", f"f_{word}", f"psi_{word}"}
-            quantities = self.expressions(f"psi_{word}").values() if ready else ()
-            judged[sign] = tuple(self._judge(psi, sign) for psi in quantities)
-        return judged
+        return {
+            sign: ()
+            if wrong & {"variables", "parameters", f"f_{word}", f"psi_{word}"}
+            else tuple(self._judge(sign, k, psi) for k, psi in self.expressions(f"psi_{word}").items())
+            for sign, word in SIDES.items()
+        }
 
     @cached_property
     def laws(self) -> Laws:
         """The mathematics of a declaration that has no problems, shared by all that differ in `bounds` only."""
         law = {field: tuple(self.expressions(field).values()) for field in self._read}
-        parameters = tuple(map(Symbol, self.parameters))
-        jump = None if self.jump is None else law["jump"]
         fields, quantities = (law["f_minus"], law["f_plus"]), (law["psi_minus"], law["psi_plus"])
-        return derive(self._x, parameters, law["g"][0], fields, quantities, jump)
+        return derive(
+            self._x, tuple(map(Symbol, self.parameters)), law["g"][0], fields, quantities, law["jump"] or None
+        )
 
     def completed(self) -> Declaration:
         """Give each side of a plane that has no ψ the one that its field has for being divergence-free.
 
         There must be no problems. See `stream_function` for what is found; what could not be declared is left out.
         """
-        found = {}
+        found: dict[str, Any] = {}
         for sign, word in SIDES.items():
-            known = self._texts(f"psi_{word}")
+            known = self.expressions(f"psi_{word}")
             psi = None if known else stream_function(self._field(sign), self._x, self._domain(sign))
             if psi is not None:
                 found[f"psi_{word}"] = (to_text(psi),)
-        refused = {problem.field for problem in replace(self, **found).problems} if found else ()
-        kept = {field: texts for field, texts in found.items() if field not in refused}
-        return replace(self, **kept) if kept else self
+        refused = {problem.field for problem in replace(self, **found).problems} if found else set()
+        return replace(self, **{f: found[f] for f in found.keys() - refused}) if found.keys() - refused else self
 
     # Names and expressions -------------------------------------------------------------------------------------------
 
@@ -187,7 +126,7 @@ class Declaration:
     def _faults(self) -> tuple[Problem, ...]:
         """What is wrong before it can be asked what is conserved."""
         unreadable = [found for entries in self._read.values() for found in entries if isinstance(found, Problem)]
-        return (*self._of_names(), *self._of_counts(), *unreadable, *self._of_surface())
+        return (*self._of_names(), *self._of_counts(), *unreadable)
 
     def _of_names(self) -> Iterator[Problem]:
         for role, names in (("variable", self.variables), ("parameter", self.parameters)):
@@ -205,50 +144,70 @@ class Declaration:
         if not 1 <= d <= MAX_DIMENSION:
             yield Problem("variables", f"{d} variables: from 1 to {MAX_DIMENSION} are possible")
             return
-        for field in ("f_minus", "f_plus", *(() if self.jump is None else ("jump",))):
-            if words := miscounted(self._texts(field), "expression", self.variables):
+        for field, texts in {"f_minus": self.f_minus, "f_plus": self.f_plus, "jump": self.jump}.items():
+            words = miscounted(texts, "expression", self.variables)
+            if words and (texts or field != "jump"):
                 yield Problem(field, words)
         if len(self.g) != 1:
-            where = "the law changes where it is zero"
-            yield Problem("g", f"{len(self.g) or 'none'} here: type one expression, as x**2 + y**2 - 1; {where}")
-        for word in SIDES.values():
-            if (m := len(self._texts(f"psi_{word}"))) >= d:
-                yield Problem(f"psi_{word}", f"there are {m} here; with {_count(d, 'variable')}, {d - 1} at most")
-
-    def _of_surface(self) -> Iterator[Problem]:
-        for k, g in self.expressions("g").items():
-            if not g.free_symbols & set(self._x):
-                wanted = f"write one of {', '.join(self.variables)} into it"
-                yield Problem("g", f"{self._entry('g', k)} names no variable, so it is zero on no surface: {wanted}", k)
+            yield Problem("g", "type one expression, as in: x**2 + y**2 - 1; the law changes where it is zero")
+        for field, texts in {"psi_minus": self.psi_minus, "psi_plus": self.psi_plus}.items():
+            if len(texts) >= d:
+                yield Problem(field, f"there are {len(texts)} here; with {_count(d, 'variable')}, {d - 1} at most")
 
     @cached_property
     def _read(self) -> dict[str, list[Expr | Problem]]:
         """Each expression, or what is wrong with it; no more of a field than there may be."""
         d = min(len(self.variables), MAX_DIMENSION)
         most = {"f_minus": d, "f_plus": d, "g": 1, "psi_minus": d - 1, "psi_plus": d - 1, "jump": d}
-        return {
-            field: [self._expression(field, k) for k in range(min(count, len(self._texts(field))))]
-            for field, count in most.items()
-        }
+        return {field: [self._expression(field, k) for k in range(len(getattr(self, field)))[: max(n, 0)]]
+                for field, n in most.items()}  # fmt: skip
 
     def _expression(self, field: str, k: int) -> Expr | Problem:
-        names = (*self.variables, *self.parameters)
         try:
-            expression = parse(self._texts(field)[k], names, self.called(field, k))
+            found = parse(getattr(self, field)[k], (*self.variables, *self.parameters), self.called(field, k))
         except ValueError as reason:
             return Problem(field, str(reason), k)
-        if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(expression)), self.longest):
-            return Problem(field, f"{self._entry(field, k)}: its derivatives are too long; write it shorter", k)
-        return expression
-
-    def _texts(self, field: str) -> tuple[str, ...]:
-        return getattr(self, field) or ()
+        if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(found)), self.longest):
+            words = ": its derivatives are too long to work with; write it shorter"
+        elif field == "g" and not found.free_symbols & set(self._x):
+            words = f" names no variable, so it is zero on no surface: write one of {', '.join(self.variables)} into it"
+        else:
+            return found
+        return Problem(field, self._entry(field, k) + words, k)
 
     def _entry(self, field: str, k: int) -> str:
         """What an expression is called, and its text."""
-        return f"{self.called(field, k)} = {quoted(self._texts(field)[k])}"
+        return f"{self.called(field, k)} = {quoted(getattr(self, field)[k])}"
 
-    # Mathematics -----------------------------------------------------------------------------------------------------
+    # Conserved quantities --------------------------------------------------------------------------------------------
+
+    def _of_quantities(self) -> Iterator[Problem]:
+        for sign, verdicts in self.verdicts.items():
+            field = f"psi_{SIDES[sign]}"
+            wrong = [Problem(field, v.objection, k) for k, v in enumerate(verdicts) if v.objection]
+            yield from wrong
+            rows = sympy.Matrix([self._gradient(psi) for psi in self.expressions(field).values()])
+            if verdicts and not wrong and not independent(rows, self._domain(sign)):
+                words = "their gradients are linearly dependent (or zero), everywhere or in a part of their side; "
+                yield Problem(field, words + "leave out what follows from the others")
+
+    def _judge(self, sign: int, k: int, psi: Expr) -> Verdict:
+        word, domain = SIDES[sign], self._domain(sign)
+        name, field = self._entry(f"psi_{word}", k), self.called(f"f_{word}", None)
+        rate = rate_along(self._field(sign), self._x, psi)
+        if not has_values((psi, rate), domain):
+            mend = "write it so that it has, as log(x**2) in place of log(x), or leave it out"
+            return Verdict(f"{name} has no real value where g {'<' if sign < 0 else '>'} 0: {mend}")
+        found = counterexample(rate, domain)
+        if found is None:
+            return Verdict("")
+        if found.partly:
+            words = f"{name} is conserved by {field} {found.scope}: at {found.at()}, its time derivative is"
+            return Verdict(f"{words} {found.value:.3g}, not 0; mend either, or leave it out")
+        over = None if is_larger(rate, _SHOWN_NODES) else tidied(rate)
+        shown = "too long to show" if over is None else to_text(over)
+        words = f"{name} is not conserved by {field}: mend either, or leave it out; its time derivative is"
+        return Verdict(f"{words} {shown}, not 0", over)
 
     @cached_property
     def _x(self) -> tuple[Symbol, ...]:
@@ -268,17 +227,6 @@ class Declaration:
         ranges = {Symbol(name): ends for name, ends in zip(self.parameters, self.bounds, strict=True) if ends}
         g = self.expressions("g").get(0)
         return Domain(ranges, None if g is None else sign * g, self._field(sign))
-
-    def _judge(self, psi: Expr, sign: int) -> Verdict:
-        domain = self._domain(sign)
-        rate = rate_along(self._field(sign), self._x, psi)
-        is_real = has_values((psi, rate), domain)
-        return Verdict(psi, rate, is_real, counterexample(rate, domain) if is_real else None)
-
-    def _independent(self, sign: int) -> bool:
-        """Whether the gradients of a side's quantities are linearly independent."""
-        rows = sympy.Matrix([self._gradient(verdict.psi) for verdict in self.verdicts[sign]])
-        return independent(rows, self._domain(sign))
 
 
 @lru_cache(maxsize=256)

@@ -17,11 +17,8 @@ from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
 import core
-from core.methods import Composition, Projected
-from core.methods.runge_kutta import ButcherTableau
-from core.symbolic.expressions import TIME
-from core.symbolic.laws import Side
-from core.symbolic.multiplier import DIFFERENCES
+from core.methods import ButcherTableau, Composition, Projected
+from core.symbolic import DIFFERENCES, TIME, Side
 
 __all__ = ["Met", "crossings_in_digits", "slopes_in_digits"]
 

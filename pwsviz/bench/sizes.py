@@ -18,7 +18,7 @@ _FIRST = """
 import json, sys, time
 import numpy as np
 import core
-from core.integration.time_loop import compiled_march
+from core.integration import compiled_march
 from pwsviz.bench.larger import FAMILIES
 from pwsviz.bench.memory import peak_memory
 
