@@ -117,11 +117,9 @@ class PiecewiseSystem:
         set_ = object.__setattr__
         set_(self, "name", str(self.name))
         set_(self, "parameters", self._check_parameters())
-        for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "jump"):
-            texts = getattr(self, name)
-            if texts is not None or name != "jump":
-                set_(self, name, tuple(_text(e) for e in _listed(texts, name)))
-        set_(self, "jump", self.jump or None)
+        for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus"):
+            set_(self, name, _texts(getattr(self, name), name))
+        set_(self, "jump", None if self.jump is None else _texts(self.jump, "jump") or None)
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
         set_(self, "psi_minus", self._declared.psi_minus)
@@ -268,8 +266,8 @@ class PiecewiseSystem:
         return {name: known[name].check(value) for name, value in {**defaults, **values}.items()}
 
 
-def _listed(given: Any, what: str) -> Sequence[Any]:
-    return listed(given, what, "a tuple is needed, as in ('y', '-x')")
+def _texts(given: Any, what: str) -> tuple[str, ...]:
+    return tuple(map(_text, listed(given, what, "a tuple is needed, as in ('y', '-x')")))
 
 
 def _text(expression: Any) -> str:

@@ -20,6 +20,7 @@ from core.symbolic.zero_testing import Domain, counterexample, has_values, indep
 __all__ = ["MAX_DIMENSION", "SIDES", "Declaration", "Problem", "Verdict", "accepted", "miscounted"]
 
 MAX_DIMENSION = 24
+_SHOWN = 400  #: characters of a field that is wrong as a whole
 _SHOWN_NODES = 200  #: of the time derivative of what is not conserved
 
 #: The sides of the surface, and what their fields are called by.
@@ -90,21 +91,20 @@ class Declaration:
     def verdicts(self) -> Mapping[int, tuple[Verdict, ...]]:
         """Side (−1 or +1) -> what is found out about its quantities; () where something else has to be mended first."""
         wrong = {problem.field for problem in self._faults}
-        return {
-            sign: ()
-            if wrong & {"variables", "parameters", f"f_{word}", f"psi_{word}"}
-            else tuple(self._judge(sign, k, psi) for k, psi in self.expressions(f"psi_{word}").items())
-            for sign, word in SIDES.items()
-        }
+        judged: dict[int, tuple[Verdict, ...]] = dict.fromkeys(SIDES, ())
+        for sign, word in SIDES.items():
+            if not wrong & {"variables", "parameters", f"f_{word}", f"psi_{word}"}:
+                quantities = self.expressions(f"psi_{word}").items()
+                judged[sign] = tuple(self._judge(sign, k, psi) for k, psi in quantities)
+        return judged
 
     @cached_property
     def laws(self) -> Laws:
         """The mathematics of a declaration that has no problems, shared by all that differ in `bounds` only."""
         law = {field: tuple(self.expressions(field).values()) for field in self._read}
+        x, p, (g,) = self._x, tuple(map(Symbol, self.parameters)), law["g"]
         fields, quantities = (law["f_minus"], law["f_plus"]), (law["psi_minus"], law["psi_plus"])
-        return derive(
-            self._x, tuple(map(Symbol, self.parameters)), law["g"][0], fields, quantities, law["jump"] or None
-        )
+        return derive(x, p, g, fields, quantities, law["jump"] or None)
 
     def completed(self) -> Declaration:
         """Give each side of a plane that has no ψ the one that its field has for being divergence-free.
@@ -157,10 +157,10 @@ class Declaration:
     @cached_property
     def _read(self) -> dict[str, list[Expr | Problem]]:
         """Each expression, or what is wrong with it; no more of a field than there may be."""
-        d = min(len(self.variables), MAX_DIMENSION)
+        d = len(self.variables)
         most = {"f_minus": d, "f_plus": d, "g": 1, "psi_minus": d - 1, "psi_plus": d - 1, "jump": d}
-        return {field: [self._expression(field, k) for k in range(len(getattr(self, field)))[: max(n, 0)]]
-                for field, n in most.items()}  # fmt: skip
+        most = most if 1 <= d <= MAX_DIMENSION else dict.fromkeys(most, 0)
+        return {f: [self._expression(f, k) for k in range(min(len(getattr(self, f)), n))] for f, n in most.items()}
 
     def _expression(self, field: str, k: int) -> Expr | Problem:
         try:
@@ -239,8 +239,9 @@ def accepted(declaration: Declaration) -> Declaration:
         For the first of its problems.
     """
     for problem in declaration.problems:
-        whole = f"{problem.field} = {getattr(declaration, problem.field)!r}: "
-        raise ValueError((whole if problem.entry is None else "") + problem.message)
+        given = repr(getattr(declaration, problem.field))
+        shown = given if len(given) <= _SHOWN else f"{given[: _SHOWN - 1]}…"
+        raise ValueError((f"{problem.field} = {shown}: " if problem.entry is None else "") + problem.message)
     full = declaration.completed()
     return full if full is declaration else accepted(full)
 

@@ -52,7 +52,19 @@ class Side:
 
 
 class Laws:
-    """Everything about a system that does not depend on the values of its parameters."""
+    """Everything about a system that does not depend on the values of its parameters.
+
+    Parameters
+    ----------
+    x, p
+        Symbols of the d variables, and of the parameters.
+    g
+        The switching function.
+    fields, quantities
+        f and ψ of the sides − and +: d expressions each, and any number.
+    jump
+        d expressions: the state after reaching the surface; None where it goes on as it is.
+    """
 
     def __init__(
         self, x: Vector, p: Vector, g: Expr, fields: Pair, quantities: Pair, jump: tuple[Expr, ...] | None
@@ -136,19 +148,5 @@ def rate_along(field: Sequence[Expr], variables: Sequence[Symbol], u: Expr) -> E
     return sympy.Add(u.diff(TIME), *(u.diff(v) * f for v, f in zip(variables, field, strict=True)))
 
 
-@lru_cache(maxsize=256)
-def derive(x: Vector, p: Vector, g: Expr, fields: Pair, quantities: Pair, jump: tuple[Expr, ...] | None) -> Laws:
-    """The laws of some expressions, derived once however many parameter values they are used with.
-
-    Parameters
-    ----------
-    x, p
-        Symbols of the d variables, and of the parameters.
-    g
-        The switching function.
-    fields, quantities
-        f and ψ of the sides − and +: d expressions each, and any number.
-    jump
-        d expressions: the state after reaching the surface; None where it goes on as it is.
-    """
-    return Laws(x, p, g, fields, quantities, jump)
+#: Laws, derived once however many parameter values they are used with.
+derive = lru_cache(maxsize=256)(Laws)

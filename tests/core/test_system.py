@@ -52,7 +52,7 @@ def test_the_contracts_example_is_accepted_and_evaluates() -> None:
 
 def test_sympy_and_text_declare_the_same_system() -> None:
     x, y, k = sympy.symbols("x y k")
-    given = system(f_minus=(y, -k * x), f_plus=(y, -x), g=y, psi_minus=(k * x**2 / 2 + y**2 / 2,))
+    given = system(variables=(x, y), f_minus=(y, -k * x), f_plus=(y, -x), g=y, psi_minus=(k * x**2 / 2 + y**2 / 2,))
     assert given.laws.sides[-1].field == system().laws.sides[-1].field
     assert given.laws.g == system().laws.g
 
@@ -62,6 +62,12 @@ def test_without_a_start_it_is_the_origin_and_without_invariants_there_are_none(
     s = system(x0=(), f_minus=damped, f_plus=damped, psi_minus=(), psi_plus=())
     assert s.x0 == (0.0, 0.0)
     assert s.conserved(1, 0.0, s.x0).shape == (0,)
+
+
+def test_an_empty_jump_is_none() -> None:
+    assert system(jump=()) == system(jump=None)
+    with pytest.raises(ValueError, match="jump = ''"):
+        system(jump="")
 
 
 def test_parameters_are_given_by_value_by_mapping_or_by_sequence() -> None:
