@@ -6,9 +6,7 @@ from core.integrate import integrate
 from core.integration.trajectory import Crossing, Crossings, Status, Trajectory
 from core.methods import METHODS, Method
 from core.reference import reference_solution
-from core.studies.cost import WorkPrecision, work_precision
-from core.studies.order import OrderStudy, order_study
-from core.studies.stability import StabilityStudy, stability_study
+from core.studies import OrderStudy, StabilityStudy, WorkPrecision, order_study, stability_study, work_precision
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE
 

@@ -14,18 +14,14 @@ from numpy.typing import ArrayLike
 
 from core.interface.arguments import listed, number
 from core.kernels.arrays import Floats
-from core.symbolic.expressions import TIME, check_name, parse, to_text
-from core.symbolic.laws import Laws, Side, derive
-from core.symbolic.stream_function import stream_function
-from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, tidied
+from core.symbolic.declaration import Declaration, accepted, miscounted
+from core.symbolic.expressions import check_name, to_text
+from core.symbolic.laws import Laws, Side
 
 __all__ = ["Parameter", "PiecewiseSystem", "Start"]
 
 #: A state to start from: d numbers, or a number by the name of each variable.
 Start: TypeAlias = "Iterable[float] | Mapping[str, float]"
-
-MAX_DIMENSION = 24
-_SHOWN_NODES = 200  #: of the time derivative of what is not conserved
 
 
 @dataclass(frozen=True)
@@ -92,7 +88,7 @@ class PiecewiseSystem:
     x0
         A state to start from, d numbers.
     jump
-        d expressions: the state after reaching the surface, for impacts. None: it goes on as it is.
+        d expressions: the state after reaching the surface, for impacts. None or (): it goes on as it is.
     doc
         What the system is, in a sentence or two.
 
@@ -120,24 +116,16 @@ class PiecewiseSystem:
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         set_(self, "name", str(self.name))
-        set_(self, "variables", self._check_variables())
         set_(self, "parameters", self._check_parameters())
-        for name in ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump"):
-            texts = getattr(self, name)
-            if texts is not None or name != "jump":
-                set_(self, name, tuple(_text(e) for e in _listed(texts, name)))
+        for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus"):
+            set_(self, name, _texts(getattr(self, name), name))
+        set_(self, "jump", None if self.jump is None else _texts(self.jump, "jump") or None)
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
-        self._check_dimensions()
-        self._find_conserved()
+        set_(self, "psi_minus", self._declared.psi_minus)
+        set_(self, "psi_plus", self._declared.psi_plus)
         start = self.check_state((0.0,) * self.dimension if isinstance(self.x0, tuple) and not self.x0 else self.x0)
         set_(self, "x0", start)
-        bounds = tuple(q.bounds for q in self.parameters)  # where ψ is checked
-        if bounds not in self.laws.verified:  # once a declaration, not again for every value of a parameter
-            self._check_surface()
-            for side in self.laws.sides.values():
-                self._check_conserved(side)
-            self.laws.verified.add(bounds)
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = [getattr(self, f.name) for f in fields(self)]
@@ -155,11 +143,16 @@ class PiecewiseSystem:
         return len(self.variables)
 
     @cached_property
+    def _declared(self) -> Declaration:
+        """What is declared, checked, and shared by all systems that differ in parameter values only."""
+        names, bounds = tuple(q.name for q in self.parameters), tuple(q.bounds for q in self.parameters)
+        texts = (self.f_minus, self.f_plus, (self.g,), self.psi_minus, self.psi_plus, self.jump or ())
+        return accepted(Declaration(self.variables, names, bounds, *texts))
+
+    @property
     def laws(self) -> Laws:
         """The mathematics; shared by all systems that differ in parameter values only."""
-        names = tuple(q.name for q in self.parameters)
-        texts = (self.f_minus, self.f_plus, self.g, self.psi_minus, self.psi_plus, self.jump)
-        return derive(self.variables, names, *texts)
+        return self._declared.laws
 
     @cached_property
     def parameter_array(self) -> Floats:
@@ -246,18 +239,10 @@ class PiecewiseSystem:
                 raise ValueError(f"{what} = {dict(x)!r}: {wrong[0]}; a number for each of {names} is needed")
             x = [x[v] for v in self.variables]
         given = listed(x, what, f"{self.dimension} numbers are needed ({names})")
-        if len(given) != self.dimension:
-            raise ValueError(f"{what} = {given!r} has {len(given)} numbers: {self.dimension} are needed ({names})")
+        if wrong_count := miscounted(given, "number", self.variables):
+            raise ValueError(f"{what} = {given!r}: {wrong_count}")
         wanted = f"{what} = {given!r}: {self.dimension} numbers are needed ({names}), and each must be finite; "
         return tuple(number(value, wanted + v) for v, value in zip(self.variables, given, strict=True))
-
-    def _check_variables(self) -> tuple[str, ...]:
-        names = tuple(check_name(v, "variable") for v in _listed(self.variables, "variables"))
-        if not 1 <= len(names) <= MAX_DIMENSION:
-            raise ValueError(f"{len(names)} variables: from 1 to {MAX_DIMENSION} are possible")
-        if len(set(names)) < len(names):
-            raise ValueError(f"variables = {names!r}: a name stands twice")
-        return names
 
     def _check_parameters(self) -> tuple[Parameter, ...]:
         given: Any = self.parameters
@@ -269,9 +254,6 @@ class PiecewiseSystem:
         for q in given:
             if not isinstance(q, Parameter):
                 raise ValueError(f"parameters: {q!r} is no Parameter; give name: value or Parameter(name, default)")
-        names = [*self.variables, *(q.name for q in given)]
-        if twice := {n for n in names if names.count(n) > 1}:
-            raise ValueError(f"parameters: {sorted(twice)} stand for two things; names must differ")
         return tuple(given)
 
     def _check_values(self, values: Mapping[str, float]) -> dict[str, float]:
@@ -283,77 +265,9 @@ class PiecewiseSystem:
         defaults = {name: self.values.get(name, q.default) for name, q in known.items()}
         return {name: known[name].check(value) for name, value in {**defaults, **values}.items()}
 
-    def _check_dimensions(self) -> None:
-        d = self.dimension
-        for name in ("f_minus", "f_plus", "jump"):
-            texts = getattr(self, name)
-            if texts is not None and len(texts) != d:
-                raise ValueError(f"{name} = {texts!r} has {len(texts)} expressions: {d} are needed, one a variable")
-        for name in ("psi_minus", "psi_plus"):
-            texts = getattr(self, name)
-            if len(texts) > d - 1:
-                raise ValueError(f"{name} has {len(texts)} conserved quantities: at most {d - 1} in {d} dimensions")
 
-    def _find_conserved(self) -> None:
-        """Give each side of a plane that has no ψ the one that its field has for being divergence-free."""
-        names = (*self.variables, *(q.name for q in self.parameters))
-        for sign, name in ((-1, "psi_minus"), (1, "psi_plus")):
-            if self.dimension == 2 and not getattr(self, name):
-                side = self.laws.sides[sign]
-                found = stream_function(side.field, side.variables, self._domain(side))
-                if found is not None and _is_readable(text := to_text(found), names):
-                    object.__setattr__(self, name, (text,))
-                    self.__dict__.pop("laws")  # they have a ψ more
-
-    def _check_surface(self) -> None:
-        if not self.laws.g.free_symbols & set(self.laws.x):
-            raise ValueError(f"g = {self.g!r} names no variable, so it has no surface: write one in {self.variables}")
-
-    def _domain(self, side: Side) -> Domain:
-        """Where the law of a side is used: on its side of the surface, for every value its parameters may take."""
-        ranges = {sympy.Symbol(q.name): q.bounds for q in self.parameters if q.bounds is not None}
-        return Domain(ranges, side.sign * self.laws.g, side.field)
-
-    def _check_conserved(self, side: Side) -> None:
-        domain, word = self._domain(side), "minus" if side.sign < 0 else "plus"
-        for k, psi in enumerate(side.conserved):
-            if reason := _not_conserved(psi, side, domain, word):
-                raise ValueError(f"psi_{word}[{k}] = {getattr(self, f'psi_{word}')[k]!r} {reason}")
-        rows = sympy.Matrix([[psi.diff(v) for v in (*side.variables, TIME)] for psi in side.conserved])
-        if side.conserved and not independent(rows, domain):
-            raise ValueError(
-                f"psi_{word} = {getattr(self, f'psi_{word}')!r}: their gradients are linearly dependent (or zero), "
-                "everywhere or in a part of their side; leave out what follows from the others"
-            )
-
-
-def _not_conserved(psi: sympy.Expr, side: Side, domain: Domain, word: str) -> str:
-    """What is wrong with a quantity of a side that is not conserved, nothing if it is."""
-    rate = side.rate_of(psi)
-    if not has_values((psi, rate), domain):
-        where = f"where g {'<' if side.sign < 0 else '>'} 0"
-        return f"has no real value {where}: write it so that it has, as log(x**2) in place of log(x), or leave it out"
-    found = counterexample(rate, domain)
-    if found is None:
-        return ""
-    if found.partly:
-        value = f"its time derivative is {found.value:.3g}, not 0"
-        return f"is conserved by f_{word} {found.scope}: at {found.at()}, {value}"
-    shown = "too long to show" if is_larger(rate, _SHOWN_NODES) else to_text(tidied(rate))
-    return f"is not conserved by f_{word}: its time derivative is {shown}, not 0"
-
-
-def _is_readable(text: str, names: Iterable[str]) -> bool:
-    """Whether a text is within the bounds of what can be declared."""
-    try:
-        parse(text, names)
-    except ValueError:
-        return False
-    return True
-
-
-def _listed(given: Any, what: str) -> Sequence[Any]:
-    return listed(given, what, "a tuple is needed, as in ('y', '-x')")
+def _texts(given: Any, what: str) -> tuple[str, ...]:
+    return tuple(map(_text, listed(given, what, "a tuple is needed, as in ('y', '-x')")))
 
 
 def _text(expression: Any) -> str:

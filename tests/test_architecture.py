@@ -93,6 +93,24 @@ def test_what_a_picture_shows_is_worked_out_without_a_page(path):
     assert not {name.split(".")[0] for name in imported(path)} & {"panel", "bokeh", "tornado"}
 
 
+def public_names(module: str) -> list[str]:
+    """What a module of `core` lists in `__all__`."""
+    path = ROOT / module.replace(".", "/")
+    tree = ast.parse((path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).read_text(encoding="utf-8"))
+    listed = [n.value for n in tree.body if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) == "__all__"]
+    return [str(name) for names in listed for name in ast.literal_eval(names)]
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if "pwsviz" in p.parts] + [ROOT / "app.py"], ids=name_of)
+def test_the_page_takes_from_core_what_core_or_a_room_of_it_makes_public(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            assert not [alias.name for alias in node.names if alias.name.startswith("core.")], "import a room's names"
+        elif isinstance(node, ast.ImportFrom) and str(node.module).split(".")[0] == "core":
+            assert node.module in FLOOR.keys() | {"core"}, f"{node.module} is no room of core"
+            assert {alias.name for alias in node.names} <= set(public_names(node.module))
+
+
 def test_private_names_stay_in_their_file():
     for path in SOURCES:
         private = [

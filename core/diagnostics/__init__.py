@@ -1,5 +1,6 @@
 """The constants and step bounds of the paper's theory, computed along a run: what a step size is worth."""
 
 from core.diagnostics.diagnosis import Diagnosis, diagnose, step_warning
+from core.diagnostics.scheme import stand_in
 
-__all__ = ["Diagnosis", "diagnose", "step_warning"]
+__all__ = ["Diagnosis", "diagnose", "stand_in", "step_warning"]

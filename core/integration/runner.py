@@ -25,7 +25,8 @@ from core.kernels.root_isolation import scratch_shape
 from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
-from core.system import MAX_DIMENSION, PiecewiseSystem
+from core.symbolic.declaration import MAX_DIMENSION
+from core.system import PiecewiseSystem
 from core.transition.event_location import MAX_NODES
 from core.transition.records import HIT, NO_MODE, ROW, RUN, SIGNS
 from core.transition.status import CROSSING_KINDS, Status

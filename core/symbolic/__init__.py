@@ -1,1 +1,22 @@
 """Expressions: the whitelist parser, proofs that they vanish, laws, the discrete gradient and multiplier."""
+
+from core.symbolic.declaration import SIDES, Declaration, Problem, Verdict, miscounted
+from core.symbolic.expressions import TIME, parse, quoted, to_text
+from core.symbolic.laws import Laws, Side
+from core.symbolic.multiplier import DIFFERENCES, DividedDifference
+
+__all__ = [
+    "DIFFERENCES",
+    "SIDES",
+    "TIME",
+    "Declaration",
+    "DividedDifference",
+    "Laws",
+    "Problem",
+    "Side",
+    "Verdict",
+    "miscounted",
+    "parse",
+    "quoted",
+    "to_text",
+]

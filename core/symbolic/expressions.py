@@ -13,7 +13,7 @@ from typing import Any
 import sympy
 from sympy.printing.str import StrPrinter
 
-__all__ = ["FUNCTIONS", "TIME", "check_name", "parse", "to_text"]
+__all__ = ["FUNCTIONS", "TIME", "check_name", "parse", "quoted", "to_text"]
 
 #: The symbol of time in every expression.
 TIME = sympy.Symbol("t")
@@ -40,6 +40,7 @@ MAX_EXPONENT = 64  #: size of a number used as an exponent
 MAX_DIGITS = 40  #: digits of one number
 MAX_BITS = 8000  #: of an exact constant on the way
 MAX_ROOT_BITS = 1100  #: of what stands under a root; more is no float
+_SHOWN = 78  #: characters of a text in a message
 _SMALLEST, _LARGEST = 1e-300, 1e300
 _CANCELS = 1e-12  #: a sum of constants smaller than this part of its terms is round-off
 
@@ -99,6 +100,11 @@ def parse(text: str | float | sympy.Expr, names: Iterable[str], what: str = "exp
     return _Reader(source, what, symbols).read()
 
 
+def quoted(text: str) -> str:
+    """The text in quotes, for a message; of a long one the start."""
+    return repr(text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…")
+
+
 def to_text(expression: sympy.Expr) -> str:
     """Text that `parse` reads back as the same expression."""
     return str(_Text().doprint(expression))
@@ -140,8 +146,7 @@ class _Reader:
         self.nodes = 0
 
     def fail(self, reason: str) -> ValueError:
-        shown = self.source if len(self.source) <= 80 else self.source[:77] + "…"
-        return ValueError(f"{self.what} = {shown!r}: {reason}")
+        return ValueError(f"{self.what} = {quoted(self.source)}: {reason}")
 
     def read(self) -> sympy.Expr:
         if not self.source:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 import sympy
@@ -15,11 +15,14 @@ from sympy import Expr, Symbol
 from sympy.codegen.rewriting import create_expand_pow_optimization
 
 from core.kernels.arrays import Floats
-from core.symbolic.expressions import TIME, parse
+from core.symbolic.expressions import TIME
 from core.symbolic.impacts import stays_on_surface
 from core.symbolic.multiplier import DiscreteField, Endpoints
 
-__all__ = ["Laws", "Side", "derive"]
+__all__ = ["Laws", "Side", "derive", "rate_along"]
+
+Vector: TypeAlias = "tuple[Symbol, ...]"
+Pair: TypeAlias = "tuple[tuple[Expr, ...], tuple[Expr, ...]]"
 
 #: numpy works out x*x*x ten times as fast as x**3.
 _POWERS_AS_PRODUCTS = create_expand_pow_optimization(4)
@@ -45,30 +48,34 @@ class Side:
 
     def rate_of(self, psi: Expr) -> Expr:
         """Time derivative of ψ along the field: zero if ψ is conserved."""
-        change = sum((psi.diff(v) * f for v, f in zip(self.variables, self.field, strict=True)), psi.diff(TIME))
-        return sympy.sympify(change)
+        return rate_along(self.field, self.variables, psi)
 
 
 class Laws:
-    """Everything about a system that does not depend on the values of its parameters."""
+    """Everything about a system that does not depend on the values of its parameters.
 
-    def __init__(self, variables: Sequence[str], parameters: Sequence[str], texts: dict[str, Any]) -> None:
-        self.x = tuple(Symbol(v) for v in variables)
-        self.p = tuple(Symbol(q) for q in parameters)
-        names = (*variables, *parameters)
-        self.g = parse(texts["g"], names, "g")
-        self.gradient = tuple(self.g.diff(v) for v in self.x)
-        self.jump = _parse_all(texts["jump"], names, "jump") if texts["jump"] is not None else None
+    Parameters
+    ----------
+    x, p
+        Symbols of the d variables, and of the parameters.
+    g
+        The switching function.
+    fields, quantities
+        f and ψ of the sides − and +: d expressions each, and any number.
+    jump
+        d expressions: the state after reaching the surface; None where it goes on as it is.
+    """
+
+    def __init__(
+        self, x: Vector, p: Vector, g: Expr, fields: Pair, quantities: Pair, jump: tuple[Expr, ...] | None
+    ) -> None:
+        self.x, self.p, self.g, self.jump = x, p, g, jump
+        self.gradient = tuple(g.diff(v) for v in x)
+        taken = frozenset(map(str, (*x, *p)))
         self.sides = {
-            sign: self._side(
-                sign,
-                _parse_all(texts[f"f_{word}"], names, f"f_{word}"),
-                _parse_all(texts[f"psi_{word}"], names, f"psi_{word}"),
-            )
-            for sign, word in ((-1, "minus"), (1, "plus"))
+            sign: Side(sign, x, field, conserved, rate_along(field, x, g), taken)
+            for sign, field, conserved in zip((-1, 1), fields, quantities, strict=True)
         }
-        #: Bounds of parameters for which a system has checked the surface and the conserved quantities.
-        self.verified: set[object] = set()
         self._functions: dict[object, Callable[..., Floats]] = {}
 
     @cached_property
@@ -81,12 +88,6 @@ class Laws:
     def jump_stays(self) -> bool:
         """Whether the jump leads from the surface to the surface."""
         return self.jump is not None and stays_on_surface(self.g, self.x, self.jump)
-
-    def _side(self, sign: int, field: tuple[Expr, ...], conserved: tuple[Expr, ...]) -> Side:
-        pairs = zip(self.x, field, strict=False)  # lengths are checked by the system, with a better message
-        g_dot = sum((self.g.diff(v) * f for v, f in pairs), self.g.diff(TIME))
-        taken = frozenset(str(s) for s in (*self.x, *self.p))
-        return Side(sign, self.x, field, conserved, sympy.sympify(g_dot), taken)
 
     def evaluate(self, key: object, expressions: Sequence[Expr], t: ArrayLike, x: ArrayLike, p: Floats) -> Floats:
         """Values of expressions at many states.
@@ -142,23 +143,10 @@ def _nearest(number: sympy.Rational) -> float:
         return math.copysign(math.inf, number.p)
 
 
-def _parse_all(texts: Sequence[Any], names: Sequence[str], what: str) -> tuple[Expr, ...]:
-    return tuple(parse(text, names, f"{what}[{k}]") for k, text in enumerate(texts))
+def rate_along(field: Sequence[Expr], variables: Sequence[Symbol], u: Expr) -> Expr:
+    """Time derivative of u along a field: u_t + ∇u·f."""
+    return sympy.Add(u.diff(TIME), *(u.diff(v) * f for v, f in zip(variables, field, strict=True)))
 
 
-@lru_cache(maxsize=256)
-def derive(
-    variables: tuple[str, ...],
-    parameters: tuple[str, ...],
-    f_minus: tuple[str, ...],
-    f_plus: tuple[str, ...],
-    g: str,
-    psi_minus: tuple[str, ...],
-    psi_plus: tuple[str, ...],
-    jump: tuple[str, ...] | None,
-) -> Laws:
-    """The laws of a declaration, derived once however many parameter values it is used with."""
-    texts = {
-        "f_minus": f_minus, "f_plus": f_plus, "g": g, "psi_minus": psi_minus, "psi_plus": psi_plus, "jump": jump,
-    }  # fmt: skip
-    return Laws(variables, parameters, texts)
+#: Laws, derived once however many parameter values they are used with.
+derive = lru_cache(maxsize=256)(Laws)

@@ -243,9 +243,7 @@ def _maths(markup: str) -> str:
 
 
 def _finding(finding: Finding) -> str:
-    """Say what is conserved; what is not, the complaint at the field says, so that only its formula is added."""
-    words = "" if finding.maths and not finding.conserved else finding.words
-    return as_text(words, "finding kept" if finding.conserved else "finding") + _maths(finding.maths)
+    return as_text(finding.words, "finding kept" if finding.conserved else "finding") + _maths(finding.maths)
 
 
 def _verdict(outcome: Checked) -> str:

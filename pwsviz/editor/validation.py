@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from html import escape
 from types import MappingProxyType
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import sympy
 from sympy import Expr, Symbol
 
 import core
 from core.integrate import checked_start
-from core.symbolic.expressions import TIME, check_name, parse, to_text
-from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, tidied
+from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted, to_text
 from pwsviz.scene.scene import MAX_COORDINATE
 from pwsviz.text.mathml import TOO_LONG, markup, too_long
 
@@ -27,8 +26,7 @@ MAX_VARIABLES = 8
 MAX_PARAMETERS = 20
 MAX_DERIVATIVES = 3000  #: nodes of the trees of all first derivatives of one expression
 _COMPLAINTS = 3  #: about one field; more would bury the first
-_SHOWN = 60  #: characters of a text that is complained about
-_LEFT_OVER = 200  #: nodes of what is shown to be left over
+_LONGEST = 400  #: characters of one complaint
 
 #: The fields, and what they are called on the page.
 FIELDS: Mapping[str, str] = MappingProxyType(
@@ -46,7 +44,11 @@ FIELDS: Mapping[str, str] = MappingProxyType(
     }
 )
 
-_SIDES = {-1: ("minus", "₋", "−"), 1: ("plus", "₊", "+")}
+#: The fields that hold expressions.
+_EXPRESSIONS = ("f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump")
+
+#: The sign of a side, in words and in mathematics.
+_SIGNS = {"minus": ("₋", "−"), "plus": ("₊", "+")}
 
 
 @dataclass(frozen=True)
@@ -145,229 +147,134 @@ _T = TypeVar("_T")
 
 
 class _Check:
-    """One pass over a draft: each method reads a field, and writes down what it finds."""
+    """One pass over a draft: the fields are read one by one, then what they declare is judged as a whole."""
 
     def __init__(self, draft: Draft) -> None:
         self.texts = {name: getattr(draft, name).replace("−", "-") for name in FIELDS}  # as pages write a minus
         self.complaints: dict[str, list[str]] = {}
-        self.maths: dict[str, str] = {}
-        self.conserved: dict[int, tuple[Finding, ...]] = {}
-        self.variables: tuple[str, ...] = ()
-        self.parameters: tuple[core.Parameter, ...] = ()
-        self.g: Expr | None = None
+        self.refuse_long_texts()
+        self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name != "name"}
+        self.require_names()
+        self.variables = self.each("variables", str, MAX_VARIABLES)
+        self.parameters = self.each("parameters", _parameter, MAX_PARAMETERS)
+        self.x0 = self.each("x0", _coordinate, MAX_VARIABLES)
+        self.declaration = self.declare()
 
     def run(self) -> Checked:
-        self.refuse_long_texts()
-        self.read_name()
-        self.read_variables()
-        self.read_parameters()
-        fields = {side: self.read_vector(f"f_{word}", _derivative) for side, (word, *_) in _SIDES.items()}
-        self.read_g()
-        for side, f in fields.items():
-            self.read_conserved(side, f)
-        x0 = self.read_start()
-        if split(self.texts["jump"]):
-            self.read_vector("jump", _after)
-        system = None if self.complaints else self.build(x0)
+        self.judge()
+        maths = {name: self.typeset(name) for name in _EXPRESSIONS}
+        maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
+        system = None if self.complaints else self.build()
+        conserved = {side: self.findings(side, system) for side in SIDES}
         complaints = {name: " ".join(words[:_COMPLAINTS]) for name, words in self.complaints.items()}
-        return Checked(system if not complaints else None, complaints, self.maths, self.conserved)
+        return Checked(system, complaints, maths, conserved)
 
     def complain(self, name: str, words: str) -> None:
-        self.complaints.setdefault(name, []).append(words)
+        """Write down what is wrong with a field, as a sentence."""
+        words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
+        self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
+
+    # Each field by itself --------------------------------------------------------------------------------------------
 
     def refuse_long_texts(self) -> None:
         for name, text in self.texts.items():
             limit = MAX_NAME if name == "name" else MAX_CHARACTERS
             if len(text) > limit:
-                self.complain(name, f"This is {len(text):,} characters long: {limit:,} at most.")
+                self.complain(name, f"This is {len(text):,} characters long: {limit:,} at most")
                 self.texts[name] = ""
 
-    # Names -----------------------------------------------------------------------------------------------------------
-
-    def read_name(self) -> None:
+    def require_names(self) -> None:
         text = self.texts["name"].strip()
         if not text.isprintable():
-            self.complain("name", f"{text!a} holds characters that cannot be seen: leave them out.")
+            self.complain("name", f"{text!a} holds characters that cannot be seen: leave them out")
         elif not text:
-            self.complain("name", "Give your system a name.")
-
-    def read_variables(self) -> None:
-        found = self.each("variables", _variable, MAX_VARIABLES)
-        self.require_distinct("variables", found)
-        self.variables = tuple(dict.fromkeys(found))
-        if not found:
+            self.complain("name", "Give your system a name")
+        if not self.items["variables"]:
             self.complain("variables", "Name the variables, as in: x, y")
 
-    def read_parameters(self) -> None:
-        found = self.each("parameters", _parameter, MAX_PARAMETERS)
-        self.require_distinct("parameters", [*self.variables, *(p.name for p in found)])
-        self.parameters = tuple({p.name: p for p in found if p.name not in self.variables}.values())
-        self.maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
-
-    def require_distinct(self, name: str, names: Sequence[str]) -> None:
-        for twice in sorted({n for n in names if names.count(n) > 1}):
-            self.complain(name, f"{twice!r} stands for two things: names must differ.")
-
-    # Entries of a list -----------------------------------------------------------------------------------------------
-
-    def each(self, name: str, read: Callable[[str], _T], most: int) -> list[_T]:
+    def each(self, name: str, read: Callable[[str], _T], most: int) -> tuple[_T, ...]:
         """Read the entries of a list, and complain of those that cannot be read."""
-        texts = split(self.texts[name])
+        texts = self.items[name]
         if len(texts) > most:
-            self.complain(name, f"There are {len(texts)} here: {most} at most.")
+            self.complain(name, f"There are {len(texts)} here: {most} at most")
         found = []
         for text in texts[:most]:
             try:
                 found.append(read(text))
             except ValueError as reason:
-                self.complain(name, _sentence(str(reason)))
-        return found
-
-    def expressions(self, name: str, lefts: Sequence[_Left]) -> tuple[Expr, ...]:
-        """Read as many expressions as there are left sides, typeset those that can be read, complain of the others."""
-        names = (*self.variables, *(p.name for p in self.parameters))
-        found, shown = [], []
-        for text, left in zip(split(self.texts[name]), lefts, strict=False):
-            try:
-                found.append(self.expression(text, names, left.said))
-            except ValueError as reason:
-                self.complain(name, _sentence(str(reason)))
-            else:
-                shown.append(_equation(left, found[-1]))
-        self.maths[name] = "".join(shown)
+                self.complain(name, _capital(str(reason)))
         return tuple(found)
 
-    def expression(self, text: str, names: Sequence[str], what: str) -> Expr:
-        """Read one expression, if its derivatives, which every scheme needs, are of a size to work with."""
-        expression = parse(text, names, what)
-        gradient = sympy.Tuple(*self.gradient(expression))
-        if is_larger(gradient, MAX_DERIVATIVES):
-            raise ValueError(f"{what} = {_short(text)!r}: its derivatives are too long to work with; write it shorter")
-        return expression
+    # What they declare -----------------------------------------------------------------------------------------------
 
-    # Laws ------------------------------------------------------------------------------------------------------------
+    def declare(self) -> Declaration:
+        names, bounds = tuple(p.name for p in self.parameters), tuple(p.bounds for p in self.parameters)
+        texts = {name: self.items[name] for name in _EXPRESSIONS}
+        return Declaration(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
 
-    def read_vector(self, name: str, left: Callable[[str], _Left]) -> tuple[Expr, ...]:
-        """Read an expression for each variable."""
-        found = self.expressions(name, [left(v) for v in self.variables])
-        count, needed = len(split(self.texts[name])), len(self.variables)
-        if count != needed and name not in self.complaints:
-            listed = ", ".join(self.variables)
-            self.complain(name, f"{_count(count, 'expression')} here, {needed} are needed: one for each of {listed}.")
-        return found
+    def judge(self) -> None:
+        """Complain of what is wrong with what is declared, in the fields that could be read."""
+        found = list(self.declaration.problems)
+        if self.variables and (words := miscounted(self.x0, "number", self.variables)):
+            found.append(Problem("x0", words))
+        readable = FIELDS.keys() - self.complaints.keys()
+        for problem in found:
+            if problem.field in readable:
+                self.complain(problem.field, _capital(problem.message) if problem.entry is None else problem.message)
 
-    def read_g(self) -> None:
-        found = self.expressions("g", [_Left("g", "<mi>g</mi>")])
-        if "g" in self.complaints:
-            return
-        if len(split(self.texts["g"])) != 1:
-            self.complain("g", "Type one expression, as in: x**2 + y**2 - 1. The law changes where it is zero.")
-        elif not found[0].free_symbols & set(map(Symbol, self.variables)):
-            self.complain("g", f"{self.texts['g'].strip()[:_SHOWN]!r} names no variable, so it is zero on no surface.")
-        else:
-            self.g = found[0]
+    def left(self, name: str, k: int) -> _Left:
+        """What stands on the left of an expression of a field."""
+        kind, _, word = name.partition("_")
+        if kind == "psi":
+            return _quantity(word, k, len(self.items[name]))
+        if kind == "g":
+            return _Left("g", "<mi>g</mi>")
+        variable, shown = self.variables[k], markup(Symbol(self.variables[k]))
+        if kind == "f":
+            return _Left(f"{variable}′", f'<mrow>{shown}<mo lspace="0" rspace="0">′</mo></mrow>')
+        return _Left(f"{variable} after the jump", f"<msub><mrow>{shown}</mrow><mtext>after</mtext></msub>")
 
-    def read_start(self) -> tuple[float, ...]:
-        found = self.each("x0", _coordinate, MAX_VARIABLES)
-        if len(found) != len(self.variables) and "x0" not in self.complaints:
-            listed = ", ".join(self.variables)
-            count, needed = _count(len(found), "number"), len(self.variables)
-            self.complain("x0", f"{count} here, {needed} are needed: one for each of {listed}.")
-        return tuple(found)
+    def called(self, name: str, entry: int | None) -> str:
+        """What messages call the field of a side, or an expression."""
+        return f"f{_SIGNS[name.removeprefix('f_')][0]}" if entry is None else self.left(name, entry).said
 
-    # Conserved quantities --------------------------------------------------------------------------------------------
+    def typeset(self, name: str) -> str:
+        """Typeset the expressions of a field that can be read."""
+        return "".join(_equation(self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
 
-    def read_conserved(self, side: int, f: tuple[Expr, ...]) -> None:
-        word, sign, _ = _SIDES[side]
-        name, most = f"psi_{word}", max(len(self.variables) - 1, 0)
-        count = len(split(self.texts[name]))
-        lefts = [_quantity(side, k, count) for k in range(min(count, most))]
-        found = self.expressions(name, lefts)
-        if count > most:
-            self.complain(
-                name, f"There are {count} here; with {_count(len(self.variables), 'variable')}, {most} at most."
-            )
-        self.conserved[side] = ()
-        if not count:
-            self.conserved[side] = (Finding("None given; conservative methods will not be offered.", False),)
-        elif not self.complaints.keys() & {name, f"f_{word}", "variables", "parameters"}:
-            domain = self.domain(side, f)
-            self.conserved[side] = tuple(
-                self.judge(sign, left, psi, self.rate(psi, f), domain) for left, psi in zip(lefts, found, strict=True)
-            )
-            for finding in self.conserved[side]:
-                if not finding.conserved:
-                    self.complain(name, f"{finding.words} Mend it, mend f{sign}, or leave it out.")
-            if name not in self.complaints and not independent(sympy.Matrix([*map(self.gradient, found)]), domain):
-                self.complain(name, "Their gradients are linearly dependent, or zero: leave out what says nothing new.")
+    def findings(self, side: int, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
+        """Say what is found out about each quantity of a side, or what is found where none is given."""
+        word = SIDES[side]
+        if self.items[f"psi_{word}"]:
+            return tuple(self.finding(word, k, verdict) for k, verdict in enumerate(self.declaration.verdicts[side]))
+        found = () if system is None else system.laws.sides[side].conserved
+        words = f"Found for you, since f{_SIGNS[word][0]} has no divergence:"
+        none = Finding("None given; conservative methods will not be offered.", False)
+        return tuple(Finding(words, True, _equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
-    def rate(self, psi: Expr, f: tuple[Expr, ...]) -> Expr:
-        """Return the time derivative of ψ along a field."""
-        terms = [psi.diff(Symbol(v)) * u for v, u in zip(self.variables, f, strict=True)]
-        return sympy.Add(psi.diff(TIME), *terms)
-
-    def gradient(self, u: Expr) -> list[Expr]:
-        return [u.diff(v) for v in (*map(Symbol, self.variables), TIME)]
-
-    def domain(self, side: int, f: tuple[Expr, ...]) -> Domain:
-        """Where the law of a side is used; everywhere as long as g cannot be read."""
-        ranges = {Symbol(p.name): p.bounds for p in self.parameters if p.bounds is not None}
-        return Domain(ranges, None if self.g is None else side * self.g, f)
-
-    def judge(self, sign: str, left: _Left, psi: Expr, rate: Expr, domain: Domain) -> Finding:
-        """Say whether a quantity is conserved, and else what is left over."""
-        if not has_values((psi, rate), domain):
-            return Finding(f"{left.said} has no real value on its side of the surface.", False)
-        witness = counterexample(rate, domain)
-        if witness is None:
-            return Finding(f"{left.said} is conserved: its time derivative along f{sign} is 0.", True)
-        if witness.partly:
-            words = (
-                f"{left.said} is conserved {witness.scope}: at {witness.at()}, d/dt {left.said} = {witness.value:.3g}."
-            )
-            return Finding(words, False)
-        if is_larger(rate, _LEFT_OVER):
-            return Finding(f"{left.said} is not conserved: what is left over of d/dt {left.said} is long.", False)
-        over = tidied(rate)
-        words = f"{left.said} is not conserved: d/dt {left.said} = {_short(to_text(over))} is left over."
+    def finding(self, word: str, k: int, verdict: Verdict) -> Finding:
+        """Say that a quantity is conserved, or typeset what is left over; the complaint says the rest."""
+        left = self.left(f"psi_{word}", k)
+        if not verdict.objection:
+            return Finding(f"{left.said} is conserved: its time derivative along f{_SIGNS[word][0]} is 0.", True)
+        if verdict.left_over is None:
+            return Finding("", False)
         derived = f"<mfrac><mi>d</mi><mrow><mi>d</mi><mi>t</mi></mrow></mfrac><mo>&#8290;</mo>{left.shown}"
-        return Finding(words, False, _equation(_Left(f"d/dt {left.said}", derived), over))
+        return Finding("", False, _equation(_Left(f"d/dt {left.said}", derived), verdict.left_over))
 
-    # All of it -------------------------------------------------------------------------------------------------------
-
-    def build(self, x0: tuple[float, ...]) -> core.PiecewiseSystem | None:
-        """Make the system, and say what was found for it."""
-        texts = {name: tuple(split(text)) for name, text in self.texts.items()}
+    def build(self) -> core.PiecewiseSystem | None:
+        """Make the system, and see that it can start."""
+        texts: dict[str, Any] = {name: self.items[name] for name in _EXPRESSIONS} | {"g": self.declaration.g[0]}
+        names = {"name": self.texts["name"].strip(), "variables": self.variables, "parameters": self.parameters}
+        field = "system"
         try:
-            system = core.PiecewiseSystem(
-                name=self.texts["name"].strip(),
-                variables=self.variables,
-                f_minus=texts["f_minus"],
-                f_plus=texts["f_plus"],
-                g=texts["g"][0],
-                psi_minus=texts["psi_minus"],
-                psi_plus=texts["psi_plus"],
-                parameters=self.parameters,
-                x0=x0,
-                jump=texts["jump"] or None,
-            )
+            system = core.PiecewiseSystem(**names, **texts, x0=self.x0)
+            field = "x0"
+            checked_start(system, 0.0, self.x0)
         except ValueError as reason:
-            self.complain("system", _sentence(str(reason)))
+            self.complain(field, str(reason))
             return None
-        try:
-            checked_start(system, 0.0, x0)
-        except ValueError as reason:
-            self.complain("x0", _sentence(str(reason)))
-        for side, (word, sign, _) in _SIDES.items():
-            if system.laws.sides[side].conserved and not texts[f"psi_{word}"]:
-                found = system.laws.sides[side].conserved[0]
-                shown = _equation(_quantity(side, 0, 1), found)
-                self.conserved[side] = (Finding(f"Found for you, since f{sign} has no divergence:", True, shown),)
         return system
-
-
-def _variable(text: str) -> str:
-    return check_name(text, "Variable")
 
 
 def _parameter(text: str) -> core.Parameter:
@@ -376,16 +283,15 @@ def _parameter(text: str) -> core.Parameter:
     value, within, bounds = (part.strip() for part in re.sub(r"\bin\b", "\0", rest, count=1).partition("\0"))
     ends = split(bounds[1:-1]) if bounds.startswith("[") and bounds.endswith("]") else []
     if not equals or (within and len(ends) != 2):
-        raise ValueError(f"{_short(text)!r} is no parameter: write k = 3, or k = 3 in [0.1, 10]")
-    check_name(name, "Parameter")
-    numbers = [_number(part, name) for part in (value, *ends)]
+        raise ValueError(f"{quoted(text)} is no parameter: write k = 3, or k = 3 in [0.1, 10]")
+    numbers = [_number(part, f"Parameter {name}") for part in (value, *ends)]
     return core.Parameter(name, numbers[0], (numbers[1], numbers[2]) if within else None)
 
 
 def _coordinate(text: str) -> float:
-    number = _number(text, "x₀")
+    number = _number(text, "Start x₀")
     if abs(number) > MAX_COORDINATE:
-        raise ValueError(f"{_short(text)!r} is too far away: take numbers between ±{MAX_COORDINATE:,.0f}")
+        raise ValueError(f"{quoted(text)} is too far away: take numbers between ±{MAX_COORDINATE:,.0f}")
     return number
 
 
@@ -393,22 +299,13 @@ def _number(text: str, what: str) -> float:
     """Read a number, such as 0.1, 1/3 or sqrt(2)."""
     constant = parse(text, (), what)
     if constant.free_symbols:
-        raise ValueError(f"{what} = {_short(text)!r} is no number")
+        raise ValueError(f"{what} = {quoted(text)} is no number: write one, as 0.1, 1/3 or sqrt(2)")
     return float(constant)
 
 
-def _derivative(variable: str) -> _Left:
-    return _Left(f"{variable}′", f'<mrow>{markup(Symbol(variable))}<mo lspace="0" rspace="0">′</mo></mrow>')
-
-
-def _after(variable: str) -> _Left:
-    shown = f"<msub><mrow>{markup(Symbol(variable))}</mrow><mtext>after</mtext></msub>"
-    return _Left(f"{variable} after the jump", shown)
-
-
-def _quantity(side: int, k: int, count: int) -> _Left:
-    """Name a conserved quantity, with its number where there are several."""
-    _, sign, shown = _SIDES[side]
+def _quantity(word: str, k: int, count: int) -> _Left:
+    """Name a conserved quantity of a side, with its number where there are several."""
+    sign, shown = _SIGNS[word]
     if count == 1:
         return _Left(f"ψ{sign}", f"<msub><mi>ψ</mi><mo>{shown}</mo></msub>")
     number = f"<mrow><mn>{k + 1}</mn><mo>{shown}</mo></mrow>"
@@ -442,16 +339,8 @@ def _typed(number: float) -> str:
     return repr(float(number)).removesuffix(".0")
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
-
-
-def _sentence(words: str) -> str:
-    return words if words.endswith((".", "…")) else f"{words}."
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 examples: Mapping[str, Draft] = MappingProxyType(

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 import core
-from core.diagnostics.scheme import stand_in
-from core.kernels.arrays import Floats
+from core.diagnostics import stand_in
+from core.kernels import Floats
 from pwsviz.text.mathml import name_markup
 
 __all__ = ["constants_markup", "table"]

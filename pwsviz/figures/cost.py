@@ -10,7 +10,7 @@ from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
 from numpy.typing import ArrayLike
 
 import core
-from core.studies.cost import CostCurve
+from core.studies import CostCurve
 from pwsviz.figures.cost_text import ACROSS, UP, Across, Up, cost_of, cost_text, cost_words, error_of, setting_text
 from pwsviz.figures.style import GREY, Line, assign, fit_to_corners, legend_below, line_of, mark_levels, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 import core
-from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve
+from core.studies import CANCELLED, DONE, WAITING, CostCurve
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.words import duration, listed, plural
 

@@ -11,11 +11,8 @@ import sympy
 from sympy import Expr, Symbol
 
 import core
-from core.methods import Composition, DiscreteMultiplier, Projected
-from core.methods.runge_kutta import ButcherTableau
-from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Side
-from core.symbolic.multiplier import DividedDifference
+from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projected
+from core.symbolic import TIME, DividedDifference, Laws, Side
 from pwsviz.figures.constants import constants_markup, table
 from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, name_markup, names_of
 

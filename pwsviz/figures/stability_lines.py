@@ -9,7 +9,7 @@ from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
 from bokeh.models.renderers import DataRenderer
 
 import core
-from core.studies.stability import Grazing, outcome_words
+from core.studies import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
 from pwsviz.figures.stability_text import side_words
 from pwsviz.figures.style import VERMILION, assign, fit_to_corners, legend_below, line_of, mark_levels, plain_figure

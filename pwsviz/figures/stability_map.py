@@ -11,7 +11,7 @@ from bokeh.models.annotations import ColorBar
 from bokeh.palettes import Cividis256
 
 import core
-from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
+from core.studies import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
 from pwsviz.figures.stability_text import cell_words
 from pwsviz.figures.style import (
     BLUE,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import core
-from core.studies.stability import (
+from core.studies import (
     ENDINGS,
     NO_START,
     NOT_YET,

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 import core
-from core.kernels.arrays import Floats
-from core.symbolic.expressions import TIME
+from core.kernels import Floats
+from core.symbolic import TIME
 
 Name = TypeVar("Name")
 

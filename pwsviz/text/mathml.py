@@ -18,8 +18,7 @@ from sympy.printing.pretty.pretty_symbology import greek_unicode
 from sympy.printing.printer import Printer
 
 import core
-from core.symbolic.expressions import TIME
-from core.symbolic.multiplier import DividedDifference
+from core.symbolic import TIME, DividedDifference
 
 __all__ = [
     "TOO_LONG",

@@ -1,5 +1,6 @@
 """Laws are evaluated on numbers whatever constants stand in them."""
 
+import copy
 import math
 from typing import Any
 
@@ -32,3 +33,14 @@ def test_long_constants_are_evaluated(text: str, value: float) -> None:
     numbers = system.laws.numbers("test", system.laws.sides[1].field, 0.0, (1.0, 0.0), system.parameter_array)
     assert numbers[0] == pytest.approx(value, rel=1e-14, abs=1e-16)
     assert system.switching(0.0, (0.0, 1.0)) == 1e300
+
+
+def test_checking_a_declaration_leaves_the_laws_that_others_share_as_they_are() -> None:
+    def declared(low: float) -> core.PiecewiseSystem:
+        parameters = [core.Parameter("k", 2.0, (low, 3.0))]
+        return core.PiecewiseSystem("own", ("x", "y"), ("y", "-k*x"), ("y", "-x"), "x + y", parameters=parameters)
+
+    laws = declared(0.5).laws
+    before = {name: copy.copy(value) for name, value in vars(laws).items()}
+    assert declared(1.5).laws is laws
+    assert vars(laws) == before

@@ -88,3 +88,10 @@ def test_a_psi_that_was_given_is_kept():
     system = core.PiecewiseSystem("own", ("x", "y"), ("y", "-x"), ("y", "-x"), "x", ("exp(x**2 + y**2)",), ())
     assert system.psi_minus == ("exp(x**2 + y**2)",)
     assert math.isclose(float(system.conserved(1, 0.0, (3.0, 4.0))[0]), 12.5)
+
+
+def test_what_is_found_but_could_not_be_declared_is_left_out():
+    system = core.PiecewiseSystem("own", ("x", "y"), ("sqrt(y**2) + y", "0"), ("y", "-x"), "x - 5")
+    assert system.psi_minus == ()  # its gradient vanishes where y < 0
+    assert system.psi_plus == ("x**2/2 + y**2/2",)
+    assert system.with_parameters() == system

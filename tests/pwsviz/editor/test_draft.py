@@ -110,14 +110,16 @@ def test_numbers_may_be_written_as_constants():
         ("f_minus", "y, -x, 0", "3 expressions here"),
         ("f_minus", "y, 2x", "y′ = '2x': this is no expression; write products with *"),
         ("f_plus", "y, -q*x", "unknown name 'q'"),
-        ("f_plus", "", "no expressions here"),
+        ("f_plus", "", "No expressions here, 2 are needed"),
         ("f_plus", "x^2, y", "powers are written **"),
         ("g", "", "Type one expression"),
         ("g", "x, y", "Type one expression"),
         ("g", "k - 3", "'k - 3' names no variable"),
-        ("psi_minus", "x**2", "d/dt ψ₋ = 2*x*y is left over"),
+        ("psi_minus", "x**2", "ψ₋ = 'x**2' is not conserved by f₋: mend either, or leave it out"),
+        ("psi_minus", "x**2", "its time derivative is 2*x*y, not 0"),
+        ("psi_minus", "log(-1 - x**2)", "ψ₋ = 'log(-1 - x**2)' has no real value where g < 0"),
         ("psi_plus", "x**2 + y**2, x", "There are 2 here; with 2 variables, 1 at most"),
-        ("psi_plus", "7", "linearly dependent, or zero"),
+        ("psi_plus", "7", "Their gradients are linearly dependent (or zero)"),
         ("x0", "1", "1 number here, 2 are needed"),
         ("x0", "1, one", "unknown name 'one'"),
         ("x0", "1, 2e6", "too far away"),
@@ -158,7 +160,7 @@ def test_what_is_left_over_of_a_quantity_is_its_time_derivative():
     left = checked.conserved[-1][0]
     assert not left.conserved
     x, y, k = sympy.symbols("x y k")
-    said = left.words.split("= ")[1].removesuffix(" is left over.")
+    said = checked.complaints["psi_minus"].split("time derivative is ")[1].removesuffix(", not 0.")
     assert sympy.expand(sympy.sympify(said) - (2 * x * y + 2 * y * (-k * x))) == 0
     assert "<mfrac>" in left.maths
     assert checked.conserved[1][0].words == "ψ₊ is conserved: its time derivative along f₊ is 0."

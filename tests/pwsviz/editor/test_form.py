@@ -130,7 +130,7 @@ def test_mathematics_appears_as_one_types(desk):
 def test_what_is_conserved_and_what_is_left_over_is_shown(desk):
     assert "Found for you" in desk.editor.maths["psi_minus"].object
     desk.type(psi_minus="x**2 + y**2", psi_plus="x**2 + y**2")
-    assert "is left over" in errors(desk.editor)["psi_minus"]
+    assert "is not conserved" in errors(desk.editor)["psi_minus"]
     assert desk.editor.maths["psi_minus"].object.count("<math") == 2  # ψ, and its time derivative
     assert "is conserved" in desk.editor.maths["psi_plus"].object
 
