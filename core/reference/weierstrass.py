@@ -8,8 +8,8 @@ from functools import cached_property, lru_cache
 from typing import TypeAlias
 
 import numpy as np
+import scipy  # loads a subpackage when it is first used
 from numpy.typing import NDArray
-from scipy.special import elliprf
 
 __all__ = ["Extended", "orbit", "weierstrass_p"]
 
@@ -223,4 +223,4 @@ def _largest_root(g2: np.longdouble, g3: np.longdouble) -> np.longdouble:
 
 def _carlson(arguments: Extended | NDArray[np.clongdouble]) -> float:
     """R_F (DLMF 19.16.1) of a real argument and a real or conjugate pair: real but for round-off."""
-    return float(elliprf(*arguments.astype(complex)).real)
+    return float(scipy.special.elliprf(*arguments.astype(complex)).real)
