@@ -1,14 +1,22 @@
-"""Conservative integrators for piecewise smooth systems: the public names, nothing else."""
+"""Conservative integrators for piecewise smooth systems: the public names, nothing else.
+
+Studies and exact solutions are loaded when they are first asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from core.compilation.compiled import compile_beside
 from core.diagnostics import Diagnosis, diagnose
 from core.integrate import integrate
 from core.integration.trajectory import Crossing, Crossings, Status, Trajectory
 from core.methods import METHODS, Method
-from core.reference import reference_solution
-from core.studies import OrderStudy, StabilityStudy, WorkPrecision, order_study, stability_study, work_precision
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE
+
+if TYPE_CHECKING:
+    from core.reference import reference_solution
+    from core.studies import OrderStudy, StabilityStudy, WorkPrecision, order_study, stability_study, work_precision
 
 __all__ = [
     "CATALOGUE",
@@ -32,3 +40,25 @@ __all__ = [
     "stability_study",
     "work_precision",
 ]
+
+#: The room of each name that is loaded late.
+_LATE = {
+    "OrderStudy": "core.studies",
+    "StabilityStudy": "core.studies",
+    "WorkPrecision": "core.studies",
+    "order_study": "core.studies",
+    "reference_solution": "core.reference",
+    "stability_study": "core.studies",
+    "work_precision": "core.studies",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATE:
+        raise AttributeError(f"module 'core' has no attribute {name!r}")
+    globals()[name] = getattr(import_module(_LATE[name]), name)
+    return globals()[name]
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

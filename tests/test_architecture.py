@@ -62,10 +62,33 @@ def name_of(path: Path) -> str:
     return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
-def test_importing_core_loads_nothing_of_a_screen():
-    code = "import core, sys; print([m for m in ('panel', 'bokeh', 'pwsviz', 'param', 'tornado') if m in sys.modules])"
+@pytest.fixture(scope="module")
+def loaded_with_core():
+    """Modules that a fresh process has loaded once it has imported core and listed the catalogue's names."""
+    code = "import core, sys; assert 'pendulum' in list(core.CATALOGUE); print(*sys.modules)"
     out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=ROOT).stdout
-    assert out.strip() == "[]"
+    return set(out.split())
+
+
+def test_importing_core_loads_nothing_of_a_screen(loaded_with_core):
+    assert not loaded_with_core & {"panel", "bokeh", "pwsviz", "param", "tornado"}
+
+
+def test_importing_core_loads_no_more_of_scipy_and_sympy_than_importing_numba_and_sympy_does(loaded_with_core):
+    late = {
+        "scipy.integrate",
+        "scipy.optimize",
+        "scipy.special",
+        "scipy.linalg",
+        "sympy.codegen",
+        "sympy.tensor.tensor",
+    }
+    assert not loaded_with_core & late
+
+
+def test_importing_core_parses_no_system_and_loads_no_study_and_no_exact_solution(loaded_with_core):
+    late = ("core.systems.", "core.studies", "core.reference")
+    assert not [name for name in loaded_with_core if name.startswith(late)]
 
 
 @pytest.mark.parametrize("package", FLOORS)

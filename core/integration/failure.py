@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.integrate import Radau
+import scipy  # loads a subpackage when it is first used
 
 from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
@@ -46,7 +46,7 @@ def runs_away(system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: flo
     with np.errstate(all="ignore"):
         if not np.isfinite(field(t0, x0)).all():
             return None
-        solver = Radau(field, t0, x0, t1, rtol=_TOLERANCE, atol=_TOLERANCE * size)
+        solver = scipy.integrate.Radau(field, t0, x0, t1, rtol=_TOLERANCE, atol=_TOLERANCE * size)
         while solver.status == "running" and solver.nfev < _EVALUATIONS:
             try:
                 solver.step()

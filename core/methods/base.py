@@ -6,12 +6,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sympy import Expr
+from sympy import Add, Expr
 
 from core.codegen.step import StepCode
 from core.symbolic.laws import Side
 
-__all__ = ["Method", "Scheme"]
+__all__ = ["Method", "Scheme", "written_sum"]
+
+
+def written_sum(*terms: Expr) -> Expr:
+    """The sum of a number and a root, not worked out: sympy's first sum loads a tenth of what importing it does."""
+    return Add(*terms, evaluate=False)
 
 
 class Scheme(ABC):

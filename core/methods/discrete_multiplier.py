@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sympy import Expr, Float, Integer, Matrix, cbrt, symbols
 
 from core.codegen.step import StepCode
-from core.methods.base import Method, Scheme
+from core.methods.base import Method, Scheme, written_sum
 from core.symbolic.laws import Side
 
 __all__ = ["DMM2", "DMM4", "DMM6", "DMM8", "Composition", "DiscreteMultiplier"]
@@ -82,7 +82,7 @@ DMM2 = Method("dmm2", _DMM, "Discrete Multiplier Method: keeps every ψ to round
 #: Suzuki, Phys. Lett. A 146 (1990).
 DMM4 = Method(
     "dmm4",
-    Composition((1 / (4 - cbrt(4)),) * 2, _DMM, 4),
+    Composition((1 / written_sum(Integer(4), -cbrt(4)),) * 2, _DMM, 4),
     "Five steps of dmm2 (Suzuki): ψ kept, symmetric.",
 )
 

@@ -11,7 +11,7 @@ from sympy import Expr, Float, Integer, Rational, Symbol, sqrt, symbols
 
 from core.codegen.printing import fma
 from core.codegen.step import StepCode
-from core.methods.base import Method, Scheme
+from core.methods.base import Method, Scheme, written_sum
 from core.methods.dop853 import ROWS, WEIGHTS
 from core.symbolic.laws import Side
 
@@ -139,8 +139,8 @@ GAUSS4 = Method(
     "gauss4",
     ButcherTableau(
         (
-            (Rational(1, 4), Rational(1, 4) - sqrt(3) / 6),
-            (Rational(1, 4) + sqrt(3) / 6, Rational(1, 4)),
+            (Rational(1, 4), written_sum(Rational(1, 4), -sqrt(3) / 6)),
+            (written_sum(Rational(1, 4), sqrt(3) / 6), Rational(1, 4)),
         ),
         (_HALF, _HALF),
         4,

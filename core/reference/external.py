@@ -5,8 +5,8 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
+import scipy  # loads a subpackage when it is first used
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import DOP853, solve_ivp
 
 from core.reference.search import Sample, Time, first_zero
 from core.reference.solution import MAX_CROSSINGS, Arc, Motion, ReferenceSolution, State, first_arc
@@ -83,7 +83,7 @@ class _PeerArc:
         self._g, self._gdot = g, gdot
         self._f = lambda u, y: np.asarray(f(side, u, y), dtype=float)
         self._atol = _PEER_RTOL / 10 * (np.abs(x).max() or 1.0)
-        self._solver = DOP853(self._f, t, x, np.inf, rtol=_PEER_RTOL, atol=self._atol)
+        self._solver = scipy.integrate.DOP853(self._f, t, x, np.inf, rtol=_PEER_RTOL, atol=self._atol)
         self._times, self._states = [t], [x]
         depth, rate = self._look(t, x)
         self.steepest, self.deepest = abs(rate), abs(depth)
@@ -128,7 +128,9 @@ class _PeerArc:
         t0, x0 = self._times[node], self._states[node]
         if t == t0:
             return x0
-        run = solve_ivp(self._f, (t0, t), x0, "DOP853", rtol=_PEER_RTOL, atol=self._atol, first_step=t - t0)
+        run = scipy.integrate.solve_ivp(
+            self._f, (t0, t), x0, "DOP853", rtol=_PEER_RTOL, atol=self._atol, first_step=t - t0
+        )
         if not run.success:
             raise ValueError(f"the reference integrator stops after t = {t0:.17g}: {run.message}")
         return np.asarray(run.y[:, -1])

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # loads a subpackage when it is first used
 
 __all__ = ["Sample", "Time", "first_zero"]
 
@@ -42,7 +42,7 @@ def first_zero(watch: Watch, a: Sample, b: Sample) -> Time | None:
 
 def _extremum(watch: Watch, a: Time, b: Time) -> Time:
     """Time between a and b, where the rate has opposite signs, at which it vanishes."""
-    return a + (b - a) * brentq(lambda s: float(watch(a + (b - a) * s)[1]), 0.0, 1.0)
+    return a + (b - a) * scipy.optimize.brentq(lambda s: float(watch(a + (b - a) * s)[1]), 0.0, 1.0)
 
 
 def _newton(watch: Watch, inside: Time, outside: Time) -> Time:

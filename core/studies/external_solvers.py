@@ -14,8 +14,8 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+import scipy  # loads a subpackage when it is first used
 import sympy
-from scipy.integrate import solve_ivp
 from sympy import Expr
 
 from core.kernels.arrays import Floats
@@ -213,7 +213,7 @@ class _ScipyMarch:
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
         """Go on until the surface or `end`."""
         self._check = check
-        run = solve_ivp(self._field[side], (t, end), x, events=self._events[side], **self._options)
+        run = scipy.integrate.solve_ivp(self._field[side], (t, end), x, events=self._events[side], **self._options)
         if not run.success:
             raise Stopped(f"SciPy stops at t = {run.t[-1]:.6g}: {run.message}")
         return Arrival(float(run.t[-1]), np.ascontiguousarray(run.y[:, -1]), run.status == 1, run.nfev)

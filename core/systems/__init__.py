@@ -1,8 +1,7 @@
-"""The catalogue: one file a system, each exporting SYSTEM. This list is the display order."""
+"""The catalogue: one file a system, each exporting SYSTEM. The list of names is the display order."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib import import_module
-from types import MappingProxyType
 from typing import TypeAlias
 
 from core.system import PiecewiseSystem
@@ -32,10 +31,28 @@ _NAMES = (
     "moving_interface",
 )
 
+
+class _Catalogue(Mapping[str, PiecewiseSystem]):
+    """The systems by name. Each is imported, and so parsed, when it is first asked for: all take some 0.3 s."""
+
+    def __getitem__(self, name: str) -> PiecewiseSystem:
+        if name not in _NAMES:
+            raise KeyError(name)
+        system: PiecewiseSystem = import_module(f"core.systems.{name}").SYSTEM
+        return system
+
+    def __contains__(self, name: object) -> bool:
+        return name in _NAMES
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_NAMES)
+
+    def __len__(self) -> int:
+        return len(_NAMES)
+
+
 #: Every built-in system by name, in display order.
-CATALOGUE: Mapping[str, PiecewiseSystem] = MappingProxyType(
-    {name: import_module(f"core.systems.{name}").SYSTEM for name in _NAMES}
-)
+CATALOGUE: Mapping[str, PiecewiseSystem] = _Catalogue()
 
 
 def system_of(system: System) -> PiecewiseSystem:

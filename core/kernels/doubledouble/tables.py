@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import accumulate
 from typing import Any
 
 import mpmath
@@ -11,17 +12,23 @@ from numpy.typing import NDArray
 
 _mp = mpmath.mp.clone()
 _mp.dps = 80
+_ONE = 2**240  #: numbers are taken apart as whole multiples of its inverse
 
 Table = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _parts(value: Any, count: int = 2) -> tuple[float, ...]:
     """Leading `count` doubles of a number, each the nearest to what the ones before it leave."""
-    rest, parts = _mp.mpf(value), []
+    rest, parts = int(_mp.nint(value * _ONE)), []
     for _ in range(count):
-        parts.append(float(rest))
-        rest -= parts[-1]
+        parts.append(rest / _ONE)  # the quotient of whole numbers is the nearest double
+        rest -= int(parts[-1] * _ONE)
     return tuple(parts)
+
+
+def _powers(base: Any, first: int, end: int) -> Iterator[Any]:
+    """base^n for first ≤ n < end, each from the one before it."""
+    return accumulate(range(first + 1, end), lambda power, _: power * base, initial=base**first)
 
 
 def _table(values: Iterable[Any]) -> Table:
@@ -33,7 +40,7 @@ def _table(values: Iterable[Any]) -> Table:
 #: log(2)/128, its inverse, and 2^(j/128) − 1 for −64 ≤ j < 64.
 EXP_STEP = _parts(_mp.log(2) / 128)
 EXP_STEPS_PER_UNIT = float(128 / _mp.log(2))
-EXP_HIGH, EXP_LOW = _table(_mp.mpf(2) ** (_mp.mpf(j) / 128) - 1 for j in range(-64, 64))
+EXP_HIGH, EXP_LOW = _table(power - 1 for power in _powers(_mp.mpf(2) ** (_mp.mpf(1) / 128), -64, 64))
 
 #: log 2; then c = 128/i to double precision, and −log c, for i = 128 m of every m between 1/√2 and √2.
 LOG_2 = _parts(_mp.log(2))
@@ -46,5 +53,5 @@ SIN_STEP = _parts(_mp.pi / 512, 3)
 SIN_STEPS_PER_UNIT = float(512 / _mp.pi)
 SIN_HIGH, SIN_LOW = (
     np.concatenate((q[:-1], q[:0:-1], -q[:-1], -q[:0:-1]))
-    for q in _table(_mp.sinpi(_mp.mpf(n) / 512) for n in range(257))
+    for q in _table(turned.imag for turned in _powers(_mp.expjpi(_mp.mpf(1) / 512), 0, 257))
 )
