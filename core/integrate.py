@@ -168,7 +168,7 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple
     """Return the initial state, if one can start there, else raise ValueError."""
     start = system.x0 if x0 is None else system.check_state(x0)
     laws, d = system.laws, system.dimension
-    wanted = (*laws.sides[-1].field, *laws.sides[1].field, laws.g, *laws.gradient)
+    wanted = (*laws.modes[-1].field, *laws.modes[1].field, laws.g, *laws.gradient)
     values = laws.numbers("start", wanted, t0, start, system.parameter_array).tolist()
     g, gradient = values[2 * d], values[2 * d + 1 :]
     for side, field in ((-1, values[:d]), (1, values[d : 2 * d])):

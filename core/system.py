@@ -16,7 +16,7 @@ from core.interface.arguments import listed, number
 from core.kernels.arrays import Floats
 from core.symbolic.declaration import Declaration, accepted, miscounted
 from core.symbolic.expressions import check_name, to_text
-from core.symbolic.laws import Laws, Side
+from core.symbolic.laws import Laws, Mode
 
 __all__ = ["Parameter", "PiecewiseSystem", "Start"]
 
@@ -202,7 +202,7 @@ class PiecewiseSystem:
             return r",\; ".join(sympy.latex(e, symbol_names=names) for e in expressions)
 
         texts = {"g": typeset((self.laws.g,))}
-        for side, word in ((self.laws.sides[-1], "minus"), (self.laws.sides[1], "plus")):
+        for side, word in ((self.laws.modes[-1], "minus"), (self.laws.modes[1], "plus")):
             texts |= {f"f_{word}": typeset(side.field), f"psi_{word}": typeset(side.conserved)}
         return texts
 
@@ -216,10 +216,10 @@ class PiecewiseSystem:
             raise ValueError(f"x has shape {states.shape}: states (..., {self.dimension}) are needed")
         return self.laws.evaluate(key, expressions, times, states, self.parameter_array)
 
-    def _side(self, side: int) -> Side:
+    def _side(self, side: int) -> Mode:
         if np.ndim(side) or side not in (-1, 1):
             raise ValueError(f"side = {side!r}: it is -1 where g < 0 and +1 where g > 0")
-        return self.laws.sides[int(side)]
+        return self.laws.modes[int(side)]
 
     # Checks ----------------------------------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from core.codegen.rounding import rounding_bound
 from core.kernels import abi, divided_differences, stack_array, taylor_coefficients
 from core.kernels.doubledouble import arithmetic, elementary, error_free, tables
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Side
+from core.symbolic.laws import Laws, Mode
 
 __all__ = [
     "Names", "evaluate_switching_text", "function_text", "jump_text", "level_residual_lines", "levels_texts",
@@ -69,7 +69,7 @@ class Names:
     """Names of ours for a system's symbols (state x0, x1, …; parameters p0, p1, …; time t), and where they stand."""
 
     def __init__(self, laws: Laws) -> None:
-        d, m = len(laws.x), max(len(side.conserved) for side in laws.sides.values())
+        d, m = len(laws.x), max(len(mode.conserved) for mode in laws.modes.values())
         self.frame = abi.Frame(d, m)
         self.x, self.carry, self.p = named("x", d), named("c", d), named("p", len(laws.p))
         self.parameters = dict(zip(laws.p, self.p, strict=True))
@@ -101,7 +101,7 @@ def evaluate_switching_text(laws: Laws) -> str:
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
     slack = sympy.Add(*(magnitude(u * v) for u, v in zip(laws.gradient, laws.x, strict=True))) * sympy.Float(_EPS)
     doubt = rounding_bound(laws.g) * sympy.Float(_EPS)
-    values = names.own([laws.g, laws.sides[-1].g_dot, laws.sides[1].g_dot, slack, doubt])
+    values = names.own([laws.g, laws.modes[-1].g_dot, laws.modes[1].g_dot, slack, doubt])
     places = (abi.G, abi.RATES, abi.RATES + 1, abi.SLACK, abi.DOUBT)
     targets = [f"w[{k}]" for k in places]
     return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
@@ -115,25 +115,25 @@ def jump_text(laws: Laws) -> str:
     return function_text("jump", [*names.unpack, *assignments(targets, after, names.temporaries), "return 0"])
 
 
-def level_residual_lines(names: Names, side: Side) -> list[str]:
+def level_residual_lines(names: Names, mode: Mode) -> list[str]:
     """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double."""
-    m, level = len(side.conserved), names.frame.level
-    lines = names.doubled([f"u{j}" for j in range(m)], side.conserved)
+    m, level = len(mode.conserved), names.frame.level
+    lines = names.doubled([f"u{j}" for j in range(m)], mode.conserved)
     for j in range(m):
         lines.append(f"r{j}, q = pair_add(u{j}, u{j}_low, -w[{level + j}], -w[{level + names.frame.m + j}])")
         lines.append(f"r{j} += q")
     return lines
 
 
-def levels_texts(laws: Laws, side: Side) -> list[str]:
+def levels_texts(laws: Laws, mode: Mode) -> list[str]:
     """Texts of `set_levels` and `level_residual` of a mode."""
     names = Names(laws)
-    m, level = len(side.conserved), names.frame.level
-    levels = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], side.conserved)]
+    m, level = len(mode.conserved), names.frame.level
+    levels = [*names.unpack, *names.doubled([f"u{j}" for j in range(m)], mode.conserved)]
     for j in range(m):
         levels += [f"w[{level + j}] = u{j}", f"w[{level + names.frame.m + j}] = u{j}_low"]
     levels.append(f"w[{abi.LEVELS_SET}] = 1.0")
-    residual = [*names.unpack, *level_residual_lines(names, side)]
+    residual = [*names.unpack, *level_residual_lines(names, mode)]
     residual += [
         f"w[{names.frame.level_residual + j}] = {f'r{j}' if j < m else 'math.nan'}" for j in range(names.frame.m)
     ]
@@ -141,21 +141,21 @@ def levels_texts(laws: Laws, side: Side) -> list[str]:
     return [function_text(name, [*lines, "return 0"]) for name, lines in functions]
 
 
-def project_to_surface_text(laws: Laws, side: Side, conservative: bool) -> str:
+def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool) -> str:
     """Text of `project_to_surface`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
 
     Where the surface and the orbit are nearly tangent no place is well determined, and it is left as it is.
     """
     names = Names(laws)
-    conserved = side.conserved if conservative else ()
+    conserved = mode.conserved if conservative else ()
     m, d = len(conserved), len(laws.x)
     moves = named("a", d)
-    lines = [*names.unpack, *(level_residual_lines(names, side) if conservative else [])]
+    lines = [*names.unpack, *(level_residual_lines(names, mode) if conservative else [])]
     lines += [*names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
     gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
     rows, worked_out = row_lines(gradients, names.temporaries)
     lines += [*worked_out, size_line(names.x), *least_change(rows, moves, names.temporaries, least=_TANGENT)]
-    lines += assignments([f"f{k}" for k in range(d)], names.own(side.field), names.temporaries)
+    lines += assignments([f"f{k}" for k in range(d)], names.own(mode.field), names.temporaries)
     size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
     lines += [f"size, speed = {size}, {speed}", f"w[{abi.DELAY}] = 0.0"]
     most = str(_FARTHEST)

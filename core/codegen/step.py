@@ -24,7 +24,7 @@ from core.codegen.printing import assignments, named, printed
 from core.kernels import abi
 from core.kernels.taylor_coefficients import STRIDE
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Side
+from core.symbolic.laws import Laws, Mode
 
 __all__ = ["StepCode"]
 
@@ -80,9 +80,9 @@ class StepCode:
         The d coordinates of the state at its start.
     """
 
-    def __init__(self, laws: Laws, side: Side) -> None:
+    def __init__(self, laws: Laws, mode: Mode) -> None:
         self._names = Names(laws)
-        self._laws, self._side = laws, side
+        self._laws, self._mode = laws, mode
         self._temporaries = self._names.temporaries
         self._few = len(self._names.x) <= FEW
         self._called = ""
@@ -111,8 +111,8 @@ class StepCode:
         self._evaluations.append("1")
         if self._apart:
             return self._field_apart(t, x)
-        at = {**self._names.symbols, **dict(zip(self._side.variables, x, strict=True)), TIME: t}
-        return self.let([f.xreplace(at) for f in self._side.field])
+        at = {**self._names.symbols, **dict(zip(self._mode.variables, x, strict=True)), TIME: t}
+        return self.let([f.xreplace(at) for f in self._mode.field])
 
     @cached_property
     def _apart(self) -> str:
@@ -121,7 +121,7 @@ class StepCode:
         if self._few:
             return ""
         lines = [f"{x} = place[{k}]" for k, x in enumerate(self.x)] + names.unpack_parameters
-        lines += self._assign([f"f[{k}]" for k in range(d)], names.own(self._side.field))
+        lines += self._assign([f"f[{k}]" for k in range(d)], names.own(self._mode.field))
         body = "\n".join(f"    {line}" for line in lines)
         return f"def field(t, place, p, f):\n{body}\n\n\n" if len(body) > _LONG else ""
 
@@ -137,7 +137,7 @@ class StepCode:
 
     def at_ends(self, expressions: Iterable[Expr]) -> list[Expr]:
         """Discrete expressions in this step's symbols: x at its start, ``y`` = x + increment at its end."""
-        ends = self._side.discrete.ends
+        ends = self._mode.discrete.ends
         names = {**dict(zip(ends.start, self.x, strict=True)), **dict(zip(ends.end, self.end, strict=True))}
         names |= {**self._names.parameters, ends.times[0]: self.t, ends.times[1]: Symbol("t1")}
         return [e.xreplace(names) for e in expressions]
@@ -157,11 +157,11 @@ class StepCode:
         """Lines that take the state to the end of the step."""
         return [f"y{k} = x{k} + (c{k} + d{k})" for k in range(len(self.x))]
 
-    def field_at(self, side: Side, t: Expr, increment: Sequence[Expr]) -> list[Expr]:
+    def field_at(self, t: Expr, increment: Sequence[Expr]) -> list[Expr]:
         """f as expressions, at time t and the start of the step moved by an increment of unknowns: for `solve`."""
         moved = [x + (c + u) for x, c, u in zip(self.x, self._names.carry, increment, strict=True)]
-        at = {**self._names.symbols, **dict(zip(side.variables, moved, strict=True)), TIME: t}
-        return [f.xreplace(at) for f in side.field]
+        at = {**self._names.symbols, **dict(zip(self._mode.variables, moved, strict=True)), TIME: t}
+        return [f.xreplace(at) for f in self._mode.field]
 
     def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = (), stages: int = 1) -> list[Symbol]:
         """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from Euler's step.
@@ -268,12 +268,12 @@ class StepCode:
 
         So the round-off of a conservative method does not add up: ψ stays at its level for ever.
         """
-        m = len(self._side.conserved)
+        m = len(self._mode.conserved)
         if m == 0:
             return list(increments)
         changes = named("e", len(self.x))
         given = self.let(increments)
-        self._lines += level_residual_lines(self._names, self._side)
+        self._lines += level_residual_lines(self._names, self._mode)
         # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
         gradients, lines = row_lines(self._gradients_at_end(), self._temporaries)
         self._lines += [*lines, size_line(self.x), *least_change(gradients, changes, self._temporaries)]
@@ -289,7 +289,7 @@ class StepCode:
     def _gradients_at_end(self) -> list[list[Expr]]:
         """∇ψ at the end of the step."""
         at = {**self._names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
-        return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._side.conserved]
+        return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._mode.conserved]
 
     def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> list[Expr]:
         """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(ψ less its level).
@@ -297,18 +297,18 @@ class StepCode:
         With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The residual is
         worked out here, or has been by `prepare_step` where the step is `prepared`.
         """
-        side, d = self._side, len(self.x)
-        m = len(side.conserved)
+        mode, d = self._mode, len(self.x)
+        m = len(mode.conserved)
         if m == 0:
             return list(increments)
         lines = [*self._assign([f"d{k}" for k in range(d)], increments), "t1 = t + h", size_line(self.x)]
         if prepared:
             lines += [f"o{j} = w[{self._names.frame.level_residual + j}]" for j in range(m)]
         else:
-            lines += [*level_residual_lines(self._names, side), *(f"o{j} = r{j}" for j in range(m))]
-        gradient = sympy.Matrix(m, d, self.at_ends(side.discrete.gradient))
+            lines += [*level_residual_lines(self._names, mode), *(f"o{j} = r{j}" for j in range(m))]
+        gradient = sympy.Matrix(m, d, self.at_ends(mode.discrete.gradient))
         rows, inner = row_lines(gradient.tolist(), self._temporaries)
-        slope = sympy.Matrix(self.at_ends(side.discrete.time_slope))
+        slope = sympy.Matrix(self.at_ends(mode.discrete.time_slope))
         left = sympy.Matrix(rows) * sympy.Matrix(self.increment) + self.h * slope + sympy.Matrix(named("o", m))
         changes = named("e", d)
         slopes = self._gradients_at_end()
@@ -341,7 +341,7 @@ class StepCode:
         lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
         lines += [f"y{k} = x{k} + (c{k} + i{k})" for k in range(d)]
         at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
-        values = [e.xreplace(at_end) for e in (self._laws.g, self._side.g_dot)]
+        values = [e.xreplace(at_end) for e in (self._laws.g, self._mode.g_dot)]
         targets = [f"w[{k}]" for k in (abi.G_END, abi.RATE_END)]
         lines += ["t1 = t + h", *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")

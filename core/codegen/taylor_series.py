@@ -23,7 +23,7 @@ from core.codegen.functions import Names
 from core.codegen.printing import printed
 from core.codegen.taylor_operations import Bag, Linear, Operations, single
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Side
+from core.symbolic.laws import Laws, Mode
 
 __all__ = ["SeriesCode", "series_code"]
 
@@ -42,13 +42,13 @@ class SeriesCode:
     """How many rows c has at least."""
 
 
-def series_code(laws: Laws, side: Side) -> SeriesCode:
-    """Write the recurrences of one side's field, and of the height ±g along its solution.
+def series_code(laws: Laws, mode: Mode) -> SeriesCode:
+    """Write the recurrences of one mode's field, and of the height ±g along its solution.
 
     Parameters
     ----------
-    laws, side
-        The system, and the side whose field is followed.
+    laws, mode
+        The system, and the mode whose field is followed.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def series_code(laws: Laws, side: Side) -> SeriesCode:
         On a function that is not one of `expressions.FUNCTIONS`.
     """
     names = Names(laws)
-    given = [e.xreplace(names.symbols) for e in (*side.field, side.sign * laws.g)]
+    given = [e.xreplace(names.symbols) for e in (*mode.field, mode.sign * laws.g)]
     writer = _Writer(names)
     shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")
     for symbol, value in shared:

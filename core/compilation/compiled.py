@@ -78,7 +78,7 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
             if _workshop is not None and not _is_compiled(text):
                 given_out.append(_workshop.begin(text))
     wait(filter(None, given_out), _PATIENCE)
-    addresses, modules = np.zeros((len(laws.sides), len(FUNCTIONS)), dtype=np.int64), []
+    addresses, modules = np.zeros((len(laws.modes), len(FUNCTIONS)), dtype=np.int64), []
     for modes, text in texts:
         with _lock:
             module = _load(text)
@@ -128,7 +128,7 @@ def serve_workshop() -> None:
 
 def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int | list[int], str]]:
     """Texts of modules, each with the mode or the modes that it is of; what takes longest to compile first."""
-    sides = tuple(laws.sides.values())
+    sides = tuple(laws.modes.values())
     codes = [(side, StepCode(laws, side)) for side in sides]
     yield from enumerate(module_text([code.text(method.scheme.write(side, code))]) for side, code in codes)
     if method.adaptive:

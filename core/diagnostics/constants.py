@@ -205,7 +205,7 @@ def _curvature(system: PiecewiseSystem, t: Floats, x: Floats, v: Floats) -> Floa
 @lru_cache(maxsize=64)
 def second_rate(laws: Laws, side: int) -> sympy.Expr:
     """d²g/dt² along the field of a side."""
-    return laws.sides[side].rate_of(laws.sides[side].g_dot)
+    return laws.modes[side].rate_of(laws.modes[side].g_dot)
 
 
 @lru_cache(maxsize=64)

@@ -112,7 +112,7 @@ def discrete_function(laws: Laws, side: int) -> DiscreteFunction:
 
     The minimal-norm DMM is put together from its parts, f̄ − Λᵗᵀ(ΛᵗΛᵗᵀ)⁻¹(Λᵗ f̄ + s_t), with the inverse in numbers.
     """
-    discrete = laws.sides[side].discrete
+    discrete = laws.modes[side].discrete
     d, m = len(discrete.field), len(discrete.conserved)
     if discrete.factor is not None or m == 0:
         values = _components(laws, side, list(discrete.expression))
@@ -132,7 +132,7 @@ def discrete_function(laws: Laws, side: int) -> DiscreteFunction:
 
 def _components(laws: Laws, side: int, expressions: list[Any]) -> DiscreteFunction:
     """Expressions in the ends of a step as a function of them -> (len(expressions), ...)."""
-    ends = laws.sides[side].discrete.ends
+    ends = laws.modes[side].discrete.ends
     symbols = (ends.times[0], *ends.start, ends.times[1], *ends.end, *laws.p)
     names = {s: Symbol(f"u{k}") for k, s in enumerate(symbols)}
     used = {type(e) for e in sympy.Matrix(expressions).atoms(DividedDifference)}

@@ -50,7 +50,7 @@ def level_residual_along(
     -------
     (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
     """
-    d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
+    d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
     excess = np.full((len(t), m), np.nan)
     if m and len(t):
         functions = compile_run(system.laws, METHODS[method], levels=True)
@@ -104,7 +104,7 @@ def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> 
     (...), of several conserved quantities the largest; 0 where none is known, or it has no finite size.
     """
     laws = system.laws
-    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.sides[side].conserved]
+    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.modes[side].conserved]
     values = laws.evaluate(("size of psi", side), sizes, t, x, system.parameter_array)
     largest: Floats = np.where(np.isfinite(values), values, 0.0).max(axis=-1, initial=0.0)
     return largest

@@ -76,7 +76,7 @@ class Stepper:
     """Steps of a method from states that a run has recorded."""
 
     def __init__(self, system: PiecewiseSystem, method: Method, tolerance: float) -> None:
-        d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
+        d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
         self._compiled, self._along = compile_run(system.laws, method), _compiled()
         self._p, self._w, self._scratch = system.parameter_array.copy(), Frame(d, m).empty(), np.empty((1, 1))
         self._d, self._adaptive, self._conservative = d, method.adaptive, method.conservative

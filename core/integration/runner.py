@@ -100,7 +100,7 @@ class Runner:
         self._march = compiled_march()
         self._compiled = compile_run(system.laws, method, levels=columns > 0)
         self._p = system.parameter_array.copy()
-        d, m = system.dimension, max(len(side.conserved) for side in system.laws.sides.values())
+        d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
         frame = Frame(d, m)
         self._w = frame.empty()
         self._x = self._w[frame.x : frame.x + d]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sympy import Add, Expr
 
 from core.codegen.step import StepCode
-from core.symbolic.laws import Side
+from core.symbolic.laws import Mode
 
 __all__ = ["Method", "Scheme", "written_sum"]
 
@@ -40,7 +40,7 @@ class Scheme(ABC):
     needs_conserved: bool = False
 
     @abstractmethod
-    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write one step; returns its increments."""
 
 

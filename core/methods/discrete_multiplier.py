@@ -10,7 +10,7 @@ from sympy import Expr, Float, Integer, Matrix, cbrt, symbols
 
 from core.codegen.step import StepCode
 from core.methods.base import Method, Scheme, written_sum
-from core.symbolic.laws import Side
+from core.symbolic.laws import Mode
 
 __all__ = ["DMM2", "DMM4", "DMM6", "DMM8", "Composition", "DiscreteMultiplier"]
 
@@ -22,18 +22,18 @@ class DiscreteMultiplier(Scheme):
     order: int = 2
     conservative = symmetric = needs_conserved = True
 
-    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write one step, which gives ψ back what rounding has taken."""
-        return step.hold(self.write_bare(side, step))
+        return step.hold(self.write_bare(mode, step))
 
-    def write_bare(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def write_bare(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write the scheme as such.
 
         Where ψ does not fix the orbit alone, the minimal-norm DMM is solved as a saddle-point system with multipliers
         λ, which has no inverse of ΛᵗΛᵗᵀ in it:  Δ − h f̄ + Λᵗᵀ λ = 0,  Λᵗ Δ + h s_t = 0.
         """
-        discrete = side.discrete
-        d, m = len(side.field), len(side.conserved)
+        discrete = mode.discrete
+        d, m = len(mode.field), len(mode.conserved)
         increment = Matrix(step.increment)
         if discrete.factor is not None or m == 0:
             return step.solve(list(increment - step.h * Matrix(step.at_ends(discrete.expression))))
@@ -64,11 +64,11 @@ class Composition(Scheme):
         middle = 1 - 2 * sum(self.half, Integer(0))
         return (*self.half, middle, *reversed(self.half))
 
-    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write one step, which gives ψ back what rounding has taken."""
         half = [float(weight) for weight in self.half]
         weights = (*half, 1 - 2 * math.fsum(half), *reversed(half))  # so that they add up to 1 in doubles, too
-        return step.hold(step.compose(weights, lambda: self.of.write_bare(side, step)))
+        return step.hold(step.compose(weights, lambda: self.of.write_bare(mode, step)))
 
 
 def _decimals(*texts: str) -> tuple[Expr, ...]:

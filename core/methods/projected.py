@@ -10,7 +10,7 @@ from sympy import Expr
 from core.codegen.step import StepCode
 from core.methods.base import Method, Scheme
 from core.methods.runge_kutta import DOP853, ButcherTableau
-from core.symbolic.laws import Side
+from core.symbolic.laws import Mode
 
 __all__ = ["PRK8", "TAYLOR", "Projected", "TaylorSeries"]
 
@@ -27,9 +27,9 @@ class Projected(Scheme):
         """That of the map."""
         return self.of.order
 
-    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write the map, and the move."""
-        return step.move_onto_levels(self.of.write(side, step))
+        return step.move_onto_levels(self.of.write(mode, step))
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class TaylorSeries(Scheme):
     order: None = None
     conservative = True
 
-    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write the series, whose coefficients are prepared once for all lengths of the step, and the move."""
         return step.move_onto_levels(step.polynomial(), prepared=True)
 

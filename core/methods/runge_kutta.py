@@ -13,7 +13,7 @@ from core.codegen.printing import fma
 from core.codegen.step import StepCode
 from core.methods.base import Method, Scheme, written_sum
 from core.methods.dop853 import ROWS, WEIGHTS
-from core.symbolic.laws import Side
+from core.symbolic.laws import Mode
 
 __all__ = ["CLASSICAL", "DOP853", "GAUSS4", "RK2", "RK4", "RK8", "ButcherTableau"]
 
@@ -50,9 +50,9 @@ class ButcherTableau(Scheme):
         """Whether each stage follows from those before it."""
         return not any(a for i, row in enumerate(self.rows) for a in row[i:])
 
-    def write(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write one step: stage after stage, or all of them by Newton's method."""
-        return self._write_explicit(step) if self.explicit else self._write_implicit(side, step)
+        return self._write_explicit(step) if self.explicit else self._write_implicit(step)
 
     def _write_explicit(self, step: StepCode) -> Sequence[Expr]:
         slopes: list[Sequence[Expr]] = []
@@ -61,7 +61,7 @@ class ButcherTableau(Scheme):
             slopes.append(step.field(at, _weighted(step.h, row, slopes) if slopes else None))
         return _weighted(step.h, self.weights, slopes)
 
-    def _write_implicit(self, side: Side, step: StepCode) -> Sequence[Expr]:
+    def _write_implicit(self, step: StepCode) -> Sequence[Expr]:
         """The unknowns are h kᵢ, all of them at once."""
         d, stages = len(step.x), len(self.rows)
         unknowns = symbols(f"d:{stages * d}")
@@ -69,7 +69,7 @@ class ButcherTableau(Scheme):
         residuals: list[Expr] = []
         for node, row, own in zip(self.nodes, self.rows, parts, strict=True):
             moved = _combined(row, parts, d)
-            slopes = step.field_at(side, step.t + _short(node) * step.h, moved)
+            slopes = step.field_at(step.t + _short(node) * step.h, moved)
             residuals += [u - step.h * f for u, f in zip(own, slopes, strict=True)]
         step.solve(residuals, stages=stages)
         return _combined(self.weights, parts, d)

@@ -13,7 +13,7 @@ from core.codegen.taylor_series import SeriesCode, series_code
 from core.kernels.abi import LENGTH, LEVELS_SET, ORDER, PER_UNIT, TOLERANCE, UNIT
 from core.kernels.taylor_coefficients import LEAST_ORDER, STRIDE
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Side
+from core.symbolic.laws import Laws, Mode
 
 __all__ = ["coefficient_rows", "prepare_step_text"]
 
@@ -31,28 +31,28 @@ _BESIDE, _PRIME = 0.5, 7
 
 @lru_cache(maxsize=64)
 def _series(laws: Laws, sign: int) -> SeriesCode:
-    return series_code(laws, laws.sides[sign])
+    return series_code(laws, laws.modes[sign])
 
 
 def coefficient_rows(laws: Laws) -> int:
-    """Rows of coefficients that a step of either side needs."""
-    return max(_series(laws, sign).rows for sign in laws.sides)
+    """Rows of coefficients that a step of either mode needs."""
+    return max(_series(laws, sign).rows for sign in laws.modes)
 
 
-def prepare_step_text(laws: Laws, side: Side) -> str:
+def prepare_step_text(laws: Laws, mode: Mode) -> str:
     """Text of `prepare_step`: coefficients to scratch, those of the height in row d; the step length to w[LENGTH]."""
-    code = _series(laws, side.sign)
+    code = _series(laws, mode.sign)
     lines = [f"order = int(w[{ORDER}])", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
     lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
-    lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, side, code))]
-    lines += _residual_lines(laws, side)
+    lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, mode, code))]
+    lines += _residual_lines(laws, mode)
     lines += [f"if length == math.inf and is_at_rest(c, {len(laws.x)}, order):", f"    unit *= {_AT_REST}"]
     lines += [f"w[{UNIT}], w[{PER_UNIT}] = unit, 1.0 / unit", "length = limit if limit < length else length"]
     lines += [f"w[{LENGTH}] = unit*({_LONGEST} if length > {_LONGEST} else length)", "return 1"]
     return function_text("prepare_step", lines)
 
 
-def _attempt(laws: Laws, side: Side, code: SeriesCode) -> list[str]:
+def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
     """Lines that work the coefficients out, and end the loop around them unless they have to be worked out again.
 
     That is so in another unit of time; and where high coefficients vanish though no polynomial is followed, as those of
@@ -62,7 +62,7 @@ def _attempt(laws: Laws, side: Side, code: SeriesCode) -> list[str]:
     state, height = (f"{name}(c, {d}, order, w[{TOLERANCE}])" for name in ("step_length", "step_length_of_height"))
     lines = [*code.lines, f"state, height = {state}, {height}"]
     lines += ["length = min(state, height) if state + height == state + height else math.nan"]
-    if _degree_in_time(laws, side) > LEAST_ORDER:
+    if _degree_in_time(laws, mode) > LEAST_ORDER:
         moved = [f"{x} += away*{1 + k % _PRIME / _PRIME}" for k, x in enumerate(names.x)]
         lines[len(names.unpack) : len(names.unpack)] = moved
         lines += ["if away != 0.0:", "    limit, away = length if length == length else 1.0, 0.0", "    continue"]
@@ -71,11 +71,11 @@ def _attempt(laws: Laws, side: Side, code: SeriesCode) -> list[str]:
     return [*lines, f"if length >= {_SHORTEST}:", "    break", "shrink *= correction_of_unit(length)"]
 
 
-def _degree_in_time(laws: Laws, side: Side) -> float:
+def _degree_in_time(laws: Laws, mode: Mode) -> float:
     """Bound the degree of the solution, and of g along it, as polynomials in time; inf where they are none."""
     degrees: dict[Symbol, float] = {TIME: 1, **dict.fromkeys(laws.x, 0)}
     for _ in range(len(laws.x) + 1):
-        found = {v: _degree(f, degrees) + float(f != 0) for v, f in zip(laws.x, side.field, strict=True)}
+        found = {v: _degree(f, degrees) + float(f != 0) for v, f in zip(laws.x, mode.field, strict=True)}
         if all(degrees[v] == n for v, n in found.items()):
             return max(*found.values(), _degree(laws.g, degrees))
         degrees |= found
@@ -96,12 +96,12 @@ def _degree(u: Expr, degrees: Mapping[Symbol, float]) -> float:
     return parts[0] * float(u.exp) if u.is_Pow and u.exp.is_Integer and u.exp > 0 else math.inf
 
 
-def _residual_lines(laws: Laws, side: Side) -> list[str]:
+def _residual_lines(laws: Laws, mode: Mode) -> list[str]:
     """Lines that write what ψ is above its levels here to the frame, once for all steps from here that are tried."""
     names = Names(laws)
-    targets = [f"w[{names.frame.level_residual + j}]" for j in range(len(side.conserved))]
+    targets = [f"w[{names.frame.level_residual + j}]" for j in range(len(mode.conserved))]
     if not targets:
         return []
     lines = [f"if w[{LEVELS_SET}] == 1.0:", f"    {' = '.join(targets)} = w[{LEVELS_SET}] = 0.0", "else:"]
-    lines += [f"    {line}" for line in level_residual_lines(names, side)]
+    lines += [f"    {line}" for line in level_residual_lines(names, mode)]
     return [*lines, *(f"    {target} = r{j}" for j, target in enumerate(targets))]

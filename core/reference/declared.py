@@ -55,7 +55,7 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
     laws = system.laws
     # The very numbers that the compiled functions use: a float is a ratio.
     numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
-    fields = {side: tuple(f.xreplace(numbers) for f in laws.sides[side].field) for side in (-1, 1)}
+    fields = {side: tuple(f.xreplace(numbers) for f in laws.modes[side].field) for side in (-1, 1)}
     jump = None if laws.jump is None else tuple(u.xreplace(numbers) for u in laws.jump)
     exact = exact_solution(fields[-1], fields[1], laws.g.xreplace(numbers), laws.x, t0, start, jump=jump)
     if exact is not None:

@@ -58,7 +58,7 @@ class Arcs:
         worst = np.nan
         for sign in (-1, 1):
             ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == sign]
-            if ends and system.laws.sides[sign].conserved:
+            if ends and system.laws.modes[sign].conserved:
                 psi = [
                     system.conserved(sign, np.array([t for t, _ in one]), np.array([x for _, x in one]))
                     for one in zip(*ends, strict=True)
@@ -109,7 +109,7 @@ class Numbers:
     @cached_property
     def field(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
         """(t, x) -> f (d,), of each side."""
-        return {side: self._function(self.laws.sides[side].field) for side in (-1, 1)}
+        return {side: self._function(self.laws.modes[side].field) for side in (-1, 1)}
 
     @cached_property
     def height(self) -> Callable[[float, Floats], Floats]:
@@ -119,7 +119,7 @@ class Numbers:
     @cached_property
     def rate(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
         """(t, x) -> (ġ,), of each side."""
-        return {side: self._function((self.laws.sides[side].g_dot,)) for side in (-1, 1)}
+        return {side: self._function((self.laws.modes[side].g_dot,)) for side in (-1, 1)}
 
     @cached_property
     def jump(self) -> Callable[[float, Floats], Floats] | None:
@@ -250,7 +250,7 @@ class _HeyokaMarch:
 def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: float) -> Any:
     laws, d = system.laws, system.dimension
     variables = [hy.expression(f"u{k}") for k in range(d)]
-    wanted = [_in_floats(e) for e in (*laws.sides[side].field, laws.g)]
+    wanted = [_in_floats(e) for e in (*laws.modes[side].field, laws.g)]
     used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # it takes no others
     names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}
     *rates, height = (hy.from_sympy(e, names) for e in wanted)

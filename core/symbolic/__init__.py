@@ -2,7 +2,7 @@
 
 from core.symbolic.declaration import SIDES, Declaration, Problem, Verdict, miscounted
 from core.symbolic.expressions import TIME, parse, quoted, to_text
-from core.symbolic.laws import Laws, Side
+from core.symbolic.laws import Laws, Mode
 from core.symbolic.multiplier import DIFFERENCES, DividedDifference
 
 __all__ = [
@@ -12,8 +12,8 @@ __all__ = [
     "Declaration",
     "DividedDifference",
     "Laws",
+    "Mode",
     "Problem",
-    "Side",
     "Verdict",
     "miscounted",
     "parse",

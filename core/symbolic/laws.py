@@ -1,4 +1,4 @@
-"""The mathematics of a declared system: symbols, both sides, and vectorised evaluation. Parameters stay symbols."""
+"""The mathematics of a declared system: symbols, modes, and vectorised evaluation. Parameters stay symbols."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from core.symbolic.expressions import TIME
 from core.symbolic.impacts import stays_on_surface
 from core.symbolic.multiplier import DiscreteField, Endpoints
 
-__all__ = ["Laws", "Side", "derive", "rate_along"]
+__all__ = ["Laws", "Mode", "derive", "rate_along"]
 
 Vector: TypeAlias = "tuple[Symbol, ...]"
 Pair: TypeAlias = "tuple[tuple[Expr, ...], tuple[Expr, ...]]"
@@ -30,8 +30,8 @@ _LONGEST = 2**53  #: of a whole number that is a float for certain
 
 
 @dataclass(frozen=True)
-class Side:
-    """One side of the switching surface: its field f, its conserved quantities ψ, and ġ = g_t + ∇g·f."""
+class Mode:
+    """The law where g has one sign: its field f, its conserved quantities ψ, and ġ = g_t + ∇g·f."""
 
     sign: int
     variables: tuple[Symbol, ...]
@@ -42,7 +42,7 @@ class Side:
 
     @cached_property
     def discrete(self) -> DiscreteField:
-        """The side's Discrete Multiplier Method."""
+        """The Discrete Multiplier Method of this law."""
         return DiscreteField(self.field, self.conserved, Endpoints.of(self.variables, set(self.taken)))
 
     def rate_of(self, psi: Expr) -> Expr:
@@ -71,8 +71,9 @@ class Laws:
         self.x, self.p, self.g, self.jump = x, p, g, jump
         self.gradient = tuple(g.diff(v) for v in x)
         taken = frozenset(map(str, (*x, *p)))
-        self.sides = {
-            sign: Side(sign, x, field, conserved, rate_along(field, x, g), taken)
+        #: By the sign of g.
+        self.modes = {
+            sign: Mode(sign, x, field, conserved, rate_along(field, x, g), taken)
             for sign, field, conserved in zip((-1, 1), fields, quantities, strict=True)
         }
         self._functions: dict[object, Callable[..., Floats]] = {}
@@ -80,7 +81,7 @@ class Laws:
     @cached_property
     def edged(self) -> bool:
         """Whether a field or a ψ has a function that is not defined everywhere: a root, a real power, a logarithm."""
-        parts = [e for side in self.sides.values() for e in (*side.field, *side.conserved)]
+        parts = [e for mode in self.modes.values() for e in (*mode.field, *mode.conserved)]
         return any(e.atoms(sympy.log) or any(not p.exp.is_Integer for p in e.atoms(sympy.Pow)) for e in parts)
 
     @cached_property

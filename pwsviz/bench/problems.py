@@ -83,7 +83,7 @@ class Problem:
         ValueError
             If the sides differ in more than the coefficient.
         """
-        below, above = (tuple(map(self._in_numbers, self.system.laws.sides[side].field)) for side in (-1, 1))
+        below, above = (tuple(map(self._in_numbers, self.system.laws.modes[side].field)) for side in (-1, 1))
         if below != above:
             raise ValueError(f"the sides of {self.name!r} differ in more than {self.coefficient}: {below} and {above}")
         return below

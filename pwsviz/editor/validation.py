@@ -247,7 +247,7 @@ class _Check:
         word = SIDES[side]
         if self.items[f"psi_{word}"]:
             return tuple(self.finding(word, k, verdict) for k, verdict in enumerate(self.declaration.verdicts[side]))
-        found = () if system is None else system.laws.sides[side].conserved
+        found = () if system is None else system.laws.modes[side].conserved
         words = f"Found for you, since f{_SIGNS[word][0]} has no divergence:"
         none = Finding("None given; conservative methods will not be offered.", False)
         return tuple(Finding(words, True, _equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)

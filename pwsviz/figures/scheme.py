@@ -12,7 +12,7 @@ from sympy import Expr, Symbol
 
 import core
 from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projected
-from core.symbolic import TIME, DividedDifference, Laws, Side
+from core.symbolic import TIME, DividedDifference, Laws, Mode
 from pwsviz.figures.constants import constants_markup, table
 from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, name_markup, names_of
 
@@ -145,20 +145,20 @@ def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str) -> 
     return _Derived(system.text, scheme.text, [*system.source, *scheme.source])
 
 
-def _groups(laws: Laws) -> Iterator[tuple[str, str, Side]]:
+def _groups(laws: Laws) -> Iterator[tuple[str, str, Mode]]:
     """Sign, heading and laws of each side; of both at once where they are the same."""
-    minus, plus = laws.sides[-1], laws.sides[1]
+    minus, plus = laws.modes[-1], laws.modes[1]
     same = (minus.field, minus.conserved) == (plus.field, plus.conserved)
-    for key, side in ((0, plus),) if same else ((-1, minus), (1, plus)):
-        yield (*_SIDES[key], side)
+    for key, mode in ((0, plus),) if same else ((-1, minus), (1, plus)):
+        yield (*_SIDES[key], mode)
 
 
 def _write_system(sheet: _Sheet, laws: Laws) -> None:
-    for sign, heading, side in _groups(laws):
+    for sign, heading, mode in _groups(laws):
         sheet.head(heading)
-        sheet.equate(f"f_{{{sign}}}", side.field)
-        if side.conserved:
-            sheet.equate(rf"\psi_{{{sign}}}", _alone(side.conserved))
+        sheet.equate(f"f_{{{sign}}}", mode.field)
+        if mode.conserved:
+            sheet.equate(rf"\psi_{{{sign}}}", _alone(mode.conserved))
         else:
             sheet.say("No conserved quantity is known.")
     sheet.head("The switching surface is g = 0")
@@ -198,8 +198,8 @@ def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
     _write_multipliers(sheet, laws, None)
 
 
-def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, Side], None] | None) -> None:
-    """Λᵗ of every side, and what follows from it."""
+def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, Mode], None] | None) -> None:
+    """Λᵗ of every mode, and what follows from it."""
     sheet.say(
         "The multiplier Λᵗ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
         "the start of a step and 1 its end, paper (eq:twoSchemes)."
@@ -209,17 +209,17 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
         if _names_time(laws)
         else r"\Lambda^{\tau} ( x_{1} - x_{0} ) = \psi ( x_{1} ) - \psi ( x_{0} )"
     )
-    for sign, heading, side in _groups(laws):
+    for sign, heading, mode in _groups(laws):
         sheet.head(heading)
-        if side.conserved:
-            sheet.equate(rf"\Lambda^{{\tau}}_{{{sign}}}", side.discrete.gradient)
-            if any(side.discrete.time_slope):
-                sheet.equate("s_{t}", _alone(side.discrete.time_slope))
+        if mode.conserved:
+            sheet.equate(rf"\Lambda^{{\tau}}_{{{sign}}}", mode.discrete.gradient)
+            if any(mode.discrete.time_slope):
+                sheet.equate("s_{t}", _alone(mode.discrete.time_slope))
         else:
             sheet.say("There is no ψ to keep here.")
         if write is not None:
-            write(sheet, sign, side)
-    if any(side.discrete.gradient.has(DividedDifference) for side in laws.sides.values()):
+            write(sheet, sign, mode)
+    if any(mode.discrete.gradient.has(DividedDifference) for mode in laws.modes.values()):
         sheet.say(
             "Divided differences, such as sinc z = sin z / z, sinhc z = sinh z / z and (log b − log a)/(b − a), have "
             "their limits where the ends are equal, and are worked out without cancellation."
@@ -228,13 +228,13 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
 
 def _names_time(laws: Laws) -> bool:
     """Whether a conserved quantity names time."""
-    return any(psi.has(TIME) for side in laws.sides.values() for psi in side.conserved)
+    return any(psi.has(TIME) for mode in laws.modes.values() for psi in mode.conserved)
 
 
-def _write_field(sheet: _Sheet, sign: str, side: Side) -> None:
+def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
     """The discrete field fᵗ of dmm2: written out where ψ fixes the orbit, else as it is put together."""
-    discrete = side.discrete
-    if side.conserved and discrete.factor is None:
+    discrete = mode.discrete
+    if mode.conserved and discrete.factor is None:
         sheet.say("The mean field is moved across Λᵗ by as little as will do (the minimal-norm scheme):")
         sheet.formula(
             r"f^{\tau} = \bar{f} - \Lambda^{\tau\top} ( \Lambda^{\tau} \Lambda^{\tau\top} )^{-1} "
@@ -242,11 +242,11 @@ def _write_field(sheet: _Sheet, sign: str, side: Side) -> None:
         )
         sheet.equate(rf"\bar{{f}}_{{{sign}}}", discrete.mean_field)
         return
-    if side.conserved:
+    if mode.conserved:
         sheet.say("ψ fixes the orbit, so fᵗ is orthogonal to every row of Λᵗ, and the step is")
     else:
         sheet.say("The step is the implicit midpoint rule:")
-    for variable, component in zip(side.variables, discrete.expression, strict=True):
+    for variable, component in zip(mode.variables, discrete.expression, strict=True):
         sheet.rate(str(variable), component)
 
 

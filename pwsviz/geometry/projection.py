@@ -78,7 +78,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
 
 def conserved_note(system: core.PiecewiseSystem) -> str:
     """Return what there is to know about ψ beside its plot: that there is none, or more than one."""
-    counts = {side: len(system.laws.sides[side].conserved) for side in (-1, 1)}
+    counts = {side: len(system.laws.modes[side].conserved) for side in (-1, 1)}
     if not any(counts.values()):
         return f"{system.name}: no conserved quantity is known on either side, so there is no change of it to show."
     bare = [f"g {'<' if side < 0 else '>'} 0" for side, count in counts.items() if count == 0]
@@ -97,4 +97,4 @@ def _moves(system: core.PiecewiseSystem) -> bool:
 
 
 def _psi_names_time(system: core.PiecewiseSystem) -> bool:
-    return any(TIME in psi.free_symbols for side in system.laws.sides.values() for psi in side.conserved)
+    return any(TIME in psi.free_symbols for mode in system.laws.modes.values() for psi in mode.conserved)

@@ -27,7 +27,7 @@ class Framed:
     def __init__(self, system: PiecewiseSystem, method: str, side: int, x: Any, carry: Any = 0.0) -> None:
         self.compiled = compile_run(system.laws, METHODS[method], levels=True)
         self.system, self.side, self.method = system, side, METHODS[method]
-        m = max(len(s.conserved) for s in system.laws.sides.values())
+        m = max(len(s.conserved) for s in system.laws.modes.values())
         self.frame = Frame(system.dimension, m)
         self.w, self.p, self.scratch = self.frame.empty(), np.array([*system.parameter_array, 0.0]), np.zeros((1, 1))
         self.part("x")[:], self.part("carry")[:] = x, carry
@@ -48,6 +48,6 @@ class Framed:
 def levels(runner: Any) -> list[Any]:
     """Levels of ψ that a run holds, in mpmath."""
     system = runner.system
-    m = max(len(s.conserved) for s in system.laws.sides.values())
+    m = max(len(s.conserved) for s in system.laws.modes.values())
     start = Frame(system.dimension, m).level
     return [mp.mpf(runner._w[start + j]) + mp.mpf(runner._w[start + m + j]) for j in range(m)]

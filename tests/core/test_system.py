@@ -53,7 +53,7 @@ def test_the_contracts_example_is_accepted_and_evaluates() -> None:
 def test_sympy_and_text_declare_the_same_system() -> None:
     x, y, k = sympy.symbols("x y k")
     given = system(variables=(x, y), f_minus=(y, -k * x), f_plus=(y, -x), g=y, psi_minus=(k * x**2 / 2 + y**2 / 2,))
-    assert given.laws.sides[-1].field == system().laws.sides[-1].field
+    assert given.laws.modes[-1].field == system().laws.modes[-1].field
     assert given.laws.g == system().laws.g
 
 

@@ -34,7 +34,7 @@ _FLOOR = 1e-10  #: of an error that the oracle can tell
 def texts_of(system, method):
     """Texts of all that is compiled for a system and a method."""
     laws = system.laws
-    for side in laws.sides.values():
+    for side in laws.modes.values():
         code = StepCode(laws, side)
         yield code.text(method.scheme.write(side, code))
         yield from levels_texts(laws, side)

@@ -81,7 +81,7 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     found = Drift(
         plan.tau, plan.steps, t, np.full((n, len(t)), np.nan), (Status.RUNNING,) * n, ("",) * n, (0,) * n, np.zeros(n)
     )
-    counts = [len(side.conserved) for side in plan.system.laws.sides.values()]
+    counts = [len(mode.conserved) for mode in plan.system.laws.modes.values()]
     at = [_Piece(plan.x0, np.zeros(max(counts)), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
     for number, (start, end) in enumerate(pairwise(edges)):
         going = [k for k in range(n) if at[k].status is Status.COMPLETED]

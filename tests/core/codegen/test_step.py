@@ -42,7 +42,7 @@ def starts(system: PiecewiseSystem, steps: tuple[float, ...], count: int = 60) -
 def exact_values(system: PiecewiseSystem, side: int, derivatives: bool = False) -> Any:
     """ψ of (t, x), or its gradient and its derivative in t, in mpmath."""
     laws = system.laws
-    psi = sympy.Matrix(laws.sides[side].conserved)
+    psi = sympy.Matrix(laws.modes[side].conserved)
     wanted = psi.jacobian([*laws.x, sympy.Symbol("t")]) if derivatives else psi
     values = {p: mp.mpf(v) for p, v in zip(laws.p, system.parameter_array, strict=True)}
     function = sympy.lambdify([sympy.Symbol("t"), *laws.x, *laws.p], wanted, "mpmath")

@@ -37,7 +37,7 @@ def laws_of(variables: str, field: tuple[str, ...], g: str, parameters: str = ""
 @lru_cache(maxsize=64)
 def compiled(laws: Laws) -> tuple[Callable[..., None], int]:
     """The jitted function of the text, and how many rows it needs."""
-    code = series_code(laws, laws.sides[1])
+    code = series_code(laws, laws.modes[1])
     read = [f"order = int(w[{ORDER_SLOT}])", f"c = carray(scratch, ({code.rows}, order + {SPARE}))"]
     module = _load(
         module_text([function_text("series", [*read, "shrink = 1.0", *code.lines, f"w[{UNIT}] = unit", "return 0"])])
@@ -190,18 +190,18 @@ def test_lower_orders_are_the_beginning_of_higher_ones() -> None:
 )
 def test_scalar_multiples_and_sums_take_no_row(field: tuple[str, ...], g: str, rows: int) -> None:
     laws = laws_of("xy", field, g, "a")
-    assert series_code(laws, laws.sides[1]).rows == rows
+    assert series_code(laws, laws.modes[1]).rows == rows
 
 
 def test_a_shared_expression_is_worked_out_once() -> None:
     laws = laws_of("xy", ("x*y*sin(x)", "2*x*y + cos(x)"), "3*x*y")
-    text = "\n".join(series_code(laws, laws.sides[1]).lines)
+    text = "\n".join(series_code(laws, laws.modes[1]).lines)
     assert text.count("math.sin") == text.count("math.cos") == 1
     assert text.count("_back = fma(") == 4  # x y, (x y) sin x, and one each for sine and cosine
 
 
 def test_a_function_without_recurrence_is_refused_by_name() -> None:
     laws = laws_of("xy", ("y", "-x"), "y")
-    side = dataclasses.replace(laws.sides[1], field=(sympy.erf(laws.x[0]), laws.x[1]))
+    side = dataclasses.replace(laws.modes[1], field=(sympy.erf(laws.x[0]), laws.x[1]))
     with pytest.raises(ValueError, match="no recurrence for erf"):
         series_code(laws, side)

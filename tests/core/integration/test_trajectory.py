@@ -28,7 +28,7 @@ def test_conserved_error_agrees_with_a_sum_of_fifty_digits(system):
     system = core.CATALOGUE[system]
     run = core.integrate(system, (0.0, 3.0), tau=0.05, method="rk4")
     names = [*system.laws.x, sympy.Symbol("t"), *system.laws.p]
-    psi = {side: system.laws.sides[side].conserved for side in (-1, 1)}
+    psi = {side: system.laws.modes[side].conserved for side in (-1, 1)}
 
     def exact(side, t, x):
         values = [sympy.Float(float(v), 50) for v in (*x, t, *system.parameter_array)]

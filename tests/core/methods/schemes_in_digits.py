@@ -74,7 +74,7 @@ class _Functions:
     """One side's f and discrete field, as functions of (t, *x) and of (t, *x, t1, *x1)."""
 
     def __init__(self, system: core.PiecewiseSystem, sign: int) -> None:
-        side = system.laws.sides[sign]
+        side = system.laws.modes[sign]
         discrete, ends = side.discrete, side.discrete.ends
         between = [ends.times[0], *ends.start, ends.times[1], *ends.end]
         self.m = len(side.conserved)

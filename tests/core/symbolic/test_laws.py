@@ -30,7 +30,7 @@ def test_long_constants_are_evaluated(text: str, value: float) -> None:
     many = system.field(1, np.zeros(3), np.ones((3, 2)))
     assert one[0] == pytest.approx(value, rel=1e-14, abs=1e-16)
     assert many[:, 0] == pytest.approx([value] * 3, rel=1e-14, abs=1e-16)
-    numbers = system.laws.numbers("test", system.laws.sides[1].field, 0.0, (1.0, 0.0), system.parameter_array)
+    numbers = system.laws.numbers("test", system.laws.modes[1].field, 0.0, (1.0, 0.0), system.parameter_array)
     assert numbers[0] == pytest.approx(value, rel=1e-14, abs=1e-16)
     assert system.switching(0.0, (0.0, 1.0)) == 1e300
 

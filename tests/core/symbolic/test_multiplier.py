@@ -122,7 +122,7 @@ def test_names_of_the_ends_keep_clear_of_the_systems_own() -> None:
 
 
 def field_of(system: PiecewiseSystem, side: int) -> DiscreteField:
-    return system.laws.sides[side].discrete
+    return system.laws.modes[side].discrete
 
 
 @pytest.mark.parametrize(("side", "frequency"), [(-1, "omega2_minus"), (1, "omega2_plus")])

@@ -69,7 +69,7 @@ def test_dmm2_keeps_psi_to_round_off(runs, name):
     error = np.abs(run.conserved_error())
     for side in (-1, 1):
         rows = run.side == side
-        for k, psi in enumerate(run.system.laws.sides[side].conserved if rows.any() else ()):
+        for k, psi in enumerate(run.system.laws.modes[side].conserved if rows.any() else ()):
             terms = sympy.Add.make_args(sympy.expand(psi))
             values = run.system.laws.evaluate(
                 ("terms", side, k), terms, run.t[rows], run.x[rows], run.system.parameter_array

@@ -86,7 +86,7 @@ def test_an_expression_is_typeset_with_the_brackets_it_needs(expression: object,
 def test_names_have_their_subscripts_signs_and_greek_letters() -> None:
     system = core.CATALOGUE["harmonic_oscillator"]
     names = names_of(system)
-    omega, start = Symbol("omega2_minus"), system.laws.sides[1].discrete.ends.start[0]
+    omega, start = Symbol("omega2_minus"), system.laws.modes[1].discrete.ends.start[0]
     assert seen(omega, dict(names)) == "ω_[−]^[2]"
     assert seen(omega**2, dict(names)) == "(ω_[−]^[2])^[2]"
     assert seen(start, dict(names)) == "x_[0]"
@@ -109,7 +109,7 @@ def test_a_name_made_to_be_slow_is_not() -> None:
 
 def test_ends_of_a_step_have_an_index_more_where_the_variable_has_one() -> None:
     system = core.CATALOGUE["rigid_body"]
-    ends = system.laws.sides[1].discrete.ends
+    ends = system.laws.modes[1].discrete.ends
     assert seen(ends.end[0], dict(names_of(system))) == "y_[1,1]"
 
 
@@ -217,7 +217,7 @@ def test_no_name_is_ever_markup(name: str, named: bool) -> None:
 def test_every_system_of_the_catalogue_is_typeset(key: str) -> None:
     system = core.CATALOGUE[key]
     names = dict(names_of(system))
-    for side in system.laws.sides.values():
+    for side in system.laws.modes.values():
         for expression in (*side.field, *side.conserved, system.laws.g, *side.discrete.gradient):
             parsed(markup(expression, names))
             assert "too long" not in markup(expression, names)
