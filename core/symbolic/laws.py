@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -23,7 +23,7 @@ __all__ = ["Laws", "Mode", "derive", "rate_along"]
 Vector: TypeAlias = "tuple[Symbol, ...]"
 Pair: TypeAlias = "tuple[tuple[Expr, ...], tuple[Expr, ...]]"
 
-#: Powers of a variable to ±this are written as products: numpy works out x*x*x ten times as fast as x**3.
+#: Powers up to this are written as products: numpy works out x*x*x ten times as fast as x**3.
 _LONGEST_PRODUCT = 4
 
 _LONGEST = 2**53  #: of a whole number that is a float for certain
@@ -107,7 +107,7 @@ class Laws:
         """
         if key not in self._functions:
             names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
-            products = [_powers_as_products(_with_floats(e).xreplace(names)) for e in expressions]
+            products = [_powers_as_products()(_with_floats(e).xreplace(names)) for e in expressions]
             self._functions[key] = sympy.lambdify(list(names.values()), products, "numpy")
         states = np.asarray(x, dtype=float)
         shape = np.broadcast_shapes(np.shape(t), states.shape[:-1])
@@ -136,18 +136,12 @@ def _with_floats(expression: Expr) -> Expr:
     return expression.xreplace({n: sympy.Float(_nearest(n), 17) for n in long})
 
 
-def _powers_as_products(expression: Expr) -> Expr:
-    """Write small whole powers of variables as products."""
+@cache
+def _powers_as_products() -> Callable[[Expr], Expr]:
+    """Return what writes small powers as products. It is imported when needed: that takes a tenth of `import core`."""
+    from sympy.codegen.rewriting import create_expand_pow_optimization
 
-    def is_small_power(e: Expr) -> bool:
-        return bool(e.is_Pow and e.base.is_Symbol and e.exp.is_Integer and abs(e.exp) <= _LONGEST_PRODUCT)
-
-    def product(power: Expr) -> Expr:
-        factors = [power.base] * abs(int(power.exp))
-        written = sympy.UnevaluatedExpr(sympy.Mul(*factors, evaluate=False))
-        return written if power.exp > 0 else 1 / written
-
-    return expression.replace(is_small_power, product)
+    return create_expand_pow_optimization(_LONGEST_PRODUCT)  # type: ignore[no-any-return]
 
 
 def _nearest(number: sympy.Rational) -> float:

@@ -14,7 +14,7 @@ from core.codegen.taylor_series import series_code
 from core.compilation.compiled import _load
 from core.kernels.abi import ORDER as ORDER_SLOT
 from core.kernels.abi import UNIT, Frame
-from core.symbolic.laws import derive
+from core.symbolic.declaration import Declaration
 
 EPS = 2.0**-52
 ORDER = 14
@@ -38,7 +38,7 @@ def _drawn(rng: np.random.Generator) -> str:
 
 def _computed(text: str) -> np.ndarray:
     """Coefficients of g = text while (x, y) turns on the unit circle."""
-    laws = derive(("x", "y"), (), ("y", "-x"), ("y", "-x"), text, (), (), None)
+    laws = Declaration(("x", "y"), (), (), ("y", "-x"), ("y", "-x"), (text,)).laws
     code = series_code(laws, laws.modes[1])
     lines = [f"order = int(w[{ORDER_SLOT}])", f"c = carray(scratch, ({code.rows}, {ORDER + 1}))", "shrink = 1.0"]
     module = _load(module_text([function_text("series", [*lines, *code.lines, f"w[{UNIT}] = unit", "return 0"])]))

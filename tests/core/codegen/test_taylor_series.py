@@ -20,7 +20,8 @@ from core.codegen.taylor_series import series_code
 from core.compilation.compiled import _load
 from core.kernels.abi import ORDER as ORDER_SLOT
 from core.kernels.abi import UNIT, Frame
-from core.symbolic.laws import Laws, derive
+from core.symbolic.declaration import Declaration
+from core.symbolic.laws import Laws
 from tests.core.exact import EPS
 from tests.core.frames import pointer
 
@@ -31,7 +32,7 @@ T, X, Y = 0.3, 0.6, 0.8
 
 
 def laws_of(variables: str, field: tuple[str, ...], g: str, parameters: str = "") -> Laws:
-    return derive(tuple(variables), tuple(parameters), field, field, g, (), (), None)
+    return Declaration(tuple(variables), tuple(parameters), (None,) * len(parameters), field, field, (g,)).laws
 
 
 @lru_cache(maxsize=64)
