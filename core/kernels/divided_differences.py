@@ -39,7 +39,7 @@ _FACTORIAL = tuple(float(math.factorial(n)) for n in range(20))
 
 @_inline
 def _half_series(s):
-    """Σ s²ʲ/(4j + 1)! and Σ s²ʲ/(4j + 3)!, s = z² ≤ 1: two chains of half the length of the Taylor series of sin z / z."""
+    """Σ s²ʲ/(4j + 1)! and Σ s²ʲ/(4j + 3)!, s = z² ≤ 1: the series of sin z / z in two chains of half the length."""
     q = s * s
     even = fma(fma(fma(fma(1 / _FACTORIAL[17], q, 1 / _FACTORIAL[13]), q, 1 / _FACTORIAL[9]), q, 1 / 120), q, 1.0)
     odd = fma(fma(fma(fma(1 / _FACTORIAL[19], q, 1 / _FACTORIAL[15]), q, 1 / _FACTORIAL[11]), q, 1 / 5040), q, 1 / 6)
