@@ -27,10 +27,17 @@ EPS = 2.0**-52
 TINY = replace(QUICK, methods=("prk8",), share=0.02, repeats=1)
 
 
-@pytest.fixture(scope="module")
-def quick() -> str:
+#: A fresh process with empty caches compiles everything: only the deep level waits for that.
+NO_FIRST_CALLS = replace(QUICK, start_methods=(), larger=())
+
+
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(NO_FIRST_CALLS, id="warm"), pytest.param(QUICK, id="cold", marks=pytest.mark.deep)],
+)
+def quick(request) -> str:
     out = io.StringIO()
-    report(out, QUICK)
+    report(out, request.param)
     return out.getvalue()
 
 

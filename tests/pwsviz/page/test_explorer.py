@@ -16,6 +16,7 @@ from pwsviz.page.explorer import Explorer
 from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import VIEWS, Scene
+from tests.levels import deep_but
 
 
 @pytest.fixture
@@ -315,7 +316,11 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     assert "core.integrate" in explorer.share.program.object
 
 
-@pytest.mark.parametrize("system", list(core.CATALOGUE))
+#: In two dimensions, in three, without ψ, with jumps.
+QUICK = ("elliptic_curve", "rigid_body", "gene_switch", "bouncing_ball")
+
+
+@pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
 def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     explorer.scene.system = system
     explorer.settle(60)
