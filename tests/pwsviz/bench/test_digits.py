@@ -43,6 +43,7 @@ def test_a_step_that_cannot_be_solved_for_is_refused():
         crossings_in_digits(core.CATALOGUE["elliptic_curve"], "dmm2", 5.0, 1)
 
 
+@pytest.mark.deep
 def test_the_long_benchmark_prints_them_and_the_others_do_not(monkeypatch):
     monkeypatch.setattr("pwsviz.bench.catalogue._FINE", (0.02, 0.01, 0.005))
     assert list(orders_in_digits(bench.QUICK)) == []
