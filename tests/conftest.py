@@ -2,7 +2,7 @@
 
 A plain run draws the same cases every time: a third of those that a test asks for. ``--draws N`` draws N times what
 the test asks for, from the seed that ``--seed`` names or, without one, from a fresh seed; the summary prints it, and
-with it the same cases come again.
+with it the same cases come again. Properties that hypothesis tries, always the same way, are tried on as many more.
 """
 
 import os
@@ -32,9 +32,13 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    """Choose the seed, before the workers of a parallel run inherit it."""
-    if config.option.seed is None:
-        config.option.seed = secrets.token_hex(4) if config.option.draws else "0"
+    """Choose the seed, before the workers of a parallel run inherit it, and how many examples hypothesis tries."""
+    option = config.option
+    if option.seed is None:
+        option.seed = secrets.token_hex(4) if option.draws else "0"
+    if option.draws:
+        settings.register_profile("fixed", settings.get_profile("fixed"), max_examples=300 * option.draws)
+        settings.load_profile("fixed")
 
 
 def pytest_terminal_summary(terminalreporter, config):

@@ -16,9 +16,12 @@ from tests.levels import QUICK_METHODS, deep_but
 
 EPS = 2.0**-52
 METHODS = list(core.METHODS)
+any_of = pytest.mark.parametrize(
+    "methods", [QUICK_METHODS, pytest.param(METHODS, marks=pytest.mark.deep)], ids=["one of each kind", "all"]
+)
 #: Dense polynomials take long to compile: one implicit, one explicit and one variable-step method stand for their kind.
 OF_FULL = ("dmm2", "rk4", "taylor")
-SEVERAL = settings(max_examples=250, suppress_health_check=list(HealthCheck))
+SEVERAL = settings(suppress_health_check=list(HealthCheck))
 
 number = st.floats(-2.0, 2.0, allow_nan=False).map(lambda a: round(a, 3))
 
@@ -153,9 +156,11 @@ def check_every_claim(case, method):
         check_kept(case, run, 64)
 
 
+@any_of
 @SEVERAL
-@given(case=cases(), method=st.sampled_from(METHODS))
-def test_any_run_is_finite_and_ordered_and_keeps_psi_if_it_completes_whatever_its_steps(case, method):
+@given(case=cases(), draw=st.data())
+def test_any_run_is_finite_and_ordered_and_keeps_psi_if_it_completes_whatever_its_steps(methods, case, draw):
+    method = draw.draw(st.sampled_from(methods))
     run = try_run(case, method)
     if run is None:
         return
@@ -166,10 +171,11 @@ def test_any_run_is_finite_and_ordered_and_keeps_psi_if_it_completes_whatever_it
         check_kept(case, run, 1024)
 
 
+@any_of
 @SEVERAL
-@given(case=cases(most=-0.5, resolved=True), method=st.sampled_from(METHODS))
-def test_a_run_that_resolves_the_motion_keeps_every_claim(case, method):
-    check_every_claim(case, method)
+@given(case=cases(most=-0.5, resolved=True), draw=st.data())
+def test_a_run_that_resolves_the_motion_keeps_every_claim(methods, case, draw):
+    check_every_claim(case, draw.draw(st.sampled_from(methods)))
 
 
 @pytest.mark.deep

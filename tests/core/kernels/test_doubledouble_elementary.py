@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from core.kernels.doubledouble import elementary, quick
 from core.kernels.doubledouble.elementary import dd_cos, dd_log, dd_pow, dd_sin, dd_tan, quick_cos, quick_sin
-from tests.core.doubles import DIGITS, FIXED, Pair, error, exact, pairs, relative_error, sized
+from tests.core.doubles import DIGITS, Pair, error, exact, pairs, relative_error, sized
 
 SMALL = sized(-100, 0)
 #: Arguments, by function: sizes of every order, what is usual, all up to where a result nears the ends of the range.
@@ -40,7 +40,6 @@ def function(name: str, kind: str = "dd") -> Callable[..., Pair]:
 
 @pytest.mark.parametrize("name", BOUNDS)
 def test_function_is_accurate_relative_to_its_value(name: str) -> None:
-    @FIXED
     @given(pairs(ARGUMENTS[name]))
     def check(a: Pair) -> None:
         with mp.workdps(DIGITS):
@@ -49,7 +48,6 @@ def test_function_is_accurate_relative_to_its_value(name: str) -> None:
     check()
 
 
-@FIXED
 @given(pairs(ANGLES))
 def test_sine_and_cosine_are_accurate_relative_to_one(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -57,7 +55,6 @@ def test_sine_and_cosine_are_accurate_relative_to_one(a: Pair) -> None:
         assert error(dd_cos(*a), mp.cos(exact(a))) <= 1.0
 
 
-@FIXED
 @given(pairs(ANGLES))
 def test_the_quick_sine_and_cosine_are_good_to_78_bits(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -67,7 +64,6 @@ def test_the_quick_sine_and_cosine_are_good_to_78_bits(a: Pair) -> None:
 
 @pytest.mark.parametrize("name", BOUNDS)
 def test_quick_functions_are_good_to_76_bits(name: str) -> None:
-    @FIXED
     @given(pairs(ARGUMENTS[name]))
     def check(a: Pair) -> None:
         with mp.workdps(DIGITS):
@@ -78,7 +74,6 @@ def test_quick_functions_are_good_to_76_bits(name: str) -> None:
     check()
 
 
-@FIXED
 @given(pairs(st.floats(-1.5, 1.5)))
 def test_the_quick_tangent_is_good_to_76_bits(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -86,7 +81,6 @@ def test_the_quick_tangent_is_good_to_76_bits(a: Pair) -> None:
         assert error(quick.quick_tan(*a), wanted) <= 2.0**28 * (1.0 + wanted**2)
 
 
-@FIXED
 @given(pairs(sized(-100, 100).map(abs)), pairs(sized(-30, 3)))
 def test_the_quick_power_is_good_to_76_bits(a: Pair, b: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -95,7 +89,6 @@ def test_the_quick_power_is_good_to_76_bits(a: Pair, b: Pair) -> None:
         assert relative_error(quick.quick_pow(*a, *b), wanted) <= bound
 
 
-@FIXED
 @given(pairs(sized(44.5, 45.9)))
 def test_sine_and_cosine_are_accurate_where_an_angle_is_rounded_by_more_than_a_step_of_the_table(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -103,7 +96,6 @@ def test_sine_and_cosine_are_accurate_where_an_angle_is_rounded_by_more_than_a_s
         assert error(dd_cos(*a), mp.cos(exact(a))) <= 1.0
 
 
-@FIXED
 @given(pairs(SMALL | st.floats(-1.5, 1.5)))
 def test_sine_and_tangent_are_accurate_relative_to_their_values_up_to_a_right_angle(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -111,7 +103,6 @@ def test_sine_and_tangent_are_accurate_relative_to_their_values_up_to_a_right_an
         assert relative_error(dd_tan(*a), mp.tan(exact(a))) <= 3.0
 
 
-@FIXED
 @given(st.integers(1, 63_661))
 def test_doubles_nearest_to_multiples_of_a_right_angle_keep_29_digits(k: int) -> None:
     with mp.workdps(DIGITS):
@@ -121,7 +112,6 @@ def test_doubles_nearest_to_multiples_of_a_right_angle_keep_29_digits(k: int) ->
         assert relative_error(dd_tan(a, 0.0), mp.tan(a)) <= 500
 
 
-@FIXED
 @given(pairs(sized(46.1, 90)))
 def test_large_angles_are_as_in_double_precision(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -130,7 +120,6 @@ def test_large_angles_are_as_in_double_precision(a: Pair) -> None:
         assert abs(exact(dd_cos(*a)) - mp.cos(exact(a))) <= 4 * 2.0**-53
 
 
-@FIXED
 @given(pairs(sized(-100, 100).map(abs)), pairs(sized(-30, 3)))
 def test_real_power_is_accurate_to_its_exponent(a: Pair, b: Pair) -> None:
     with mp.workdps(DIGITS):
