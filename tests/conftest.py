@@ -1,7 +1,8 @@
 """What all tests share: how random cases are drawn, and a headless Chromium.
 
-A plain run draws the same cases every time. ``--draws N`` draws N times as many, from the seed that ``--seed`` names
-or, without one, from a fresh seed; the summary prints it, and with it the same cases come again.
+A plain run draws the same cases every time: a third of those that a test asks for. ``--draws N`` draws N times what
+the test asks for, from the seed that ``--seed`` names or, without one, from a fresh seed; the summary prints it, and
+with it the same cases come again. Properties that hypothesis tries, always the same way, are tried on as many more.
 """
 
 import os
@@ -26,18 +27,24 @@ FLAGS = [
 
 def pytest_addoption(parser):
     group = parser.getgroup("random cases")
-    group.addoption("--draws", type=int, default=1, metavar="N", help="draw N times as many cases of every family")
+    group.addoption("--draws", type=int, metavar="N", help="draw N times the cases that every test asks for")
     group.addoption("--seed", default=None, metavar="S", help="seed of these cases, in hexadecimal")
 
 
 def pytest_configure(config):
-    """Choose the seed, before the workers of a parallel run inherit it."""
-    if config.option.seed is None:
-        config.option.seed = secrets.token_hex(4) if config.option.draws > 1 else "0"
+    """Choose the seed, before the workers of a parallel run inherit it, and how many examples hypothesis tries."""
+    option = config.option
+    if option.seed is None:
+        option.seed = secrets.token_hex(4) if option.draws else "0"
+    if option.draws:
+        settings.register_profile("fixed", settings.get_profile("fixed"), max_examples=300 * option.draws)
+        settings.load_profile("fixed")
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    terminalreporter.write_line(f"random cases: --draws {config.option.draws} --seed {config.option.seed}")
+    option = config.option
+    number = f"--draws {option.draws} " if option.draws else ""
+    terminalreporter.write_line(f"random cases: {number}--seed {option.seed}")
 
 
 @pytest.fixture
@@ -46,7 +53,7 @@ def draws(request):
     option, test = request.config.option, zlib.crc32(request.node.nodeid.encode())
 
     def generators(count):
-        for k in range(count * option.draws):
+        for k in range(count * option.draws if option.draws else -(-count // 3)):
             yield np.random.default_rng([int(option.seed, 16), test, k])
 
     return generators

@@ -6,7 +6,6 @@ import pytest
 
 from tests.browser.looking import (
     GROUND,
-    await_built,
     await_ground,
     await_other_picture,
     await_painted,
@@ -38,6 +37,7 @@ def test_typing_a_step_size_repaints_and_updates_the_status(visit):
     await_other_picture(page, drawing, before)
 
 
+@pytest.mark.deep
 def test_the_slider_moves_the_step_size(visit):
     page = visit()
     drawing = await_painted(page, "conserved quantity")
@@ -66,6 +66,7 @@ def test_order_and_crossing_time_show_slopes_near_two(visit):
         await_painted(page, figure)
 
 
+@pytest.mark.deep
 def test_bad_input_is_told_and_the_picture_stays(visit):
     page = visit()
     drawing = await_painted(page, "Phase portrait")
@@ -80,29 +81,6 @@ def test_bad_input_is_told_and_the_picture_stays(visit):
     assert page.get_by_text(re.compile("is not a number")).count() == 0
 
 
-def test_a_click_places_the_start(visit):
-    page = visit()
-    drawing = await_painted(page, "Phase portrait")
-    await_built(page)
-    box = drawing.bounding_box()
-    page.mouse.click(box["x"] + 0.35 * box["width"], box["y"] + 0.45 * box["height"])
-    for _ in range(100):
-        if field(page, "x at start").input_value() != "-1.0":
-            break
-        page.wait_for_timeout(50)
-    assert field(page, "x at start").input_value() != "-1.0"
-
-
-def test_another_system_can_be_chosen(visit):
-    page = visit()
-    await_painted(page, "Phase portrait")
-    page.get_by_role("combobox", name="System").click()
-    page.get_by_text("Harmonic oscillator", exact=True).click()
-    field(page, "ω²₋").wait_for()
-    page.get_by_text(re.compile("2,000 steps, (?!21 )")).first.wait_for()
-    await_painted(page, "Phase portrait")
-
-
 def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
     page = visit(420, 800)
     drawing = await_painted(page, "Phase portrait")
@@ -114,6 +92,7 @@ def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
     assert tab["y"] >= portrait["y"] + portrait["height"]
 
 
+@pytest.mark.deep
 def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     page = visit()
     light = await_painted(page, "Phase portrait").evaluate(GROUND)
@@ -137,6 +116,7 @@ def opacity(drawing):
                             "o *= getComputedStyle(node).opacity; return o }")  # fmt: skip
 
 
+@pytest.mark.deep
 def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_back(visit):
     page = visit()
     await_painted(page, "conserved quantity")
@@ -163,6 +143,7 @@ def test_a_picture_in_more_dimensions_says_that_it_is_projected_and_is_not_left_
     assert drawing.bounding_box()["height"] == before
 
 
+@pytest.mark.deep
 def test_taylor_brings_its_tolerance(visit):
     page = visit()
     await_painted(page, "Phase portrait")

@@ -121,6 +121,7 @@ def test_a_key_removes_the_selected_one(page, key):
     assert left["at"] == seen["at"][:1]
 
 
+@pytest.mark.deep
 def test_a_key_pressed_while_typing_removes_nothing(page):
     place_second(page)
     entry = field(page, "Step size τ")
@@ -150,6 +151,7 @@ def test_dragging_elsewhere_pans(page):
     assert after["at"] == before["at"]
 
 
+@pytest.mark.deep
 def test_a_finger_drags_a_star_and_a_double_tap_removes_it(page):
     before = place_second(page)
     touch = page.context.new_cdp_session(page)
@@ -186,6 +188,7 @@ def test_a_crossing_pointed_at_in_the_portrait_is_marked_beside_it(page):
     await_that(page, CONSERVED, lambda other: other["pointed"] == [])
 
 
+@pytest.mark.deep
 def test_a_crossing_pointed_at_beside_the_portrait_is_marked_in_it(page):
     other = await_that(page, CONSERVED)
     page.get_by_role("img", name=re.compile("conserved quantity")).scroll_into_view_if_needed()
@@ -219,6 +222,7 @@ def test_the_player_moves_a_marker_for_each_integrator_and_tells_the_server_noth
     assert page.evaluate(PORTRAIT)["moving"] == []
 
 
+@pytest.mark.deep
 def test_keys_step_through_the_run_and_its_crossings(page):
     page.get_by_role("button", name="Play in time").click()
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
@@ -236,6 +240,7 @@ def test_keys_step_through_the_run_and_its_crossings(page):
     page.get_by_role("button", name="Play", exact=True).wait_for()
 
 
+@pytest.mark.deep
 def test_those_who_want_no_motion_get_single_pictures(visit):
     page = visit()
     page.emulate_media(reduced_motion="reduce")

@@ -27,6 +27,7 @@ def test_every_view_shows_itself_and_says_what_it_shows(visit):
     assert page.locator("math").count() > 5
 
 
+@pytest.mark.deep
 def test_the_address_holds_the_scene_and_undo_brings_it_back(visit):
     page = visit()
     await_painted(page, "Phase portrait")
@@ -47,6 +48,7 @@ def test_the_address_holds_the_scene_and_undo_brings_it_back(visit):
     page.get_by_text(re.compile("1,000 steps")).first.wait_for()
 
 
+@pytest.mark.deep
 def test_a_broken_link_is_told_and_harms_nothing(visit, address):
     page = visit()
     page.goto(f"{address}?v=1&system=pendulum&tau=soon&<script>alert(1)</script>=1&t_end=4.0")
@@ -71,6 +73,7 @@ def test_a_system_is_typed_checked_and_used(visit):
     page.get_by_text(re.compile("21 crossings")).first.wait_for(timeout=60_000)
 
 
+@pytest.mark.deep
 def test_a_field_and_a_button_told_of_at_once_are_both_heard(visit):
     page = visit()
     portrait = await_painted(page, "Phase portrait")
@@ -99,6 +102,7 @@ def test_the_program_taken_away_computes_what_the_page_shows(visit):
     page.get_by_role("dialog").get_by_role("button", name="CSV").first.wait_for()
 
 
+@pytest.mark.deep
 def test_a_click_saves_one_file_and_the_next_another(visit):
     page, saved = visit(), []
     page.on("download", lambda download: saved.append(download.suggested_filename.rpartition(".")[2]))

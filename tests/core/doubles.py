@@ -6,13 +6,11 @@ import math
 from typing import Any
 
 import mpmath as mp
-from hypothesis import settings
 from hypothesis import strategies as st
 
 DIGITS = 60
 #: One part in 2¹⁰⁴: the unit in which errors are counted, 4 u² with u = 2⁻⁵³.
 UNIT = 2.0**-104
-FIXED = settings(derandomize=True, deadline=None, max_examples=400, database=None)
 
 Pair = tuple[float, float]
 

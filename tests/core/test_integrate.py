@@ -99,17 +99,6 @@ def test_moving_surface_is_met_where_it_is():
     assert t - math.sin(t) / 2 - 1 == pytest.approx(0.0, abs=4 * EPS)
 
 
-def test_time_dependent_conserved_quantity_is_kept():
-    system = core.PiecewiseSystem(
-        "Damped", ("x", "v"), ("v", "-c*v - k*x"), ("v", "-k*x"), "x",
-        ("(v**2 + c*x*v + k*x**2)*exp(c*t)/2",), ("(v**2 + k*x**2)/2",), {"c": 0.1, "k": 2.0}, (1.0, 0.0),
-    )  # fmt: skip
-    run = core.integrate(system, (0.0, 50.0), tau=1e-2)
-    assert len(run.crossings) > 20
-    # exp(c t) = 148 at the end multiplies the round-off of the state.
-    assert np.nanmax(np.abs(run.conserved_error())) < 16 * EPS * math.exp(5)
-
-
 # Crossings -----------------------------------------------------------------------------------------------------------
 
 
@@ -119,47 +108,6 @@ def test_crossings_alternate_sides_and_lie_on_the_surface():
     assert np.abs(run.crossings.g).max() <= 4 * EPS  # the rounding of x**2 + y**2 - 1 itself
     assert set(run.crossings.kind) == {"transversal"}
     assert (run.crossings.rate_before * run.crossings.rate_after > 0).all()
-
-
-@pytest.mark.parametrize("delta", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14])
-def test_grazing_ladder_finds_all_twenty_crossings(delta):
-    system = one_law("ladder", g="x - c", parameters={"c": 1 - delta}, x0=(0.0, 1.0))
-    run = core.integrate(system, (0.0, 20 * math.pi), tau=0.3)
-    assert (len(run.crossings), run.status) == (20, Status.COMPLETED)
-
-
-@pytest.mark.parametrize("method", list(core.METHODS))
-def test_several_crossings_within_one_step_are_all_made(method):
-    system = core.PiecewiseSystem("fast", ("x", "y"), ("1", "0"), ("1", "0"), "(x - 0.3)*(x - 0.31)",
-                                  ("y",), ("y",), x0=(0.0, 0.5))  # fmt: skip
-    run = core.integrate(system, (0.0, 1.0), tau=1.0, method=method)
-    assert run.crossings.t == pytest.approx([0.3, 0.31], abs=8 * EPS)
-    assert run.steps == (3 if core.METHODS[method].adaptive else 1)
-
-
-def test_start_on_the_surface_takes_the_side_the_fields_lead_to():
-    run = core.integrate(OSCILLATOR, (0.0, 1.0), x0=(1.0, 0.0), tau=0.1)
-    assert (run.side == -1).all()
-    assert len(run.crossings) == 0
-
-
-def test_end_on_the_surface_completes():
-    system = one_law("end", ("1", "0"), "x - 1", ("y",), x0=(0.0, 0.0))
-    run = core.integrate(system, (0.0, 1.0), tau=0.25)
-    assert (run.status, len(run.crossings), run.t[-1]) == (Status.COMPLETED, 1, 1.0)
-    again = core.integrate(system, (1.0, 2.0), x0=run.x[-1], tau=0.25)
-    assert len(again.crossings) == 0
-
-
-def test_without_transition_the_order_is_lost_but_the_run_completes():
-    exact = core.reference_solution(OSCILLATOR).state(10.0)
-    taus = np.array([1e-2, 1e-3, 1e-4])
-    errors = [
-        np.abs(core.integrate(OSCILLATOR, (0.0, 10.0), tau=tau, method="rk4", transition="none", record="end").x[-1]
-               - exact).max()
-        for tau in taus
-    ]  # fmt: skip
-    assert errors[-1] > 1e-6  # fourth order would be at round-off
 
 
 @pytest.mark.parametrize("scale", [1.0, -1.0, 10.0])
@@ -184,14 +132,6 @@ def test_the_place_where_the_scheme_met_the_surface_is_kept_beside_where_it_land
     assert apart > 1e-3 if how else apart == 0.0
 
 
-def test_running_back_undoes_running_forward():
-    forward = core.integrate(ELLIPTIC, (0.0, 30.0), tau=1e-2)
-    back = core.integrate(ELLIPTIC, (30.0, 0.0), x0=forward.x[-1], tau=1e-2)
-    # Symmetric scheme, but 31 crossings break the step sequence: what is left is their O(tau**2) difference in time.
-    assert np.abs(back.x[-1] - (-1, -1)).max() < 1e-3
-    assert len(back.crossings) == len(forward.crossings)
-
-
 @pytest.mark.parametrize("method", [m.name for m in core.METHODS.values() if m.symmetric])
 def test_a_symmetric_method_undoes_its_steps_to_round_off(method):
     system = one_law(x0=(1.0, 0.5), g="x - 5")
@@ -201,27 +141,6 @@ def test_a_symmetric_method_undoes_its_steps_to_round_off(method):
 
 
 # Stops ---------------------------------------------------------------------------------------------------------------
-
-
-def test_coulomb_friction_sticks_at_four_pi():
-    system = core.PiecewiseSystem("Friction", ("y", "v"), ("v", "-y + 0.4"), ("v", "-y - 0.4"), "v",
-                                  ("v**2 + (y - 0.4)**2",), ("v**2 + (y + 0.4)**2",), x0=(3.0, 0.0))  # fmt: skip
-    run = core.integrate(system, (0.0, 20.0), tau=1e-3)
-    assert run.status is Status.SLIDING
-    assert run.crossings.x[:, 0] == pytest.approx([-2.2, 1.4, -0.6, -0.2], abs=1e-14)
-    assert run.t[-1] == pytest.approx(4 * math.pi, abs=1e-5)
-    assert run.crossings.kind[-1] == "sliding"
-    assert "slides along" in run.message
-
-
-def test_bouncing_ball_stops_at_its_accumulation_point():
-    system = core.PiecewiseSystem("Ball", ("y", "v"), ("v", "-9.8"), ("v", "-9.8"), "y", ("v**2/2 + 9.8*y",),
-                                  ("v**2/2 + 9.8*y",), x0=(1.0, 0.0), jump=("0", "-v/2"))  # fmt: skip
-    run = core.integrate(system, (0.0, 3.0), tau=1e-3)
-    assert run.status is Status.ZENO
-    assert run.t[-1] == pytest.approx(1.3552618543578767, abs=1e-13)
-    assert set(run.crossings.kind) == {"jump"}
-    assert run.crossings.x_after[:, 1] == pytest.approx(-run.crossings.x[:, 1] / 2)
 
 
 @pytest.mark.parametrize(

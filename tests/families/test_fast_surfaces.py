@@ -14,6 +14,7 @@ import core
 from core import Status
 from tests.families.flights import Modes, accelerated, forced, integrated, linear, real, rotating
 from tests.families.oracles import Array, Hybrid, contradiction, mistake, silent, trusted
+from tests.levels import deep_but
 
 _ORDER = {"dmm2": 2, "rk4": 4, "rk8": 8, "prk8": 8, "dmm8": 8}
 _FINE = 2e-9  #: what a crossing's time may be off by where flights are exact
@@ -305,6 +306,10 @@ FAMILIES: dict[str, Callable[[np.random.Generator], Case]] = {
 }  # fmt: skip
 
 
+#: What each of them compiles takes longer than its runs: the others are deep.
+QUICK = ("wave", "moving", "root", "product", "interface", "pendulum")
+
+
 def tolerance_of(rng: np.random.Generator) -> float:
     return float(10 ** rng.uniform(-13.0, -6.0))
 
@@ -338,7 +343,7 @@ def test_straight_motion_meets_every_zero_of_a_sine(k):
     assert np.abs(run.crossings.t - zeros).max() < 1e-12
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", deep_but(QUICK, FAMILIES))
 def test_taylor_meets_every_crossing_and_goes_on(draws, name):
     for rng in draws(3 if name == "pendulum" else 8):
         case = FAMILIES[name](rng)
@@ -347,7 +352,7 @@ def test_taylor_meets_every_crossing_and_goes_on(draws, name):
         assert not early, early
 
 
-@pytest.mark.parametrize("name", FIXED)
+@pytest.mark.parametrize("name", deep_but(QUICK, FIXED))
 def test_steps_that_resolve_the_surface_meet_every_crossing(draws, name):
     for rng in draws(3 if name == "pendulum" else 8):
         case = FAMILIES[name](rng)
@@ -356,7 +361,7 @@ def test_steps_that_resolve_the_surface_meet_every_crossing(draws, name):
         assert not early, early
 
 
-@pytest.mark.parametrize("name", FIXED)
+@pytest.mark.parametrize("name", deep_but(QUICK, FIXED))
 def test_steps_too_coarse_for_the_surface_are_right_or_say_so(draws, name):
     for rng in draws(3 if name == "pendulum" else 8):
         case = FAMILIES[name](rng)

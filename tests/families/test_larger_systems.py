@@ -7,6 +7,7 @@ from scipy.linalg import expm
 
 import core
 from tests.families.larger_systems import FAMILIES
+from tests.levels import deep_but
 
 EPS = np.finfo(float).eps
 #: Dimensions that a family has, up to 8.
@@ -52,7 +53,7 @@ def followed(system):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", deep_but(["bodies", "springs"], FAMILIES))
 def test_runs_agree_with_scipy_and_keep_every_psi(family, draws):
     for rng in draws(1):
         system = drawn(rng, family)
@@ -70,7 +71,7 @@ def test_runs_agree_with_scipy_and_keep_every_psi(family, draws):
         assert kept(runs[1], system), described(system, "dmm2")
 
 
-@pytest.mark.parametrize("method", ["dmm8", "prk8"])
+@pytest.mark.parametrize("method", deep_but(["prk8"], ["dmm8", "prk8"]))
 def test_a_long_linear_field_has_the_flow_of_its_matrix_exponential(method, draws):
     """Of fourteen variables: Newton's matrix is in an array, and the field a function of its own."""
     for rng in draws(1):

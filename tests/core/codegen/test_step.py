@@ -16,7 +16,11 @@ from tests.core.exact import EPS
 from tests.core.frames import Framed
 from tests.core.sample_systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
 
-SIDES = [pytest.param(system, side, id=f"{system.name} {side:+d}") for system in ALL for side in (-1, 1)]
+SIDES = [
+    pytest.param(system, side, id=f"{system.name} {side:+d}", marks=pytest.mark.deep if side > 0 else ())
+    for system in ALL
+    for side in (-1, 1)
+]
 #: Kepler's gradients are dependent on a circular orbit: kept away from, and tested apart.
 SPREAD = {"Kepler": 0.15}
 

@@ -62,15 +62,6 @@ def test_a_correction_that_is_small_by_chance_does_not_end_newtons_loop():
     assert np.abs(run.conserved_error()).max() <= (4 * 13 + 32 * 3.7) * EPS
 
 
-def test_symmetric_methods_come_back():
-    f, psi = ("y", "-x"), ("x**2 + y**2",)
-    system = core.PiecewiseSystem("smooth", ("x", "y"), f, f, "x - 10", psi, psi, x0=(1.0, 1.0))
-    there = core.integrate(system, (0.0, 1e4), tau=1e-2, record="end")
-    back = core.integrate(system, (1e4, 0.0), x0=there.x[-1], tau=1e-2, record="end")
-    assert there.steps == 10**6
-    assert np.abs(back.x[-1] - (1.0, 1.0)).max() <= 1024 * EPS
-
-
 def test_the_envelope_is_the_error_of_the_recorded_run():
     arguments = {"tau": 1e-2, "method": "rk4"}
     run = core.integrate(ELLIPTIC, (0.0, 50.0), **arguments)

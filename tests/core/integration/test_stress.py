@@ -12,12 +12,16 @@ from scipy.integrate import solve_ivp
 import core
 from core import Status
 from tests.core.polynomials import CONIC, FULL, SEPARABLE, Case, terms
+from tests.levels import QUICK_METHODS, deep_but
 
 EPS = 2.0**-52
 METHODS = list(core.METHODS)
+any_of = pytest.mark.parametrize(
+    "methods", [QUICK_METHODS, pytest.param(METHODS, marks=pytest.mark.deep)], ids=["one of each kind", "all"]
+)
 #: Dense polynomials take long to compile: one implicit, one explicit and one variable-step method stand for their kind.
 OF_FULL = ("dmm2", "rk4", "taylor")
-SEVERAL = settings(max_examples=250, suppress_health_check=list(HealthCheck))
+SEVERAL = settings(suppress_health_check=list(HealthCheck))
 
 number = st.floats(-2.0, 2.0, allow_nan=False).map(lambda a: round(a, 3))
 
@@ -140,61 +144,52 @@ def check_truthful(case, run):
             assert -side * sign * rate >= -64 * EPS * size
 
 
-# Any step size -------------------------------------------------------------------------------------------------------
-
-
-@SEVERAL
-@given(case=cases(), method=st.sampled_from(METHODS))
-def test_any_run_is_finite_ordered_and_ends_with_a_status(case, method):
+def check_every_claim(case, method):
+    """What holds of a run whose steps resolve the motion."""
     run = try_run(case, method)
-    if run is not None:
-        check_finite_and_ordered(case, run)
-        assert run.status is not Status.RUNNING
+    if run is None or stiffness(case, run.x) > 1.0:
+        return
+    check_finite_and_ordered(case, run)
+    check_places(case, run)
+    check_truthful(case, run)
+    if core.METHODS[method].conservative:
+        check_kept(case, run, 64)
 
 
+@any_of
 @SEVERAL
-@given(case=cases(), method=st.sampled_from([m for m in METHODS if core.METHODS[m].conservative]))
-def test_a_conservative_run_that_completes_has_kept_psi_whatever_its_steps(case, method):
+@given(case=cases(), draw=st.data())
+def test_any_run_is_finite_and_ordered_and_keeps_psi_if_it_completes_whatever_its_steps(methods, case, draw):
+    method = draw.draw(st.sampled_from(methods))
     run = try_run(case, method)
-    if run is not None and run.status is Status.COMPLETED:
+    if run is None:
+        return
+    check_finite_and_ordered(case, run)
+    assert run.status is not Status.RUNNING
+    if core.METHODS[method].conservative and run.status is Status.COMPLETED:
         # Long steps multiply a rounding by the ratio of the gradients at their ends: measured, up to 346 eps.
         check_kept(case, run, 1024)
 
 
-# Steps that resolve the motion ---------------------------------------------------------------------------------------
-
-
+@any_of
 @SEVERAL
-@given(case=cases(most=-0.5, resolved=True), method=st.sampled_from(METHODS))
-def test_a_run_that_resolves_the_motion_keeps_every_claim(case, method):
-    run = try_run(case, method)
-    if run is None or stiffness(case, run.x) > 1.0:
-        return
-    check_finite_and_ordered(case, run)
-    check_places(case, run)
-    check_truthful(case, run)
-    if core.METHODS[method].conservative:
-        check_kept(case, run, 64)
+@given(case=cases(most=-0.5, resolved=True), draw=st.data())
+def test_a_run_that_resolves_the_motion_keeps_every_claim(methods, case, draw):
+    check_every_claim(case, draw.draw(st.sampled_from(methods)))
 
 
+@pytest.mark.deep
 @settings(SEVERAL, max_examples=100)
 @given(case=cases(FULL, most=-0.5, resolved=True), method=st.sampled_from(OF_FULL))
 def test_dense_hamiltonians_keep_every_claim(case, method):
-    run = try_run(case, method)
-    if run is None or stiffness(case, run.x) > 1.0:
-        return
-    check_finite_and_ordered(case, run)
-    check_places(case, run)
-    check_truthful(case, run)
-    if core.METHODS[method].conservative:
-        check_kept(case, run, 64)
+    check_every_claim(case, method)
 
 
 #: Powers of two, which round nothing. To 1e±60: the fourth power of a state, in double-double, is a number.
 UNITS = ((200, 0, 0), (-200, 0, 0), (0, 200, 0), (0, -200, 0), (0, 0, 100), (0, 0, -100), (130, -170, 90))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", deep_but(QUICK_METHODS, METHODS))
 @settings(SEVERAL, max_examples=15)
 @given(case=cases(least=-2.0, most=-1.0, resolved=True))
 def test_units_of_length_time_and_surface_make_no_difference(method, case):

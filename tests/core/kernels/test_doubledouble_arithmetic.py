@@ -28,7 +28,7 @@ from core.kernels.doubledouble.arithmetic import (
     split,
     two_product,
 )
-from tests.core.doubles import DIGITS, FIXED, Pair, error, exact, pairs, relative_error, sized
+from tests.core.doubles import DIGITS, Pair, error, exact, pairs, relative_error, sized
 
 ROOT = Path(__file__).parents[3]
 wide = pairs(sized(-200, 200))
@@ -51,7 +51,6 @@ def cancelling(draw: st.DrawFn) -> tuple[Pair, Pair]:
 # module names.
 
 
-@FIXED
 @given(cancelling())
 def test_sum_is_accurate_relative_to_its_terms(ends: tuple[Pair, Pair]) -> None:
     a, b = ends
@@ -62,7 +61,6 @@ def test_sum_is_accurate_relative_to_its_terms(ends: tuple[Pair, Pair]) -> None:
         assert error(pair_add(*a, -b[0], -b[1]), difference) <= 0.5 * (abs(first) + abs(second))
 
 
-@FIXED
 @given(wide, wide)
 def test_products_are_accurate(a: Pair, b: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -71,7 +69,6 @@ def test_products_are_accurate(a: Pair, b: Pair) -> None:
         assert relative_error(pair_scale(*a, b[0]), exact(a) * mp.mpf(b[0])) <= 0.5
 
 
-@FIXED
 @given(wide, wide)
 def test_quotient_and_root_are_accurate(a: Pair, b: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -80,21 +77,18 @@ def test_quotient_and_root_are_accurate(a: Pair, b: Pair) -> None:
         assert relative_error(dd_sqrt(*positive), mp.sqrt(exact(positive))) <= 0.79
 
 
-@FIXED
 @given(wide, wide)
 def test_quotient_and_root_are_normalised(a: Pair, b: Pair) -> None:
     for high, low in (dd_div(*a, *b), dd_sqrt(abs(a[0]), a[1])):
         assert high + low == high
 
 
-@FIXED
 @given(sized(-400, 400), sized(-400, 400))
 def test_two_product_is_exact(a: float, b: float) -> None:
     product, lost = two_product(a, b)
     assert Fraction(product) + Fraction(lost) == Fraction(a) * Fraction(b)
 
 
-@FIXED
 @given(sized(-540, 300), sized(-540, 300), sized(-1074, 600) | st.none())
 def test_fma_rounds_once(a: float, b: float, c: float | None) -> None:
     c = -(a * b) if c is None else c  # all that is left is what rounding lost; below 2⁻¹⁰²² too

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from core.kernels.doubledouble import elementary
 from core.kernels.doubledouble.elementary import dd_cos, dd_exp, dd_log, dd_pow, dd_sin, dd_tan
-from tests.core.doubles import DIGITS, FIXED, Pair, error, exact, pairs, relative_error, sized
+from tests.core.doubles import DIGITS, Pair, error, exact, pairs, relative_error, sized
 
 SMALL = sized(-100, 0)
 #: Arguments, by function: sizes of every order, what is usual, all up to where a result nears the ends of the range.
@@ -36,7 +36,6 @@ def function(name: str) -> Any:
 
 @pytest.mark.parametrize("name", ARGUMENTS)
 def test_functions_are_good_to_76_bits(name: str) -> None:
-    @FIXED
     @given(pairs(ARGUMENTS[name]))
     def check(a: Pair) -> None:
         with mp.workdps(DIGITS):
@@ -46,7 +45,6 @@ def test_functions_are_good_to_76_bits(name: str) -> None:
     check()
 
 
-@FIXED
 @given(pairs(ANGLES))
 def test_sine_and_cosine_are_good_to_78_bits(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -54,7 +52,6 @@ def test_sine_and_cosine_are_good_to_78_bits(a: Pair) -> None:
         assert error(dd_cos(*a), mp.cos(exact(a))) <= 2.0**26
 
 
-@FIXED
 @given(pairs(st.floats(-1.5, 1.5)))
 def test_the_tangent_is_good_to_76_bits(a: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -62,7 +59,6 @@ def test_the_tangent_is_good_to_76_bits(a: Pair) -> None:
         assert error(dd_tan(*a), wanted) <= 2.0**28 * (1.0 + wanted**2)
 
 
-@FIXED
 @given(pairs(sized(-100, 100).map(abs)), pairs(sized(-30, 3)))
 def test_the_real_power_is_good_to_76_bits(a: Pair, b: Pair) -> None:
     with mp.workdps(DIGITS):
@@ -70,7 +66,6 @@ def test_the_real_power_is_good_to_76_bits(a: Pair, b: Pair) -> None:
         assert relative_error(dd_pow(*a, *b), wanted) <= 2.0**28 * (1 + 100 * abs(exact(b)))
 
 
-@FIXED
 @given(pairs(sized(35.1, 90)))
 def test_large_angles_are_as_in_double_precision(a: Pair) -> None:
     with mp.workdps(DIGITS):

@@ -8,12 +8,10 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from core.kernels.root_isolation import DOUBLE, NARROW, NONE, ROOT, first_root, scratch_shape
-
-FIXED = settings(max_examples=150)
 
 
 def search(row: Any, h: float = 1.0, leaving: int = 0) -> tuple[int, float, float]:
@@ -52,7 +50,6 @@ def assert_first(row: Any, h: float, found: tuple[int, float, float]) -> None:
         assert low / h <= roots[0]
 
 
-@FIXED
 @given(
     st.lists(st.floats(-1, 1), min_size=1, max_size=20),
     st.floats(0.05, 3),

@@ -23,6 +23,7 @@ def test_turning_points_are_exact_whatever_the_step_size(tau):
 def test_the_block_sticks_at_four_pi():
     run = core.integrate(FRICTION, (0.0, 50.0), tau=1e-3, method="rk4")
     assert run.status is Status.SLIDING
+    assert "slides along" in run.message
     assert run.crossings.t == pytest.approx(np.pi * np.arange(1, 5), abs=1e-12)  # tau**4
     assert run.t[-1] == run.crossings.t[-1]
     assert run.x[-1] == pytest.approx((-0.2, 0.0), abs=1e-12)

@@ -8,12 +8,13 @@ import pytest
 
 import core
 from core import Status
+from tests.levels import QUICK_METHODS, deep_but
 
 EPS = np.finfo(float).eps
 METHODS = list(core.METHODS)
 CONSERVATIVE = [m.name for m in core.METHODS.values() if m.conservative]
 both = pytest.mark.parametrize("direction", [1, -1], ids=["on", "back"])
-every = pytest.mark.parametrize("method", METHODS)
+every = pytest.mark.parametrize("method", deep_but(QUICK_METHODS, METHODS))
 
 
 @cache
@@ -52,7 +53,7 @@ def test_grazing_ladder_has_twenty_crossings_for_every_depth(method, direction, 
 CUBIC = (("1", "3*x**2 + 12*x - 4"), "y", ("y - (x + 6)*(x + 2)*(x - 2)",))
 
 
-@pytest.mark.parametrize("method", [m for m in METHODS if m != "rk2"])
+@pytest.mark.parametrize("method", deep_but(QUICK_METHODS, [m for m in METHODS if m != "rk2"]))
 @pytest.mark.parametrize("span", [(-7.0, 3.0), (-6.5, 2.5), (-9.0, 2.125), (-6.75, 7.0)])
 @both
 def test_cubic_with_three_roots_in_one_step_has_all_three_in_order(method, span, direction):

@@ -10,6 +10,7 @@ import pytest
 import core
 from pwsviz.bench import QUICK, Table, sections
 from pwsviz.bench.comparison import drawn, named, time_to_error
+from pwsviz.bench.costs import first_calls
 from pwsviz.bench.heyoka import HeyokaRun
 from pwsviz.bench.machine import machine_lines
 from pwsviz.bench.problems import ENDS, Problem, drawn_problems
@@ -18,9 +19,13 @@ from pwsviz.bench.table import milliseconds
 TINY = replace(QUICK, share=0.02, repeats=1)
 
 
+#: A fresh process with empty caches compiles everything: only the deep level waits for that.
+NO_FIRST_CALLS = replace(QUICK, first_calls=())
+
+
 @pytest.fixture(scope="module")
 def quick() -> dict[str, Table]:
-    return {table.title: table for table in sections(QUICK)}
+    return {table.title: table for table in sections(NO_FIRST_CALLS)}
 
 
 @pytest.fixture
@@ -34,7 +39,7 @@ def test_every_section_has_figures(quick):
         "Conservation", "Drift", "Orders",
     ]  # fmt: skip
     for title, table in quick.items():
-        assert table.rows or title == "Problems drawn at random"
+        assert table.rows or title in ("Problems drawn at random", "First call")
         assert {len(row) for row in table.rows} <= {len(table.header)}, title
 
 
@@ -137,3 +142,9 @@ def test_quick_and_long_exclude_each_other():
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 2
     assert "not allowed with" in done.stderr
+
+
+@pytest.mark.deep
+def test_a_first_call_that_compiles_takes_longer_than_one_that_loads():
+    columns = first_calls(QUICK).columns
+    assert all(float(a) > float(b) for a, b in zip(columns["compiles"], columns["loads"], strict=True))

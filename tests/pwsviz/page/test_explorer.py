@@ -19,6 +19,7 @@ from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import TABS, Tab
+from tests.levels import deep_but
 
 
 @pytest.fixture
@@ -318,7 +319,11 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     assert "core.integrate" in explorer.export.program.object
 
 
-@pytest.mark.parametrize("system", list(core.CATALOGUE))
+#: In two dimensions, in three, without ψ, with jumps.
+QUICK = ("elliptic_curve", "rigid_body", "gene_switch", "bouncing_ball")
+
+
+@pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
 def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     explorer.scene.system = system
     explorer.settle(60)

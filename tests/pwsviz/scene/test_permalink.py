@@ -4,7 +4,7 @@ import contextlib
 import re
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import core
@@ -81,7 +81,6 @@ def bits(settings):
     return repr(settings)
 
 
-@settings(max_examples=150)
 @given(ACTIONS)
 @example([("use", ("\ud800</script>", '"\\&=#%', 0.1 + 0.2, -0.0)), ("values", (1, -1e-320)), ("system", "kepler")])
 @example([("methods", ["rk2"]), ("system", "relay_feedback")])
@@ -290,7 +289,6 @@ def mutated(draw):
     return link
 
 
-@settings(max_examples=150)
 @given(st.one_of(ANY, PIECES, mutated(), st.builds(lambda text: text * 5000, ANY)))
 def test_no_text_whatever_makes_reading_fail(text):
     found, complaints = read(text)

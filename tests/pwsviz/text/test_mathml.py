@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Add, Float, Integer, Mul, Pow, Rational, Symbol, exp, log, sin, sqrt
 
@@ -199,7 +199,6 @@ HOSTILE = (
 )
 
 
-@settings(max_examples=300)
 @given(st.text(min_size=1, max_size=40) | st.sampled_from(HOSTILE), st.booleans())
 def test_no_name_is_ever_markup(name: str, named: bool) -> None:
     symbol = Symbol(name) if not named else x
