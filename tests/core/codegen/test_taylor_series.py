@@ -20,7 +20,7 @@ from core.codegen.taylor_series import series_code
 from core.compilation.compiled import _load
 from core.kernels.abi import ORDER as ORDER_SLOT
 from core.kernels.abi import UNIT, Frame
-from core.symbolic.declaration import Declaration
+from core.symbolic.expressions import parse
 from core.symbolic.laws import Laws
 from tests.core.exact import EPS
 from tests.core.frames import pointer
@@ -32,7 +32,10 @@ T, X, Y = 0.3, 0.6, 0.8
 
 
 def laws_of(variables: str, field: tuple[str, ...], g: str, parameters: str = "") -> Laws:
-    return Declaration(tuple(variables), tuple(parameters), (None,) * len(parameters), field, field, (g,)).laws
+    names = (*variables, *parameters)
+    x, p = (tuple(map(sympy.Symbol, letters)) for letters in (variables, parameters))
+    f = tuple(parse(text, names, "f") for text in field)
+    return Laws(x, p, parse(g, names, "g"), (f, f), ((), ()), None)
 
 
 @lru_cache(maxsize=64)
