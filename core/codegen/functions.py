@@ -102,7 +102,7 @@ def evaluate_switching_text(laws: Laws) -> str:
     slack = sympy.Add(*(magnitude(u * v) for u, v in zip(laws.gradient, laws.x, strict=True))) * sympy.Float(_EPS)
     doubt = rounding_bound(laws.g) * sympy.Float(_EPS)
     values = names.own([laws.g, laws.modes[-1].g_dot, laws.modes[1].g_dot, slack, doubt])
-    places = (abi.G, abi.RATES, abi.RATES + 1, abi.SLACK, abi.DOUBT)
+    places = (abi.G, abi.RATES, abi.RATES + 1, abi.ROUNDING_OF_STATE, abi.ROUNDING_OF_G)
     targets = [f"w[{k}]" for k in places]
     return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
 

@@ -24,7 +24,7 @@ project_to_surface
     how much later than x + carry the solution reaches the projected state.
 evaluate_switching
     Evaluate g at `place`, and its rate ġ = g_t + ∇g·f with the fields on both sides. Bound the change of g by rounding
-    the state alone (w[SLACK]), and by all rounding in its evaluation (w[DOUBT]).
+    the state alone (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
 jump
     Write the state after the jump from x to `place`.
 """
@@ -45,7 +45,6 @@ from numpy.typing import NDArray
 __all__ = [
     "CALL",
     "DELAY",
-    "DOUBT",
     "EVALUATE",
     "FUNCTIONS",
     "G_END",
@@ -60,8 +59,9 @@ __all__ = [
     "PROJECT",
     "RATES",
     "RATE_END",
+    "ROUNDING_OF_G",
+    "ROUNDING_OF_STATE",
     "SET_LEVELS",
-    "SLACK",
     "STEP",
     "TOLERANCE",
     "UNIT",
@@ -93,7 +93,7 @@ G_END = 0  #: g at the end of the last trial step
 RATE_END = 1  #: ġ at the end of the last trial step, with the field of the mode
 G = 2  #: g where switching was evaluated last
 RATES = 3  #: ġ where switching was evaluated last: w[RATES] with the field of g < 0, w[RATES + 1] with that of g > 0
-SLACK = 5  #: bound on the change of g by rounding the state alone, likewise
+ROUNDING_OF_STATE = 5  #: bound on the change of g by rounding the state alone, likewise
 LENGTH = 6  #: length of the step that a variable-step method takes
 UNIT = 7  #: unit of time of the Taylor coefficients
 ORDER = 8  #: order of the Taylor polynomial
@@ -101,7 +101,7 @@ TOLERANCE = 9  #: tolerance of a variable-step method
 DELAY = 10  #: time from the end of the step to the state projected to the surface
 LEVELS_SET = 11  #: 1 where the levels of ψ have just been set at the state
 PER_UNIT = 12  #: 1 / UNIT
-DOUBT = 13  #: bound on the change of g by rounding its arguments and all operations, likewise
+ROUNDING_OF_G = 13  #: bound on the change of g by rounding its arguments and all operations, likewise
 _HEAD = 14  #: number of scalars
 
 

@@ -5,9 +5,9 @@ quotient and 4 u² for a square root, of pairs with |lo| ≤ ulp(hi)/2; both ret
 every step evaluates, do not normalise lo: the error of a sum of products is some eps² of its terms, as long as lo
 stays small beside hi.
 
-References: Joldes, Muller, Popescu: Tight and rigorous error bounds for basic building blocks of double-word arithmetic,
-ACM Trans. Math. Softw. 44 (2017); the square root: Lefèvre, Louvet, Muller, Picot, Rideau, ibid. 49 (2023); sums and
-products: Lange, Rump: Faithfully rounded floating-point computations, ibid. 46 (2020).
+References: Joldes, Muller, Popescu: Tight and rigorous error bounds for basic building blocks of double-word
+arithmetic, ACM Trans. Math. Softw. 44 (2017); the square root: Lefèvre, Louvet, Muller, Picot, Rideau, ibid. 49
+(2023); sums and products: Lange, Rump: Faithfully rounded floating-point computations, ibid. 46 (2020).
 
 The bounds hold as long as the products of high parts lie between 2⁻⁹⁶⁸, below which their rounding error is not a
 double, and the largest double. A sum or product that overflows gives nan or inf, never a finite number.
