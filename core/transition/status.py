@@ -82,7 +82,7 @@ _WORDS = {
 
 _WITHOUT_TAU = {
     Status.GRAZING: "Move the initial condition or a parameter a little.",
-    Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8, for example.",
+    Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8, say.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
     Status.STEP_LIMIT: "Take a larger tolerance, a shorter time, or raise max_steps.",
     Status.UNSTABLE: "Take a smaller tolerance.",
