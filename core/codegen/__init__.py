@@ -1,1 +1,1 @@
-"""Expressions → text of the functions that are compiled."""
+"""Generate the text of the functions that are compiled, from symbolic expressions."""

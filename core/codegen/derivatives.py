@@ -1,7 +1,7 @@
 """Jacobians of many expressions in many unknowns, by the chain rule from one shared subexpression to the next.
 
-Differentiated one by one, the entries of a large system repeat each other's terms, and to find these again takes far
-longer than to derive them.
+If the entries of a large Jacobian are differentiated one by one, they repeat each other's terms, and finding these
+common subexpressions takes far longer than the differentiation.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from core.codegen.printing import common, printed
 
 __all__ = ["jacobian"]
 
-Gradient = dict[int, Expr]  #: by the number of the unknown; 0 where it has none
+Gradient = dict[int, Expr]  #: derivatives by the index of the unknown; those that vanish are left out
 
 
 def jacobian(
@@ -23,23 +23,23 @@ def jacobian(
     moves: Mapping[Symbol, Symbol],
     temporaries: Iterable[Symbol],
 ) -> tuple[list[str], list[str], dict[tuple[int, int], str]]:
-    """Lines that work out values and derivatives of expressions.
+    """Lines that evaluate expressions and their derivatives.
 
     Parameters
     ----------
     expressions
-        What is differentiated.
+        (n) functions.
     unknowns
-        By which it is.
+        Variables of differentiation.
     moves
-        Symbols that move with an unknown: their derivative by it is 1.
+        Other symbols, each with the unknown by which its derivative is 1.
     temporaries
-        Names for what is shared.
+        Names for shared subexpressions.
 
     Returns
     -------
     lines, values, entries
-        Lines, and what stands after them for the values (n), and for the derivatives that are not 0 by nature.
+        Lines; texts of the n values; texts of the derivatives that do not vanish identically, by row and column.
     """
     places = {u: k for k, u in enumerate(unknowns)}
     known: dict[Symbol, Gradient] = {u: {k: Integer(1)} for u, k in places.items()}
@@ -58,7 +58,7 @@ def jacobian(
 def _gradient(
     expression: Expr, known: Mapping[Symbol, Gradient], lines: list[str], names: Iterable[Symbol]
 ) -> Gradient:
-    """Chain rule: the sum over the symbols of an expression of its derivative by each times that one's gradient."""
+    """Gradient by the chain rule: Σ over the symbols of an expression of its derivative times the symbol's gradient."""
     parts: dict[int, list[Expr]] = {}
     for symbol, slope in _slopes(expression, known).items():
         inner = known[symbol]
@@ -70,9 +70,9 @@ def _gradient(
 
 
 def _slopes(u: Expr, known: Mapping[Symbol, Gradient]) -> dict[Symbol, Expr]:
-    """Derivatives of an expression by its own symbols: of sums, products and powers from those of their parts.
+    """Derivatives of an expression by its own symbols, in one pass over sums, products and powers.
 
-    As sympy derives them, once for every symbol, a sum of d terms takes d² steps.
+    sympy differentiates once for every symbol, which takes d² steps for a sum of d terms.
     """
     if u.is_Atom:
         return {u: Integer(1)} if known.get(u) else {}
@@ -103,7 +103,7 @@ def _named(gradient: Gradient, lines: list[str], names: Iterable[Symbol]) -> Gra
 
 
 def _name(entry: Expr, lines: list[str], names: Iterable[Symbol]) -> Expr:
-    """A name for what is more than a number or a name."""
+    """Name an expression, unless it is ± a number or symbol."""
     if entry.is_Atom or (-entry).is_Atom:
         return entry
     name: Symbol = next(iter(names))

@@ -1,4 +1,4 @@
-"""The text of compiled functions: straight lines over a frame, all of one signature (`abi`)."""
+"""Generate the text of the compiled functions, which all have one signature and work on a frame (`abi`)."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ __all__ = [
 ]  # fmt: skip
 
 _EPS = 2.0**-52
-#: A projection to the surface moves by at most this part of the state: the place is wrong by round-off alone.
+#: Largest projection to the surface, relative to the state: it corrects round-off alone.
 _FARTHEST = 1e-12
-#: The same where gradients of ψ nearly depend on each other, and the state is known to half its digits.
+#: The same where gradients of ψ are nearly dependent, and the state is determined to half the digits only.
 _FARTHEST_OF_HALF = 1e-6
-#: A gradient whose squared sine to the others is below this takes no part in the projection: it would move far.
+#: A gradient whose squared sine to the others is below this is left out of the projection, which it would enlarge.
 _TANGENT = 2.0**-25
 
-#: Modules of jitted functions that generated text calls, and of the tables that these use.
+#: Modules of the jitted functions and tables that generated text uses.
 _JITTED = (
     abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, stack_array, tables,
     taylor_coefficients,
@@ -40,13 +40,13 @@ _HOME = {name: module.__name__ for module in _JITTED for name in getattr(module,
 
 
 def function_text(name: str, lines: Sequence[str]) -> str:
-    """Text of one compiled function, which is kept on disk."""
+    """Text of one compiled function, whose machine code is kept on disk."""
     body = "\n".join(f"    {line}" for line in lines)
     return f"@native\ndef {name}(t, h, p, w, scratch):\n{body}\n"
 
 
 def module_text(functions: Iterable[str]) -> str:
-    """Text of a module of such functions, which imports what they call and nothing else."""
+    """Text of a module of such functions, with the imports that they need."""
     body = "\n\n".join(functions)
     called = sorted(set(re.findall(r"\b[A-Za-z]\w*\b", body)) & set(_HOME))
     imports = [f"from {_HOME[name]} import {name}" for name in called]
@@ -66,7 +66,7 @@ def module_text(functions: Iterable[str]) -> str:
 
 
 class Names:
-    """Names of ours for a system's symbols (state x0, x1, …; parameters p0, p1, …; time t), and where they stand."""
+    """Names in generated text of a system's symbols (state x0, x1, …; parameters p0, p1, …; time t), and its frame."""
 
     def __init__(self, laws: Laws) -> None:
         d, m = len(laws.x), max(len(mode.conserved) for mode in laws.modes.values())
@@ -85,30 +85,30 @@ class Names:
         return lines + self.unpack_parameters
 
     def own(self, expressions: Iterable[Expr]) -> list[Expr]:
-        """A system's expressions in these names."""
+        """Rewrite a system's expressions in these names."""
         return [e.xreplace(self.symbols) for e in expressions]
 
     def doubled(self, targets: Sequence[str], expressions: Iterable[Expr]) -> list[str]:
-        """Lines that work a system's expressions out in double-double, at state + carry."""
+        """Lines that evaluate a system's expressions in double-double, at state + carry."""
         known = {x: (str(x), str(c)) for x, c in zip(self.x, self.carry, strict=True)}
         exact = {s: (str(s), None) for s in (*self.p, Symbol("t"))}
         return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries)
 
 
 def evaluate_switching_text(laws: Laws) -> str:
-    """Text of `evaluate_switching`: g and its rates at a place."""
+    """Text of `evaluate_switching`: g, its rates and bounds on its rounding at `place`."""
     names = Names(laws)
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
     slack = sympy.Add(*(magnitude(u * v) for u, v in zip(laws.gradient, laws.x, strict=True))) * sympy.Float(_EPS)
     doubt = rounding_bound(laws.g) * sympy.Float(_EPS)
     values = names.own([laws.g, laws.modes[-1].g_dot, laws.modes[1].g_dot, slack, doubt])
-    places = (abi.G, abi.RATES, abi.RATES + 1, abi.SLACK, abi.DOUBT)
+    places = (abi.G, abi.RATES, abi.RATES + 1, abi.ROUNDING_OF_STATE, abi.ROUNDING_OF_G)
     targets = [f"w[{k}]" for k in places]
     return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
 
 
 def jump_text(laws: Laws) -> str:
-    """Text of `jump`: the identity where there is none."""
+    """Text of `jump`: the identity for a system without jump."""
     names = Names(laws)
     after = names.own(laws.jump if laws.jump is not None else laws.x)
     targets = [f"w[{names.frame.place + k}]" for k in range(len(after))]
@@ -116,7 +116,7 @@ def jump_text(laws: Laws) -> str:
 
 
 def level_residual_lines(names: Names, mode: Mode) -> list[str]:
-    """Lines that leave ψ at state + carry, less its level, in r0, r1, …; worked out in double-double."""
+    """Lines that write the level residual at state + carry, evaluated in double-double, to r0, r1 and so on."""
     m, level = len(mode.conserved), names.frame.level
     lines = names.doubled([f"u{j}" for j in range(m)], mode.conserved)
     for j in range(m):
@@ -144,7 +144,7 @@ def levels_texts(laws: Laws, mode: Mode) -> list[str]:
 def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool) -> str:
     """Text of `project_to_surface`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
 
-    Where the surface and the orbit are nearly tangent no place is well determined, and it is left as it is.
+    Where the surface and the orbit are nearly tangent the projection is ill-conditioned, and the state is not changed.
     """
     names = Names(laws)
     conserved = mode.conserved if conservative else ()
@@ -162,7 +162,7 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool) -> str:
     if (
         1 < m < FEW
     ):  # steps that keep dependent ψ are known to half the digits only; g, whose row is the last, is not so
-        most = f"({_FARTHEST} if firm or near else {_FARTHEST_OF_HALF})"
+        most = f"({_FARTHEST} if independent or near else {_FARTHEST_OF_HALF})"
     lines.append(f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * size or not speed > 0.0:")
     lines.append("    return 0")
     along = " + ".join(f"a{k} * (f{k} / speed)" for k in range(d))

@@ -1,37 +1,37 @@
-"""Linear systems solved in loops over arrays: what `linear_solve` writes out for a few unknowns, for many.
+"""Solve linear systems of many unknowns in loops over arrays, like the unrolled lines of `linear_solve` for few.
 
-Matrices are flat, row after row, and lost. `native` compiles these functions with the steps that call them; in Python
-they run on arrays of numpy.
+Matrices are flat arrays in row-major order, and overwritten. `native` compiles these functions with the steps that call
+them; in Python they run on numpy arrays.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
-# jitted: the types are found out
+# the types are inferred by `native`
 
 from __future__ import annotations
 
 import math
 
-from core.codegen.linear_solve import DEPENDENT, LEAST, MOST, NEARLY, SPARED
+from core.codegen.linear_solve import DEPENDENT, LARGEST, NEARLY_DEPENDENT, OMIT_BELOW, SMALLEST
 
 __all__ = ["change_along", "solve_with_pivots"]
 
 
 def solve_with_pivots(a, r, s, n, d, first, state):
-    """Solve a·e = r of n unknowns by Gaussian elimination, as `linear_solve.with_pivots` does.
+    """Solve a·e = r for n unknowns by Gaussian elimination, as `linear_solve.with_pivots` does.
 
     The unknowns from d on are multipliers of gradients; those of gradients that vanish, or depend on others, may be
-    left alone.
+    omitted.
 
     Parameters
     ----------
     a
-        n² numbers.
+        (n²,) matrix.
     r
-        n numbers; the solution e is left in them.
+        (n,) right-hand side, overwritten by the solution e.
     s
-        Room for n numbers.
+        (n,) scratch.
     n, d
-        How many unknowns there are, and how many of them are no multipliers.
+        Number of unknowns, and how many of them are not multipliers.
     first
         Whether this is Newton's first correction.
     state
@@ -40,15 +40,15 @@ def solve_with_pivots(a, r, s, n, d, first, state):
     Returns
     -------
     tuple
-        Whether no gradient vanishes or nearly depends on others; how much ψ was to change by, at most; the largest
-        entry of a gradient.
+        Whether no gradient vanishes or nearly depends on others; the largest |r| of a ψ; the largest entry of a
+        gradient.
     """
-    excess, largest, firm, several = 0.0, 0.0, True, n - d > 1
+    residual, largest, independent, several = 0.0, 0.0, True, n - d > 1
     for k in range(d, n):
         s[k] = 0.0
         for i in range(d):
             s[k] = max(s[k], abs(a[i * n + k]))
-        largest, excess = max(largest, s[k]), max(excess, abs(r[k]))
+        largest, residual = max(largest, s[k]), max(residual, abs(r[k]))
     for k in range(n):
         pivot_up(a, r, n, k, d)
         if k == d:
@@ -57,9 +57,9 @@ def solve_with_pivots(a, r, s, n, d, first, state):
         pivot = a[k * n + k]
         inverse = 1.0 / pivot if pivot != 0.0 else 0.0
         if k >= d and several:
-            near = abs(pivot) <= NEARLY * s[k - d]
-            firm = firm and not near
-            if near and (first or abs(r[k]) <= SPARED * s[k] * state or abs(pivot) <= DEPENDENT * s[k - d]):
+            near = abs(pivot) <= NEARLY_DEPENDENT * s[k - d]
+            independent = independent and not near
+            if near and (first or abs(r[k]) <= OMIT_BELOW * s[k] * state or abs(pivot) <= DEPENDENT * s[k - d]):
                 inverse = 0.0
         a[k * n + k] = inverse
         for i in range(k + 1, n):
@@ -69,11 +69,11 @@ def solve_with_pivots(a, r, s, n, d, first, state):
                     a[i * n + c] -= q * a[k * n + c]
                 r[i] -= q * r[k]
     substitute_back(a, r, n)
-    return firm, excess, largest
+    return independent, residual, largest
 
 
 def pivot_up(a, r, n, k, d):
-    """Exchange rows from k on, of the first d, so that the largest entry of column k comes first."""
+    """Exchange row k with the one of rows k … d − 1 whose entry in column k is largest."""
     best = k
     for i in range(k + 1, d):
         if abs(a[i * n + k]) > abs(a[best * n + k]):
@@ -85,7 +85,7 @@ def pivot_up(a, r, n, k, d):
 
 
 def substitute_back(a, r, n):
-    """Solve the triangular system that is left; the inverses of the pivots are in the diagonal."""
+    """Solve a triangular system whose diagonal holds the inverses of the pivots."""
     for k in range(n - 1, -1, -1):
         known = r[k]
         for c in range(k + 1, n):
@@ -94,26 +94,26 @@ def substitute_back(a, r, n):
 
 
 def change_along(a, b, r, j, e, m, d, state, least):
-    """The v along the rows of a with b·v = r, v = aᵀ(b aᵀ)⁻¹r, as `linear_solve.least_change` does.
+    """Find the v in the span of the rows of a with b·v = r, v = aᵀ(b aᵀ)⁻¹r, as `linear_solve.least_change` does.
 
-    Rows that vanish, or depend on others, may bind nothing.
+    Rows that vanish, or depend on others, may impose no condition.
 
     Parameters
     ----------
     a, b
-        m rows of d numbers.
+        (m·d,) rows.
     r
-        m numbers, lost.
+        (m,) right-hand side, overwritten.
     j
-        Room for m² numbers.
+        (m²,) scratch.
     e
-        v, d numbers, is left here.
+        (d,) the result v.
     m, d
-        Rows and columns.
+        Numbers of rows and columns.
     state
         Size of the state.
     least
-        Square of the sine to other rows, below which a row binds nothing.
+        Square of the sine to other rows below which a row imposes no condition.
 
     Returns
     -------
@@ -123,19 +123,19 @@ def change_along(a, b, r, j, e, m, d, state, least):
     multiply(a, b, j, m, d)
     usual = True
     for k in range(m):
-        usual = usual and LEAST < abs(j[k * m + k]) < MOST
+        usual = usual and SMALLEST < abs(j[k * m + k]) < LARGEST
     if not usual:
         rescale(a, b, r, m, d)
         multiply(a, b, j, m, d)
-    firm = True
+    independent = True
     for k in range(m):
         e[k] = abs(j[k * m + k])  # there are more columns than rows
     for k in range(m):
         pivot = j[k * m + k]
         inverse = 1.0 / pivot if pivot != 0.0 else 0.0
-        if k > 0 and abs(pivot) <= NEARLY * e[k]:
-            firm = False
-            if abs(r[k]) <= SPARED * math.sqrt(e[k]) * state or abs(pivot) <= least * e[k]:
+        if k > 0 and abs(pivot) <= NEARLY_DEPENDENT * e[k]:
+            independent = False
+            if abs(r[k]) <= OMIT_BELOW * math.sqrt(e[k]) * state or abs(pivot) <= least * e[k]:
                 inverse = 0.0
         j[k * m + k] = inverse
         for i in range(k + 1, m):
@@ -148,11 +148,11 @@ def change_along(a, b, r, j, e, m, d, state, least):
         e[c] = 0.0
         for k in range(m):
             e[c] += a[k * d + c] * r[k]
-    return firm
+    return independent
 
 
 def multiply(a, b, j, m, d):
-    """Leave b·aᵀ in j."""
+    """Write b·aᵀ to j."""
     for i in range(m):
         for k in range(m):
             total = 0.0
@@ -162,7 +162,7 @@ def multiply(a, b, j, m, d):
 
 
 def rescale(a, b, r, m, d):
-    """Divide rows, and their r, by their largest entry: their squares may be beyond floating point."""
+    """Divide every row, and its r, by its largest entry, lest its square overflow or underflow."""
     for k in range(m):
         q = 0.0
         for c in range(d):

@@ -1,6 +1,6 @@
-"""Expressions → lines of Python that numba compiles: in floating point, or in double-double.
+"""Print expressions as lines of Python that are compiled: in floating point, or in double-double.
 
-What is written here comes from sympy trees alone, in names of our own: no text of a user's gets in.
+The lines are generated from sympy trees, with names chosen here: no text of a user enters them.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from core.symbolic.multiplier import DividedDifference, SecondDifference
 __all__ = ["assignments", "common", "doubled_assignments", "fma", "magnitude", "named", "printed"]
 
 
-class fma(sympy.Function):  # noqa: N801 - the name it is printed by
+class fma(sympy.Function):  # noqa: N801 - printed under this name
     """a b + c, rounded once (`doubledouble.arithmetic.fma`)."""
 
     nargs = 3
 
 
 class magnitude(sympy.Function):  # noqa: N801
-    """|u| that sympy leaves alone: whatever u is made of, it is printed as ``abs``."""
+    """|u|, which sympy does not simplify; printed as ``abs``."""
 
     nargs = 1
 
 
 class _Printer(PythonCodePrinter):
-    """Python text in floating point: whole numbers and ratios as floats, roots as square roots."""
+    """Prints Python text in floating point: integers and ratios as floats, half-integer powers by square roots."""
 
     def _print_Integer(self, expr: Any) -> str:
         return repr(float(expr))
@@ -46,13 +46,15 @@ class _Printer(PythonCodePrinter):
 
     def _print_Pow(self, expr: Any, rational: bool = False) -> str:
         base, exponent = self.parenthesize(expr.base, PRECEDENCE["Pow"]), expr.exp
-        if expr.base.is_Symbol and exponent in (2, 3):  # half the compile time of the general power
+        if expr.base.is_Symbol and exponent in (2, 3):  # compiles in half the time of a general power
             return f"({'*'.join([base] * int(exponent))})"
         if exponent.is_Integer and exponent > 0:
             return f"{base}**{int(exponent)}"
         if exponent == sympy.Rational(1, 2):
             return f"math.sqrt({self._print(expr.base)})"
-        if exponent.is_Rational and exponent.q == 2 and 1 < exponent < 5:  # r⁻³ is (x² + y²)**(-3/2): in half the time
+        if (
+            exponent.is_Rational and exponent.q == 2 and 1 < exponent < 5
+        ):  # as r⁻³ = (x² + y²)**(-3/2): in half the time
             return f"half_power({self._print(expr.base)}, {exponent.p // 2})"
         if exponent.is_number and exponent < 0:
             return f"(1.0/{self._print_Pow(sympy.Pow(expr.base, -exponent, evaluate=False))})"
@@ -67,7 +69,7 @@ class _Printer(PythonCodePrinter):
 
 
 def printed(expression: Expr, ordered: bool = True) -> str:
-    """Text of an expression in floating point, its terms in sympy's order for readers or, sooner, as they come."""
+    """Text of an expression in floating point; its terms are in sympy's display order or, faster, in storage order."""
     settings = {"fully_qualified_modules": True} if ordered else {"fully_qualified_modules": True, "order": "none"}
     return str(_Printer(settings).doprint(expression))
 
@@ -80,10 +82,10 @@ def named(stem: str, count: int) -> tuple[Symbol, ...]:
 def assignments(
     targets: Sequence[str], expressions: Sequence[Expr], temporaries: Iterable[Symbol], thorough: bool = True
 ) -> list[str]:
-    """Lines that give `targets` the values of `expressions`, common subexpressions worked out once.
+    """Lines that assign the values of `expressions` to `targets`; common subexpressions are evaluated once.
 
-    Where `thorough`, sums and products with some terms in common share these, too: to look for them takes a time that
-    grows with the square of the text.
+    If `thorough`, terms common to several sums or products are shared, too; finding them takes a time that grows with
+    the square of the length of the text.
     """
     shared, final = common(expressions, temporaries, thorough)
     pairs = [(str(name), value) for name, value in shared] + list(zip(targets, final, strict=True))
@@ -93,13 +95,13 @@ def assignments(
 def common(
     expressions: Sequence[Expr], temporaries: Iterable[Symbol], thorough: bool = True
 ) -> tuple[list[tuple[Symbol, Expr]], list[Expr]]:
-    """Common subexpressions, named in the order in which they are to be worked out, and what is left of the whole."""
+    """Common subexpressions, named in their order of evaluation, and the expressions written with these names."""
     if thorough:
         return sympy.cse(list(expressions), symbols=iter(temporaries), order="none")  # type: ignore[no-any-return]
     return tree_cse(list(expressions), iter(temporaries), order="none")  # type: ignore[no-any-return]
 
 
-#: A number in double-double: the names (or literals) of its two parts; the lower one is None where it is zero.
+#: A double-double number: names (or literals) of its high and low part; the latter is None if it is zero.
 Pair = tuple[str, str | None]
 
 
@@ -109,7 +111,7 @@ def doubled_assignments(
     known: Mapping[Symbol, Pair],
     temporaries: Iterable[Symbol],
 ) -> list[str]:
-    """Lines that give ``target``, ``target_low`` the values of `expressions` in double-double."""
+    """Lines that assign the values of `expressions` in double-double to ``target``, ``target_low``."""
     writer = _Doubled(known, temporaries)
     for target, expression in zip(targets, expressions, strict=True):
         high, low = writer.pair(expression)
@@ -118,7 +120,7 @@ def doubled_assignments(
 
 
 class _Doubled:
-    """The recursion of `doubled_assignments`, which works out every shared subexpression once."""
+    """The recursion of `doubled_assignments`, in which every shared subexpression is evaluated once."""
 
     def __init__(self, known: Mapping[Symbol, Pair], temporaries: Iterable[Symbol]) -> None:
         self.known: dict[Expr, Pair] = dict(known)
@@ -131,14 +133,14 @@ class _Doubled:
         return self.known[u]
 
     def call(self, function: str, *operands: Pair | str) -> Pair:
-        """Write a line that calls one of `doubledouble.arithmetic`."""
+        """Append a line that calls a function of `doubledouble`; returns its result."""
         name = next(self.temporaries)
         parts = [part for o in operands for part in ((o,) if isinstance(o, str) else (o[0], o[1] or "0.0"))]
         self.lines.append(f"{name}, {name}_low = {function}({', '.join(parts)})")
         return str(name), f"{name}_low"
 
     def let(self, high: str, low: str) -> Pair:
-        """Write a line that names a pair."""
+        """Append a line that names a pair."""
         name = next(self.temporaries)
         self.lines.append(f"{name}, {name}_low = {high}, {low}")
         return str(name), f"{name}_low"

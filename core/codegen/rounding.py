@@ -1,4 +1,4 @@
-"""How far rounding can move the value of an expression: a running error bound, to first order."""
+"""Bound the effect of rounding on the value of an expression: a running error bound, to first order."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ __all__ = ["rounding_bound"]
 def rounding_bound(expression: Expr) -> Expr:
     """Bound the error of an expression's value in floating point, in units of the machine epsilon.
 
-    Every symbol (a coordinate, a parameter, the time) and every constant that is no whole number is taken to be
-    rounded, and so is the result of every operation (Higham, Accuracy and Stability of Numerical Algorithms, 3.3).
+    Every symbol (a coordinate, a parameter, the time), every constant that is not an integer, and the result of every
+    operation is assumed to be rounded (Higham, Accuracy and Stability of Numerical Algorithms, 3.3).
     """
     if expression.is_Integer:
         return sympy.S.Zero
@@ -26,10 +26,10 @@ def rounding_bound(expression: Expr) -> Expr:
 
 
 def _of_arguments(expression: Expr) -> Expr:
-    """What the errors of its arguments do to the value of an operation: Σ |∂/∂u| times the error of u."""
+    """Bound the effect of the errors of an operation's arguments u on its value: Σ |∂/∂u| times the error of u."""
     names = [sympy.Dummy() for _ in expression.args]
     value, at = expression.func(*names), dict(zip(names, expression.args, strict=True))
-    if expression.is_Pow and expression.exp.is_number:  # whose rounding is that of the result, or nearly so
+    if expression.is_Pow and expression.exp.is_number:  # its rounding is nearly that of the result
         del at[names[1]]
         value = names[0] ** expression.exp
     errors = {name: rounding_bound(u) for name, u in at.items()}

@@ -1,4 +1,4 @@
-"""The text of one step, which a method's builder writes in terms of symbols."""
+"""Generate the text of one step, which a scheme writes in terms of symbols."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from core.codegen.derivatives import jacobian
 from core.codegen.functions import Names, function_text, level_residual_lines
 from core.codegen.linear_solve import (
     FEW,
-    KEPT,
+    LEVEL_TOLERANCE,
     WRITTEN_OUT,
     by_cofactors,
     least_change,
@@ -28,49 +28,49 @@ from core.symbolic.laws import Laws, Mode
 
 __all__ = ["StepCode"]
 
-#: Newton's method makes at most so many corrections.
+#: Largest number of corrections of Newton's method.
 _MAX_CORRECTIONS = 30
-#: A correction that no longer shrinks is accepted below this part of the state: it is round-off.
+#: A correction that no longer shrinks is round-off, and accepted, below this part of the state.
 _STAGNATION = 16 * 2.0**-52
-#: Convergence is quadratic where a correction is below this part of the increment …
+#: Convergence is quadratic if a correction is below this part of the increment …
 _CLOSE = 0.1
 #: … and the next one below this part of the correction.
 _CLOSING = 1e-2
-#: The solution found is the one near h = 0 where the second correction is below this part of the first: Kantorovich's
-#: theorem asks for a quarter.
+#: The solution is the one connected to h = 0 if the second correction is below this part of the first: Kantorovich's
+#: theorem requires a quarter.
 _CONTRACTION = 0.1
 #: A first correction below this part of the increment needs no such proof.
 _NEARBY = 1e-3
-#: The equations are linear where the second correction is below this part of the first.
+#: The equations are linear if the second correction is below this part of the first.
 _LINEAR = 1e-6
-#: A step is divided where the first correction exceeds this part of the increment.
+#: A step is divided if the first correction exceeds this part of the increment.
 _FAR = 0.05
-#: The determinant of the equations, 1 at h = 0, may change by this factor in one part of a step.
+#: Largest factor by which the determinant of the equations, 1 at h = 0, may change in one part of a step.
 _NEAR = 0.6
-#: A solution is followed from h = 0 in at most so many parts of the step.
+#: Largest number of parts of a step in which a solution is followed from h = 0.
 _MOST_PARTS = 1024
-#: A projection onto ψ below this part of the increment leaves an error of its square, and is the last.
+#: A projection to the levels below this part of the increment is the last: the error it leaves is its square.
 _SETTLED = 1e-8
-#: A step is projected onto ψ at most so many times.
-_MAX_MOVES = 8
-#: A variable step is too long where the projection moves it by more than this part of the state …
+#: Largest number of projections of a step to the levels.
+_MAX_PROJECTIONS = 8
+#: A variable step is too long if the projection moves it by more than this part of the state …
 _ASTRAY = 2.0**-40
-#: … or by this part where the gradients nearly depend on each other: ψ then tells the state to half the digits …
+#: … or by this part if the gradients are nearly dependent, and ψ determines the state to half the digits only …
 _LOST = 2.0**-20
-#: … and by more than so many times the tolerance.
+#: … and by more than this many times the tolerance.
 _FREEDOM = 2.0**10
-#: A correction below 4 ulp of the state is round-off.
+#: A correction below 4 eps of the state is round-off.
 _NOTHING = 4 * 2.0**-52
-#: The round-off that one step adds to ψ moves the state by less than this part of the increment.
+#: Bound, relative to the increment, on the correction for the round-off that one step adds to ψ.
 _ROUNDING = 1e-6
-#: Linear systems of at most so many unknowns are solved by cofactors.
+#: Largest number of unknowns of linear systems that are solved by cofactors.
 _SMALL = 3
-#: A field whose text has more characters is compiled as a function of its own: the call takes no time beside it.
+#: A field whose text has more characters is compiled as a separate function: the time of the call is negligible.
 _LONG = 2500
 
 
 class StepCode:
-    """The text of one step, written by a method's builder.
+    """The text of one step, written by `Scheme.write`.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class StepCode:
         self.x = self._names.x
 
     def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
-        """Work expressions out here; returns the names of their values."""
+        """Append lines that evaluate expressions; returns the names of their values."""
         names = [next(self._temporaries) for _ in expressions]
         self._lines += self._assign([str(n) for n in names], expressions)
         return names
@@ -101,7 +101,7 @@ class StepCode:
         return assignments(targets, expressions, self._temporaries, thorough=self._few)
 
     def field(self, t: Expr, increment: Sequence[Expr] | None = None) -> list[Symbol]:
-        """Work out f here, at time t and the start of the step moved by an increment; returns its d values."""
+        """Append lines that evaluate f at time t, at the start of the step plus an increment; returns its d values."""
         x = self.x
         if increment is not None:
             x = tuple(next(self._temporaries) for _ in x)
@@ -116,7 +116,7 @@ class StepCode:
 
     @cached_property
     def _apart(self) -> str:
-        """Text of f as a function of its own, for a step that needs it at several stages; empty where f is short."""
+        """Text of f as a separate function, for a step that needs it at several stages; empty if f is short."""
         d, names = len(self.x), self._names
         if self._few:
             return ""
@@ -136,7 +136,7 @@ class StepCode:
         return values
 
     def at_ends(self, expressions: Iterable[Expr]) -> list[Expr]:
-        """Discrete expressions in this step's symbols: x at its start, ``y`` = x + increment at its end."""
+        """Rewrite discrete expressions in this step's symbols: x at its start, y = x + increment at its end."""
         ends = self._mode.discrete.ends
         names = {**dict(zip(ends.start, self.x, strict=True)), **dict(zip(ends.end, self.end, strict=True))}
         names |= {**self._names.parameters, ends.times[0]: self.t, ends.times[1]: Symbol("t1")}
@@ -144,7 +144,7 @@ class StepCode:
 
     @property
     def end(self) -> tuple[Symbol, ...]:
-        """The state at the end of the step, where `solve` is after its current increment."""
+        """The state at the end of the step; in `solve`, that of the current increment."""
         return named("y", len(self.x))
 
     @property
@@ -154,11 +154,11 @@ class StepCode:
 
     @property
     def _arrive(self) -> list[str]:
-        """Lines that take the state to the end of the step."""
+        """Lines that add the increment to the state: y = x + d."""
         return [f"y{k} = x{k} + (c{k} + d{k})" for k in range(len(self.x))]
 
     def field_at(self, t: Expr, increment: Sequence[Expr]) -> list[Expr]:
-        """f as expressions, at time t and the start of the step moved by an increment of unknowns: for `solve`."""
+        """Expressions of f at time t, at the start of the step plus an increment of unknowns: for `solve`."""
         moved = [x + (c + u) for x, c, u in zip(self.x, self._names.carry, increment, strict=True)]
         at = {**self._names.symbols, **dict(zip(self._mode.variables, moved, strict=True)), TIME: t}
         return [f.xreplace(at) for f in self._mode.field]
@@ -166,10 +166,9 @@ class StepCode:
     def solve(self, residuals: Sequence[Expr], multipliers: Sequence[Symbol] = (), stages: int = 1) -> list[Symbol]:
         """Find the increment (and multipliers) at which the residuals vanish, by Newton's method from Euler's step.
 
-        Of several stages the unknowns d0, d1, … are those of the first, then of the second, and so on.
-
-        In increment form, so that what is iterated is small and its round-off too; the last correction is the one
-        after which quadratic convergence leaves less than half an ulp, or the one that no longer shrinks.
+        The unknowns d0, d1, … are the increments of the first stage, then of the second, and so on. Iterating
+        increments keeps round-off small. The last correction is the one after which quadratic convergence leaves an
+        error below half an ulp, or the one that no longer shrinks.
         """
         d = stages * len(self.x)
         unknowns = [*named("d", d), *multipliers]
@@ -189,7 +188,7 @@ class StepCode:
         return list(self.increment)
 
     def _newton_of_many(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol], d: int) -> list[str]:
-        """Lines that leave the next correction in r0, r1 and so on; where there are many unknowns, by way of arrays."""
+        """Lines that write the next correction to r0, r1 and so on, for many unknowns by way of arrays."""
         n = len(residuals)
         moves = dict(zip(self.end, unknowns, strict=False))
         lines, values, entries = jacobian(residuals, unknowns, moves, self._temporaries)
@@ -202,13 +201,14 @@ class StepCode:
         lines += [f"matrix[{i * n + k}] = {entry}" for (i, k), entry in entries.items()]
         state = "state" if n - d > 1 else "0.0"
         lines.append(
-            f"firm, excess, largest = solve_with_pivots(matrix, right, sizes, {n}, {d}, corrections == 0, {state})"
+            "independent, residual, largest = "
+            f"solve_with_pivots(matrix, right, sizes, {n}, {d}, corrections == 0, {state})"
         )
         return lines + [f"r{k} = right[{k}]" for k in range(n)]
 
     def _newton(self, residuals: Sequence[Expr], unknowns: Sequence[Symbol], d: int) -> list[str]:
-        """Lines that leave the next correction in r0, r1 and so on."""
-        # The end of the step moves with the increment: y = x + d.
+        """Lines that write the next correction to r0, r1 and so on."""
+        # The end of the step depends on the increment: y = x + d.
         jacobian = [
             [r.diff(u) + (r.diff(self.end[k]) if k < len(self.end) else 0) for k, u in enumerate(unknowns)]
             for r in residuals
@@ -226,9 +226,9 @@ class StepCode:
         return assignments([*targets, *names], values, self._temporaries) + with_pivots(n, d)
 
     def compose(self, weights: Sequence[float], build: Callable[[], Sequence[Expr]]) -> list[Symbol]:
-        """Steps of length weight·h one after another, in a loop of the compiled step; returns the whole increment.
+        """Compose steps of length weight·h, in a loop of the compiled step; returns the total increment.
 
-        Between the steps, state and increment are kept with what rounding loses of them.
+        Between the steps, state and increment are added up by compensated summation.
         """
         d, frame = range(len(self.x)), self._names.frame
         outer, self._lines, self._evaluations = self._lines, [], []
@@ -246,9 +246,9 @@ class StepCode:
         return self.let([Symbol(f"w{k}") + Symbol(f"z{k}") for k in d])
 
     def polynomial(self) -> list[Symbol]:
-        """The increment at h of the Taylor polynomial that `prepare_step` has left in scratch.
+        """The increment at h of the Taylor polynomial whose coefficients `prepare_step` has written to scratch.
 
-        Even and odd powers apart: two chains of half the length (Horner in h²), and those of all rows overlap.
+        Even and odd powers are summed apart: two independent chains of half the length (Horner in h²) for each row.
         """
         d = range(len(self.x))
         inner = [
@@ -263,10 +263,10 @@ class StepCode:
         self._lines += [f"d{k} = d{k}*part + z{k}*square" for k in d]
         return list(self.increment)
 
-    def hold(self, increments: Sequence[Expr]) -> list[Expr]:
-        """Give back with this step what rounding has taken from ψ before it, worked out in double-double.
+    def restore_levels(self, increments: Sequence[Expr]) -> list[Expr]:
+        """Correct an increment by the level residual at the start of the step, evaluated in double-double.
 
-        So the round-off of a conservative method does not add up: ψ stays at its level for ever.
+        So the round-off of a conservative method does not accumulate: the error of ψ stays bounded.
         """
         m = len(self._mode.conserved)
         if m == 0:
@@ -274,14 +274,14 @@ class StepCode:
         changes = named("e", len(self.x))
         given = self.let(increments)
         self._lines += level_residual_lines(self._names, self._mode)
-        # Along ∇ψ at the end of the step, where it is put in: y is still there, as Newton's method has left it.
+        # The correction is along ∇ψ at the end of the step, y, as Newton's method has left it.
         gradients, lines = row_lines(self._gradients_at_end(), self._temporaries)
         self._lines += [*lines, size_line(self.x), *least_change(gradients, changes, self._temporaries)]
         size = f"max({', '.join(f'abs({e})' for e in changes)})"
         whole = f"max({', '.join(f'abs({d})' for d in given)}, 0.0)"
         bound = f"{_ROUNDING} * {whole}"
-        if m > 1:  # where gradients are nearly dependent, ψ tells the state to half the digits
-            bound = f"({bound} if firm else {_ROUNDING} * max({whole}, state))"
+        if m > 1:  # if gradients are nearly dependent, ψ determines the state to half the digits only
+            bound = f"({bound} if independent else {_ROUNDING} * max({whole}, state))"
         self._lines.append(f"if not {size} <= {bound}:")
         self._lines.append(f"    {' = '.join(map(str, changes))} = 0.0")
         return [d - e for d, e in zip(given, changes, strict=True)]
@@ -291,11 +291,11 @@ class StepCode:
         at = {**self._names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
         return [[psi.diff(v).xreplace(at) for v in self._laws.x] for psi in self._mode.conserved]
 
-    def move_onto_levels(self, increments: Sequence[Expr], prepared: bool = False) -> list[Expr]:
-        """Move an increment along the discrete gradient until ψ is kept: Λᵗ Δ + h s_t = −(ψ less its level).
+    def project_to_levels(self, increments: Sequence[Expr], prepared: bool = False) -> list[Expr]:
+        """Project an increment along the discrete gradient to the levels of ψ: Λᵗ Δ + h s_t = −(level residual).
 
-        With such a move any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The residual is
-        worked out here, or has been by `prepare_step` where the step is `prepared`.
+        With this projection any one-step method is a discrete multiplier method (Wan, Bihlo, Nave 2017). The level
+        residual is evaluated here, or, if `prepared`, has been by `prepare_step`.
         """
         mode, d = self._mode, len(self.x)
         m = len(mode.conserved)
@@ -317,16 +317,16 @@ class StepCode:
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
         whole = f"max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)"
-        # A coordinate may be far smaller than others, and ψ hang on it all the same, as on its logarithm.
+        # ψ may depend on a coordinate that is far smaller than others, for example on its logarithm.
         each = " and ".join(f"abs(e{k}) <= {_SETTLED} * max(abs(d{k}), abs(x{k}))" for k in range(d))
-        if prepared:  # a solution that is as far off its levels has not been seen whole by its series
-            least = f"({_ASTRAY} if firm else {_LOST})" if m > 1 else str(_ASTRAY)
+        if prepared:  # so far off the levels, the series has not resolved the solution
+            least = f"({_ASTRAY} if independent else {_LOST})" if m > 1 else str(_ASTRAY)
             inner.append(f"if size > max({_FREEDOM} * w[{abi.TOLERANCE}], {least}) * max({whole}, state):")
             inner.append(f"    return {abi.NO_SOLUTION}")
         inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * state) and {each}:")
         inner.append("    break")
-        self._lines += [*lines, f"for _ in range({_MAX_MOVES}):", *(f"    {line}" for line in inner)]
-        # Near an equilibrium, where ψ hardly varies, a move may be large for the motion and nothing for the state.
+        self._lines += [*lines, f"for _ in range({_MAX_PROJECTIONS}):", *(f"    {line}" for line in inner)]
+        # Near an equilibrium, where ψ hardly varies, a projection may be large relative to Δ but negligible to x.
         self._lines += [
             "else:",
             f"    if not size <= {_SETTLED} * state:",
@@ -335,7 +335,7 @@ class StepCode:
         return list(self.increment)
 
     def text(self, increments: Sequence[Expr]) -> str:
-        """The whole function, its increments being as given: it looks at the end of the step, too."""
+        """Text of the function with these increments; it also evaluates g and its rate at the end of the step."""
         names, d = self._names, len(self.x)
         lines = self._lines + self._assign([f"i{k}" for k in range(d)], increments)
         lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
@@ -349,19 +349,19 @@ class StepCode:
 
 
 def _verdict(n: int, d: int, on_branch: str) -> list[str]:
-    """Lines that end Newton's loop: solved, on the branch that is looked for, or not.
+    """Lines that end Newton's loop, and set `solved` to whether it has converged to the solution connected to h = 0.
 
-    The correction to come is foretold from the last two, as K·size² with K = size/last²; and with K = last/whole², of
-    the two before, for one of them may be small by chance.
+    The next correction is predicted as K·size², with K = size/last² from the last two corrections, and with
+    K = last/whole² from the two before, since one of these may be small by chance.
     """
-    # Where the first correction is large, or the determinant changes much, the part is too far a way, unless linear.
+    # If the first correction is large, or the determinant changes much, the part is too long, unless linear.
     changed = f" or not {_NEAR} * before < scale < before / {_NEAR}" if on_branch != "True" else ""
-    far = [f"if aside and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
+    far = [f"if second and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
     kept = ""
     check = []
-    if n - d > 1:  # a ψ that has been left alone must be kept all the same
+    if n - d > 1:  # a ψ whose multiplier is omitted must be kept all the same
         largest = f"max({', '.join(f's{k}' for k in range(d, n))})" if n <= WRITTEN_OUT else "largest"
-        check.append(f"kept = firm or excess <= {KEPT} * {largest} * max(whole, state)")
+        check.append(f"kept = independent or residual <= {LEVEL_TOLERANCE} * {largest} * max(whole, state)")
         kept = "kept and "
     return [
         f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
@@ -369,8 +369,8 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
         "corrections += 1",
         "if not size < math.inf:",
         "    break",
-        f"aside = corrections == 2 and last > {_STAGNATION} * max(whole, state)",
-        f"if aside and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
+        f"second = corrections == 2 and last > {_STAGNATION} * max(whole, state)",
+        f"if second and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
         "    break",
         *far,
         *check,
@@ -380,23 +380,23 @@ def _verdict(n: int, d: int, on_branch: str) -> list[str]:
         f"if {kept}(size == 0.0 or fast):",
         f"    solved = {on_branch}",
         "    break",
-        f"over = corrections >= {_MAX_CORRECTIONS}",
-        f"if {kept}(size >= last or over) and size <= {_STAGNATION} * max(whole, state):",
+        f"exhausted = corrections >= {_MAX_CORRECTIONS}",
+        f"if {kept}(size >= last or exhausted) and size <= {_STAGNATION} * max(whole, state):",
         f"    solved = {on_branch}",
         "    break",
-        "if over:",
+        "if exhausted:",
         "    break",
         "last = size",
     ]
 
 
 def _continuation(unknowns: Sequence[Symbol], start: Sequence[str]) -> list[str]:
-    """Lines that go to the next part of the step, or begin anew in more parts; they end the loop over parts.
+    """Lines that go on to the next part of the step, or start again with more parts, and end the loop over parts.
 
-    Which of several solutions is that of the method is told by continuity from h = 0. Newton's method has found it
-    where Euler's step is near, where it converges from there at once (Kantorovich: the second correction well below the
-    first), and where the determinant of the equations is near 1, as at h = 0. Elsewhere the solution is followed: from
-    a part of the step to a larger one, in proportion, by as much as keeps this so.
+    Of several solutions the method's is the one connected to h = 0. Newton's method finds it if Euler's step is close,
+    if it converges at once from there (Kantorovich: the second correction is well below the first), and if the
+    determinant of the equations is near 1, as at h = 0. Otherwise the solution is continued from a part of the step to
+    a larger one, starting from the solution scaled in proportion, in parts so short that these conditions hold.
     """
     further = [f"{u} *= part / (part - 1.0)" for u in unknowns]
     return [

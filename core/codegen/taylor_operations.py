@@ -1,8 +1,8 @@
-"""Operations on power series, and the recurrences by which they are worked out, as text.
+"""Operations on power series: text of the recurrences of their coefficients.
 
-The recurrences hold sums Σ aⱼ bₖ₋ⱼ. Their two terms with the newest coefficients, j = 0 and j = k, are written out with
-values that are still in registers: they are all that a coefficient has to wait for, and each adds one operation to the
-wait. The others, 1 ≤ j ≤ k − 1, are known before (`convolutions`).
+The recurrences contain sums Σ aⱼ bₖ₋ⱼ. Their two terms with the newest coefficients, j = 0 and j = k, are written apart
+and use values still in registers: only these are on the critical path, one operation each. The other terms,
+1 ≤ j ≤ k − 1, are summed before (`convolutions`).
 
 References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
 """
@@ -29,13 +29,13 @@ Bag = Counter[int]
 
 @dataclass
 class Node:
-    """One function of time that is worked out: the names of its coefficients 0 and k, and how to get them."""
+    """One function of time: the names of its coefficients 0 and k, and the texts that evaluate them."""
 
     start: str
     newest: str
     first: str
     recurrence: str
-    row: int | None = None  # where all coefficients are kept, if any sum needs them
+    row: int | None = None  # row of c with all coefficients, if any sum needs them
 
 
 @dataclass(frozen=True)
@@ -50,23 +50,23 @@ class Linear:
         return Linear({n: a * factor for n, a in self.terms.items()}, self.constant * factor)
 
     def plus(self, other: Linear) -> Linear:
-        """The sum of both."""
+        """The sum of two combinations."""
         terms = {n: self.terms.get(n, 0) + other.terms.get(n, 0) for n in {**self.terms, **other.terms}}
         return Linear({n: a for n, a in terms.items() if a != 0}, self.constant + other.constant)
 
 
 def single(node: int) -> Linear:
-    """A node by itself."""
+    """A node as a combination."""
     return Linear({node: Integer(1)})
 
 
 def key_of(u: Linear) -> tuple[Any, ...]:
-    """What tells a combination from others, in `Operations.add`."""
+    """Key of a combination for `Operations.add`."""
     return tuple(sorted(u.terms.items(), key=lambda term: term[0])), u.constant
 
 
 class Operations:
-    """The operations so far. Nodes 0 … d − 1 are the state; each operation appears once, under its operands."""
+    """The operations so far, each once, by name and operands. Nodes 0 … d − 1 are the state."""
 
     def __init__(self, d: int) -> None:
         self.d = d
@@ -74,19 +74,19 @@ class Operations:
         self.rows = d + 1
         self.sums = Sums()
         self.constants: dict[Expr, str] = {}
-        self.setup: list[tuple[int, str]] = []  # (before which node, line): what is worked out once
+        self.setup: list[tuple[int, str]] = []  # (node, line before it): values evaluated once, before the loop
         self.known: dict[Any, int] = {}
         self.bags: dict[int, Bag] = {}  # the factors of products and quotients
 
     def factored(self, u: Linear) -> tuple[Expr, int]:
-        """A factor and a node whose product is u: scalar multiples need no node of their own."""
+        """A factor and a node whose product is u: scalar multiples need no separate node."""
         if len(u.terms) == 1 and u.constant == 0:
             ((node, factor),) = u.terms.items()
             return factor, node
         return Integer(1), self.node(u)
 
     def bag_of(self, node: int) -> Bag:
-        """The factors of a node that is a product or a quotient, with their exponents; else itself."""
+        """Factors and exponents of a node that is a product or a quotient; else the node itself."""
         return self.bags.get(node, Counter({node: 1}))
 
     def add(self, key: Any, first: str, recurrence: Callable[[Node], str]) -> int:
@@ -98,14 +98,14 @@ class Operations:
         return n
 
     def node(self, u: Linear) -> int:
-        """The node of a sum, worked out if it is not a node already."""
+        """The node of a combination, added if there is none."""
         if len(u.terms) == 1 and u.constant == 0 and 1 in u.terms.values():
             (only,) = u.terms
             return only
         return self.add(("sum", *key_of(u)), self.start(u), lambda _: self.newest(u))
 
     def time(self) -> int:
-        """Time itself."""
+        """The node of the time."""
         return self.add("t", "t", lambda _: "unit if k == 1 else 0.0")
 
     def product(self, m: int, n: int) -> int:
@@ -125,7 +125,7 @@ class Operations:
         return self.made_of(both, self.bag_of(m), self.bag_of(n), 1)
 
     def made_of(self, node: int, first: Bag, second: Bag, sign: int) -> int:
-        """Keep that a node is first·second^sign."""
+        """Note that a node is first·second^sign."""
         bag = Counter(first)
         for n, e in second.items():
             bag[n] += sign * e
@@ -184,13 +184,13 @@ class Operations:
         return self.nodes[self.add(("slope", n), "0.0", lambda _: f"k*{self.nodes[n].newest}")]
 
     def rate(self, u: Linear, sign: str = "") -> Callable[[Node], str]:
-        """How coefficient k of ±∫ u' w ds is written, given w: ±inverse · Σ j uⱼ wₖ₋ⱼ."""
+        """Text of coefficient k of ±∫ u' w ds, given w: ±inverse · Σ j uⱼ wₖ₋ⱼ."""
         factor, n = self.factored(Linear(u.terms))
         text = sign + (f"{self.constant(factor)}*" if factor != 1 else "")
         if n == self.known.get("t"):
             return lambda w: f"{text}inverse*(unit*c[{self.row(w)}, k - 1])"
         newest, row = self.nodes[n].newest, self.row(self.slope(n))
-        # The term j = k, whose slope is k uₖ, needs no division by k: it may be the last to come.
+        # The term j = k, whose slope is k uₖ, needs no division by k.
         return lambda w: f"fma({text}{w.start}, {newest}, ({text}inverse)*{self.sums.product(row, self.row(w))})"
 
     def exponential(self, u: Linear) -> int:
@@ -221,20 +221,20 @@ class Operations:
     # Text ------------------------------------------------------------------------------------------------------------
 
     def row(self, node: Node) -> int:
-        """The row in which a node's coefficients are kept from now on."""
+        """Row of c for a node's coefficients, assigned at the first call."""
         if node.row is None:
             node.row, self.rows = self.rows, self.rows + 1
         return node.row
 
     def once(self, stem: str, node: int, value: str) -> str:
-        """The name of a value that is worked out before the loop, as soon as `node` has its coefficient 0."""
+        """Name of a value that is evaluated before the loop, once coefficient 0 of `node` is known."""
         name = f"{stem}{node}"
         if (node, f"{name} = {value}") not in self.setup:
             self.setup.append((node, f"{name} = {value}"))
         return name
 
     def constant(self, a: Expr) -> str:
-        """Text of a constant: a number, a parameter, or the name of what is worked out of them once."""
+        """Text of a constant: a number, a parameter, or the name of an expression in them, evaluated once."""
         if a.is_number:
             value = complex(a)
             return repr(value.real) if value.imag == 0 else "math.nan"
@@ -243,14 +243,14 @@ class Operations:
         return self.constants.setdefault(a, f"a{len(self.constants)}")
 
     def start(self, u: Linear) -> str:
-        """Text of coefficient 0 of a sum."""
+        """Text of coefficient 0 of a combination."""
         terms = [self.term(a, self.nodes[n].start) for n, a in u.terms.items()]
         return " + ".join([*terms, self.constant(u.constant)] if u.constant != 0 or not terms else terms)
 
     def newest(self, u: Linear, scale: str = "", more: Mapping[int, str] = {}, known: str = "") -> str:
-        """Text of coefficient k ≥ 1 of scale·u, plus `more` (node: factor), plus what is known before.
+        """Text of coefficient k ≥ 1 of scale·u, plus `more` (node: factor), plus `known`, evaluated before.
 
-        The node that is written last comes last: it adds the time of one operation to what has to be waited for.
+        The node evaluated last is added last, so that only one operation has to wait for it.
         """
         terms = [(n, self.factor(a, scale)) for n, a in u.terms.items()] + list(more.items())
         text = known
@@ -263,22 +263,22 @@ class Operations:
         return text or "0.0"
 
     def factor(self, a: Expr, scale: str) -> str:
-        """Text of the factor a·scale: nothing for 1, a sign for −1."""
+        """Text of the factor a·scale: empty for 1, a sign for −1."""
         if a in (1, -1):
             return ("-" if a == -1 else "") + scale
         return f"({self.constant(a)}*{scale})" if scale else self.constant(a)
 
     def term(self, a: Expr, name: str) -> str:
-        """Text of a factor times what has this name."""
+        """Text of a factor times the value of this name."""
         return name if a == 1 else f"-{name}" if a == -1 else f"{self.constant(a)}*{name}"
 
     def unit(self) -> list[str]:
-        """About the time in which the state moves by its own size, a power of two, times `shrink`."""
+        """Lines that set the unit of time: `shrink` times a power of two near |x|/|f|."""
         size, speed = (" + ".join(f"abs({u}{i})" for i in range(self.d)) for u in "xf")
         return [f"size, speed = {size}, {speed}", "unit = shrink*power_near(size, speed)"]
 
     def needed(self, texts: Iterable[str]) -> tuple[set[int], set[str]]:
-        """Nodes, and sums, whose coefficients these texts need: what is put together otherwise leaves some unused."""
+        """Nodes and sums whose coefficients these texts need; factoring products differently leaves some unused."""
         nodes, sums, pending = set[int](), set[str](), list(texts)
         owner = {node.row: n for n, node in enumerate(self.nodes) if node.row is not None}
         while pending:

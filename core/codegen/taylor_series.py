@@ -1,10 +1,8 @@
-"""Fields → text that works out the Taylor coefficients in time of their solutions, by recurrences.
+"""Generate text that evaluates the Taylor coefficients in time of the solutions of a field, by recurrences.
 
 Every quantity u(t, x) has coefficients u₀, u₁, … along the solution: u(t + s, x(t + s)) = Σ uₖ sᵏ. The expressions are
-taken apart into operations, each of which gives its coefficient k from those of its operands up to k and its own up to
-k − 1; then x' = f gives xₖ₊₁ = fₖ / (k + 1). One loop over k serves every order.
-
-The recurrences are those of `taylor_operations`.
+split into operations (`taylor_operations`), each of which gives its coefficient k from those of its operands up to k
+and its own up to k − 1; then x' = f gives xₖ₊₁ = fₖ / (k + 1). One loop over k serves every order.
 
 References: Griewank, Walther, Evaluating Derivatives, ch. 13; Jorba, Zou, Exp. Math. 14 (2005).
 """
@@ -32,28 +30,28 @@ __all__ = ["SeriesCode", "series_code"]
 class SeriesCode:
     """Lines that read the frame and the parameters, and use t, order, c and `shrink`, a power of two.
 
-    They write `unit`, a length of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in time over
-    unit, for i = d those of the height ±g over the surface; the rows from d + 1 on are scratch. In units of its own no
-    system's coefficients leave floating point.
+    They write `unit`, the unit of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in powers of
+    time/unit, for i = d those of the guard height ±g; the rows from d + 1 on are scratch. The unit is chosen such that
+    the coefficients do not overflow.
     """
 
     lines: list[str]
     rows: int
-    """How many rows c has at least."""
+    """Number of rows that c needs."""
 
 
 def series_code(laws: Laws, mode: Mode) -> SeriesCode:
-    """Write the recurrences of one mode's field, and of the height ±g along its solution.
+    """Generate the recurrences of one mode's field, and of the guard height ±g along its solution.
 
     Parameters
     ----------
     laws, mode
-        The system, and the mode whose field is followed.
+        The system, and the mode whose field is expanded.
 
     Raises
     ------
     ValueError
-        On a function that is not one of `expressions.FUNCTIONS`.
+        For a function without a recurrence.
     """
     names = Names(laws)
     given = [e.xreplace(names.symbols) for e in (*mode.field, mode.sign * laws.g)]
@@ -66,20 +64,22 @@ def series_code(laws: Laws, mode: Mode) -> SeriesCode:
 
 
 class _Writer(Operations):
-    """Expressions taken apart into operations."""
+    """Splits expressions into operations."""
 
     def __init__(self, names: Names) -> None:
         super().__init__(len(names.x))
         self.unpack = names.unpack
         self.series = {v: single(i) for i, v in enumerate(names.x)}  # symbol -> its series
-        self.inverted: dict[Expr, Expr] = {}  # symbols that stand for 1 over a power
+        self.inverted: dict[Expr, Expr] = {}  # symbols that stand for powers with a negative exponent
         self.fixed: dict[Symbol, Expr] = {}  # symbols that stand for constants
 
     # Expressions → sums of nodes -------------------------------------------------------------------------------------
 
     def share(self, symbol: Symbol, value: Expr) -> None:
-        """Let `symbol` stand for an expression that is used more than once."""
-        if _taken_apart(value)[1] < 0 and not self.is_constant(value):  # to divide takes no longer than to multiply
+        """Define the symbol of an expression that is used more than once."""
+        if _taken_apart(value)[1] < 0 and not self.is_constant(
+            value
+        ):  # to divide by it takes no longer than to multiply
             self.inverted[symbol] = value
             return
         series = self.of(value)
@@ -87,11 +87,11 @@ class _Writer(Operations):
             self.fixed[symbol] = series.constant
         elif len(series.terms) == 1:
             self.series[symbol] = series
-        else:  # added up once
+        else:  # summed once, in a node of its own
             self.series[symbol] = Linear({self.node(series): Integer(1)})
 
     def of(self, u: Expr) -> Linear:
-        """An expression as a sum of nodes; operations that are not linear become nodes."""
+        """An expression as a linear combination of nodes; nonlinear operations become nodes."""
         if self.is_constant(u):
             return Linear({}, u.xreplace(self.fixed))
         if u == TIME:
@@ -116,7 +116,7 @@ class _Writer(Operations):
         return not any(s in self.series or s in self.inverted or s == TIME for s in u.free_symbols)
 
     def product_of(self, factors: Iterable[Expr]) -> Linear:
-        """Products of powers, taken apart into factors and put together from products and quotients that are there."""
+        """A product of powers, split into factors and composed from products and quotients that exist already."""
         scale: Expr = Integer(1)
         bag: Bag = Counter()
         for factor in factors:
@@ -126,7 +126,7 @@ class _Writer(Operations):
                 scale *= series.constant**n
                 continue
             a, node = self.factored(series)
-            whole = Integer(int(n))  # towards zero; what is left is a root
+            whole = Integer(int(n))  # towards zero; the rest is a square root
             scale *= a**whole
             for part, times in self.bag_of(node).items():
                 bag[part] += times * int(whole)
@@ -151,7 +151,7 @@ class _Writer(Operations):
     # Products and quotients of sums ----------------------------------------------------------------------------------
 
     def put_together(self, bag: Bag) -> Linear:
-        """The product of nodes to powers: of what is there, what covers most first, then of as little as can be."""
+        """The product of powers of nodes: of existing products that cover most factors, then of few new ones."""
         found: Bag = Counter()
         while known := {node: self.covered(bag, part) for node, part in self.bags.items()}:
             node = max(known, key=lambda n: (known[n][0], -n))
@@ -174,7 +174,7 @@ class _Writer(Operations):
         return self.over(top, bottom)
 
     def covered(self, bag: Bag, part: Bag) -> tuple[int, int]:
-        """How many factors of a product a part of it makes up, and how many times it is in it; or 1 over it is, < 0."""
+        """Number of factors of a product that powers of a part cover, and the exponent, negative for its inverse."""
         for sign in (1, -1):
             times = min((sign * bag[n] // e if sign * bag[n] * e > 0 else 0 for n, e in part.items()), default=0)
             if times > 0:
@@ -182,7 +182,7 @@ class _Writer(Operations):
         return 0, 0
 
     def powers(self, factors: Iterable[tuple[int, int]]) -> Linear:
-        """The product of the powers that are positive."""
+        """The product of the powers with positive exponents."""
         total = Linear({}, Integer(1))
         for node, n in factors:
             if n > 0:
@@ -212,7 +212,7 @@ class _Writer(Operations):
         return Linear({self.quotient(u, below): Integer(1)})
 
     def code(self, field: list[Linear], g: Linear) -> SeriesCode:
-        """The whole body."""
+        """The lines of the whole computation."""
         rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
         heights = f"c[{self.d}, 0] = {self.start(g)}", f"c[{self.d}, k] = {self.newest(g)}"
         needed, sums = self.needed([heights[1], *(rate for _, rate in rates)])
@@ -236,7 +236,7 @@ class _Writer(Operations):
 
 
 def _taken_apart(u: Expr) -> tuple[Expr, sympy.Rational]:
-    """Base and exponent of a power that takes products and a root at most; else u itself, and 1."""
+    """Base and exponent of a power with an integer or half-integer exponent; else u itself and 1."""
     return (u.base, u.exp) if u.is_Pow and u.exp.is_Rational and u.exp.q <= 2 else (u, Integer(1))
 
 

@@ -111,13 +111,13 @@ class Runner:
         self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
         self.status, self.seconds = Status.RUNNING, 0.0
         self._run = np.zeros(1, dtype=RUN)
-        self._run["t"] = self._run["met"] = self._run["t_start"] = t0
+        self._run["t"] = self._run["last_hit"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._run["follow"] = settings.transition
         self._run["mode"] = self._run["first_mode"] = NO_MODE
-        self._run["edged"] = system.laws.edged
+        self._run["partly_defined"] = system.laws.edged
         self._guards = guard_table(system.laws)
-        self._run["conservative"], self._run["watched"] = method.conservative, m if columns else 0
+        self._run["conservative"], self._run["monitored"] = method.conservative, m if columns else 0
         self._run["stride"], self._samples = 1, np.empty((_SAMPLES, 3 + d))
         self._coefficients = np.empty((1, 1))
         self._workspace: tuple[Floats, ...] = (np.empty((MAX_NODES, 3)), np.empty((1, 1)))

@@ -157,7 +157,7 @@ def compiled_march() -> Callable[..., int]:
                 run.t, run.t_carry = run.t_end, 0.0
             if run.record == 1:
                 write_row(run, x, rows, rows_x)
-            if run.watched > 0:
+            if run.monitored > 0:
                 widen_envelope(context, log)
             if run.final == 1:
                 return _CONTRADICTION if contradicts(context, h) else _COMPLETED

@@ -1,1 +1,1 @@
-"""How the public functions take what a person gives, and how their results show themselves."""
+"""Checks of the arguments of public functions, and the display of their results."""

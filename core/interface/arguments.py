@@ -1,4 +1,4 @@
-"""What a person may give where numbers are wanted: checked, or refused with a ValueError that names it."""
+"""Check arguments that must be numbers; raise a ValueError that names the argument and its value."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 __all__ = ["count", "listed", "number", "numbers"]
 
-#: Python would make numbers of these.
+#: Types that Python would convert to numbers, but that are refused.
 _NO_NUMBERS = (str, bytes, bytearray, bool, np.bool_, np.complexfloating, np.datetime64, np.timedelta64)
-#: And sequences of these: "12" of digits, b"12" of codes, {2, 1} in whatever order.
+#: Types that Python would convert to sequences, but that are refused: "12", b"12", {2, 1} in any order.
 _UNORDERED = (str, bytes, bytearray, Set, Mapping)
 
 
 def number(value: Any, what: str) -> float:
-    """Return a finite float, else raise ValueError; text and truth values are none."""
+    """Return a finite float, else raise ValueError; text and truth values are refused."""
     try:
         if type(value) not in (float, int) and (isinstance(value, _NO_NUMBERS) or np.ndim(value)):
             raise TypeError
@@ -33,7 +33,7 @@ def number(value: Any, what: str) -> float:
 
 
 def count(value: Any, what: str, most: float = math.inf) -> int:
-    """Return a whole number from 1 to `most`, else raise ValueError."""
+    """Return an integer from 1 to `most`, else raise ValueError."""
     found = number(value, what)
     if found < 1 or found != int(found) or found > most:
         span = "of at least 1" if most == math.inf else f"from 1 to {most:,}"
@@ -42,9 +42,9 @@ def count(value: Any, what: str, most: float = math.inf) -> int:
 
 
 def listed(values: Any, what: str, wanted: str, alone: type | tuple[type, ...] = ()) -> tuple[Any, ...]:
-    """Return what a sequence holds, else raise ValueError: a text is none, and what has no order.
+    """Return the elements of a sequence, else raise ValueError; text and unordered collections are refused.
 
-    One of the types `alone` stands for a sequence of one.
+    A value of one of the types `alone` counts as a sequence of one element.
     """
     if isinstance(values, alone):
         return (values,)
@@ -57,7 +57,7 @@ def listed(values: Any, what: str, wanted: str, alone: type | tuple[type, ...] =
 
 
 def numbers(values: Any, what: str) -> NDArray[np.float64]:
-    """Return an array of finite floats, of the shape that is given, else raise ValueError."""
+    """Return an array of finite floats of the same shape, else raise ValueError."""
     try:
         array = np.asarray(values)
     except ValueError:  # rows of different lengths

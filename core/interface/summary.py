@@ -1,4 +1,4 @@
-"""Results that show themselves in one line."""
+"""Results whose `repr` is one line."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 __all__ = ["Brief"]
 
-_LONGEST = 60  #: characters of a text, or of several values; of more, the number is told
+_LONGEST = 60  #: most characters displayed of a value; of a longer tuple, its length is
 
 
 class Brief:
-    """A dataclass whose `repr` is one line of facts: an array is its shape."""
+    """A dataclass whose `repr` is one line; arrays are displayed as their shapes."""
 
     def __repr__(self) -> str:
         facts = ", ".join(f"{f.name} {_fact(getattr(self, f.name))}" for f in fields(self))  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""What compiled code calls: how it is called, divided differences, root isolation, Taylor coefficients."""
+"""Functions that compiled code calls: calling convention, divided differences, root isolation, Taylor coefficients."""
 
 from core.kernels.arrays import Floats
 

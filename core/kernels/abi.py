@@ -1,31 +1,32 @@
-"""The one signature through which compiled functions meet, and the frame they share.
+"""The signature that all compiled functions have, and the layout of the frame they share.
 
     function(t, h, p, w, scratch) -> int
 
-is a C function: the loop knows it by its address, so that one compiled loop serves every system and method. p are the
-parameters, w is the frame of a run (`Frame`), and scratch is room that a variable-step method keeps between calls. A
-table holds the addresses, a row for each mode; its columns are `FUNCTIONS`:
+is a C function. The loop calls it by its address, so that one compiled loop serves every system and method. p holds
+the parameters, w is the frame of a run (`Frame`), and scratch is memory that a variable-step method keeps between
+calls. The addresses are in a table with one row for each mode and the columns `FUNCTIONS`:
 
 prepare_step
-    Prepare a step from x. A variable-step method expands the solution in scratch, in a unit of time that it writes to
-    w[UNIT], the inverse of which to w[PER_UNIT]; it writes the step length to w[LENGTH], and ψ less its level. That is
-    zero where w[LEVELS_SET] is 1, for the levels have just been set at this very state; the function resets it to 0.
+    Prepare a step from x. A variable-step method expands the solution in a Taylor series, kept in scratch. It writes
+    the unit of time of the coefficients to w[UNIT], its inverse to w[PER_UNIT], the step length to w[LENGTH], and the
+    level residual. The residual is zero where w[LEVELS_SET] is 1, because the levels have just been set at this state;
+    the function resets w[LEVELS_SET] to 0.
 step
-    One step of length h from x + carry: write the *increment* to w, and g and ġ at its end to w[G_END], w[RATE_END].
-    Any h will do, of either sign: crossings are located on the scheme itself. Return how often the field was
-    evaluated, or `NO_SOLUTION`.
+    Take one step of length h from x + carry: write its increment to w, and g and ġ at its end to w[G_END], w[RATE_END].
+    h may have any length and either sign, because crossings are located on the scheme itself. Return the number of
+    evaluations of the field, or `NO_SOLUTION`.
 set_levels
-    Take ψ at x + carry for its levels, in double-double; set w[LEVELS_SET].
+    Set the levels to ψ at x + carry, in double-double; set w[LEVELS_SET].
 level_residual
-    ψ at x + carry, less its level.
+    Evaluate ψ at x + carry, less its level.
 project_to_surface
-    Project x + carry to g = 0 (and to the levels of ψ, if the method keeps them), in double-double; w[DELAY] is how
-    much later that is reached.
+    Project x + carry to g = 0 (and to the levels of ψ, if the method keeps them), in double-double. Write to w[DELAY]
+    how much later than x + carry the solution reaches the projected state.
 evaluate_switching
-    g at `place`, and its rate ġ = g_t + ∇g·f with the fields on both sides; what rounding x alone can do to g
-    (w[SLACK]), and what rounding can do to it at most (w[DOUBT]).
+    Evaluate g at `place`, and its rate ġ = g_t + ∇g·f with the fields on both sides. Bound the change of g by rounding
+    the state alone (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
 jump
-    The state after reaching the surface, from x to place.
+    Write the state after the jump from x to `place`.
 """
 
 # mypy: disable-error-code="no-untyped-call"
@@ -44,7 +45,6 @@ from numpy.typing import NDArray
 __all__ = [
     "CALL",
     "DELAY",
-    "DOUBT",
     "EVALUATE",
     "FUNCTIONS",
     "G_END",
@@ -59,8 +59,9 @@ __all__ = [
     "PROJECT",
     "RATES",
     "RATE_END",
+    "ROUNDING_OF_G",
+    "ROUNDING_OF_STATE",
     "SET_LEVELS",
-    "SLACK",
     "STEP",
     "TOLERANCE",
     "UNIT",
@@ -72,10 +73,10 @@ __all__ = [
 _POINTER = types.CPointer(types.float64)
 CALL = types.int64(types.float64, types.float64, _POINTER, _POINTER, _POINTER)
 
-#: What a step returns when its equations have no solution that can be found.
+#: Returned by a step whose equations could not be solved.
 NO_SOLUTION = -1
 
-#: The functions of a mode, in the order of their addresses.
+#: The functions of a mode, in the order of the columns of the table of addresses.
 FUNCTIONS = (
     "prepare_step",
     "step",
@@ -88,24 +89,24 @@ FUNCTIONS = (
 PREPARE, STEP, SET_LEVELS, LEVEL_RESIDUAL, PROJECT, EVALUATE, JUMP = range(len(FUNCTIONS))
 
 # Scalars at the head of a frame.
-G_END = 0  #: g at the end of the step tried last
-RATE_END = 1  #: ġ there, with the field of the mode
-G = 2  #: g at the place where switching was evaluated last
-RATES = 3  #: ġ there, with the field where g < 0; in the next place, with the field where g > 0
-SLACK = 5  #: how far rounding of the state alone can move g there
-LENGTH = 6  #: of the step that a variable-step method takes
-UNIT = 7  #: of time, of the Taylor coefficients
-ORDER = 8  #: of the Taylor polynomial
-TOLERANCE = 9  #: of a variable-step method
-DELAY = 10  #: how much later the surface is reached than where the step has ended
+G_END = 0  #: g at the end of the last trial step
+RATE_END = 1  #: ġ at the end of the last trial step, with the field of the mode
+G = 2  #: g where switching was evaluated last
+RATES = 3  #: ġ where switching was evaluated last: w[RATES] with the field of g < 0, w[RATES + 1] with that of g > 0
+ROUNDING_OF_STATE = 5  #: bound on the change of g by rounding the state alone, likewise
+LENGTH = 6  #: length of the step that a variable-step method takes
+UNIT = 7  #: unit of time of the Taylor coefficients
+ORDER = 8  #: order of the Taylor polynomial
+TOLERANCE = 9  #: tolerance of a variable-step method
+DELAY = 10  #: time from the end of the step to the state projected to the surface
 LEVELS_SET = 11  #: 1 where the levels of ψ have just been set at the state
 PER_UNIT = 12  #: 1 / UNIT
-DOUBT = 13  #: how far rounding of everything that g is worked out from, and on the way, can move it
-_HEAD = 14
+ROUNDING_OF_G = 13  #: bound on the change of g by rounding its arguments and all operations, likewise
+_HEAD = 14  #: number of scalars
 
 
 class Frame(NamedTuple):
-    """Where the parts of a frame are: scalars, then vectors of d, then of m numbers."""
+    """Layout of a frame: scalars, then vectors of d numbers, then vectors of m numbers."""
 
     d: int
     m: int
@@ -117,12 +118,12 @@ class Frame(NamedTuple):
 
     @property
     def carry(self) -> int:
-        """The part of the state that its digits could not hold."""
+        """Compensation of the state: what rounding has taken from x."""
         return _HEAD + self.d
 
     @property
     def increment(self) -> int:
-        """Increment of the step tried last."""
+        """Increment of the last trial step."""
         return _HEAD + 2 * self.d
 
     @property
@@ -132,7 +133,7 @@ class Frame(NamedTuple):
 
     @property
     def level(self) -> int:
-        """Levels of ψ where the mode was entered: their high parts, then their low parts."""
+        """Levels, the values of ψ where the mode was entered: their high parts, then their low parts."""
         return _HEAD + 4 * self.d
 
     @property
@@ -146,7 +147,7 @@ class Frame(NamedTuple):
 
 
 def _call(_context: Any, address: Any, t: Any, h: Any, p: Any, w: Any, scratch: Any) -> Any:
-    """Call the function at an address: four registers, where passing arrays costs more than a short step."""
+    """Call the function at an address with plain pointers: passing array structures costs more than a short step."""
     signature = types.int64(address, t, h, p, w, scratch)
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

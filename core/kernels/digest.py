@@ -1,4 +1,4 @@
-"""One digest of the sources that compiled code is made of, for every cache that keeps machine code."""
+"""Digest of the sources from which machine code is compiled: the key of every cache that keeps it."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _IMPORT = re.compile(rf"^from ({_PACKAGE}(?:\.\w+)*) import (\([^)]*\)|[^\n(]*)"
 
 @cache
 def source_digest(*names: str) -> str:
-    """Digest of the sources of modules, and of all they import from this package.
+    """Digest of the sources of modules, and of all modules of this package that they import, directly or not.
 
-    numba looks for changes in a function's own file only. What it inlines from others has to be part of the key under
-    which the machine code is kept: a closed-over variable of a cached function is.
+    numba recompiles a cached function only when its own file changes. Functions inlined from other files have to enter
+    the key by another way: the value of a variable that the function closes over is part of the key.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def source_digest(*names: str) -> str:
 
 
 def imported_modules(source: str) -> Iterator[str]:
-    """Names of the modules of this package that a source imports, in the form ``from … import …``."""
+    """Names of the modules of this package that a source imports by ``from … import …``."""
     for match in _IMPORT.finditer(source):
         for name in re.findall(r"\w+", match[2]):
             inner = f"{match[1]}.{name}"

@@ -1,8 +1,8 @@
 """Divided differences φ[a, b] = (φ(b) − φ(a)) / (b − a) of the elementary functions, to round-off at any distance.
 
-None is a quotient of small differences: each is an identity that stays accurate as b → a, where φ[a, a] = φ'(a).
-Each comes with its derivative in b, φ[a, b, b], which Newton's method needs and which may be less accurate.
-The names are those that `multiplier` prints: ``sin_slope``, ``sin_slope_b``, and so on.
+None is worked out as a quotient of small differences, but by an identity that stays accurate as b → a, where
+φ[a, a] = φ'(a). Each comes with its derivative in b, φ[a, b, b], which Newton's method needs and which may be less
+accurate. Generated code calls them by these names: ``sin_slope``, ``sin_slope_b``, and so on.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -23,15 +23,12 @@ __all__ = [
 
 _inline = njit(error_model="numpy")
 
-#: Below this distance (in units of the length over which φ'' changes) φ[a, b, b] is taken from φ'' at (a + 2b)/3,
-#: whose error is of second order in the distance; above, from the quotient of differences, whose round-off is its
-#: inverse.
+#: Below this distance (in units of the length over which φ'' changes) φ[a, b, b] is φ''((a + 2b)/3)/2, whose error is
+#: of second order in the distance; above, it is a quotient of differences, whose round-off is eps over the distance.
 _NEAR = 1e-4
-
-
-#: Up to here the rounding of b − a is none of sinh(b − a) to speak of.
+#: Up to this |a| and |b|, the rounding of b − a has a negligible effect on sinh(b − a).
 _MODERATE = 1.0
-#: Below this twelve terms of the series of artanh are enough: 0.18²⁴/25 is 2⁻⁶⁴.
+#: Below this argument twelve terms of the series of artanh suffice: 0.18²⁴/25 is 2⁻⁶⁴.
 _SMALL_PART = 0.18
 
 _FACTORIAL = tuple(float(math.factorial(n)) for n in range(20))
@@ -39,7 +36,7 @@ _FACTORIAL = tuple(float(math.factorial(n)) for n in range(20))
 
 @_inline
 def _half_series(s):
-    """Σ s²ʲ/(4j + 1)! and Σ s²ʲ/(4j + 3)!, s = z² ≤ 1: two chains of half the length of the series of sin z / z."""
+    """Σ s²ʲ/(4j + 1)! and Σ s²ʲ/(4j + 3)!, s = z² ≤ 1: two independent sums, each half as long as that of sin z / z."""
     q = s * s
     even = fma(fma(fma(fma(1 / _FACTORIAL[17], q, 1 / _FACTORIAL[13]), q, 1 / _FACTORIAL[9]), q, 1 / 120), q, 1.0)
     odd = fma(fma(fma(fma(1 / _FACTORIAL[19], q, 1 / _FACTORIAL[15]), q, 1 / _FACTORIAL[11]), q, 1 / 5040), q, 1 / 6)
@@ -48,7 +45,7 @@ def _half_series(s):
 
 @_inline
 def sinc(z):
-    """Sine of z over z; up to |z| = 1 by its Taylor series, which takes half the time."""
+    """Return sin z / z; up to |z| = 1 by its Taylor series, which takes half the time."""
     if abs(z) > 1.0:
         return math.sin(z) / z
     even, odd = _half_series(z * z)
@@ -57,7 +54,7 @@ def sinc(z):
 
 @_inline
 def sinhc(z):
-    """Hyperbolic sine of z over z; up to |z| = 1 by its Taylor series, likewise."""
+    """Return sinh z / z; up to |z| = 1 by its Taylor series, likewise."""
     if abs(z) > 1.0:
         return math.sinh(z) / z
     even, odd = _half_series(z * z)
@@ -66,7 +63,7 @@ def sinhc(z):
 
 @_inline
 def decay(z):
-    """(1 − e⁻ᶻ)/z of z ≥ 0; up to z = 1 by its Taylor series, likewise."""
+    """(1 − e⁻ᶻ)/z for z ≥ 0; up to z = 1 by its Taylor series, likewise."""
     if z > 1.0:
         return -math.expm1(-z) / z
     q = z * z
@@ -116,7 +113,7 @@ def tan_slope_b(a, b):
 
 @_inline
 def exp_slope(a, b):
-    # From the larger end, so that neither overflow nor the rounding of a mean comes in.
+    # Factor out the larger exponential, to avoid overflow and the rounding of a mean.
     gap = abs(b - a)
     return math.exp(max(a, b)) * decay(gap)
 

@@ -3,9 +3,9 @@
 The coefficients b₀ … bₙ of p in the Bernstein basis of an interval change sign V times; p has V roots inside, or fewer
 by an even number. V = 0: none. V = 1: one. Otherwise the interval is halved (de Casteljau), the earlier half first.
 
-Where |bⱼ| ≤ `NOISE`·Σ|aₖ hᵏ|, round-off hides the sign: an interval that is short enough for all its coefficients to be
-so, and still has V ≥ 2, holds two roots or a touch, which cannot be told apart. Roots of a parabola near the middle of
-the interval can be told apart from about 1e-7 h on.
+Where |bⱼ| ≤ `NOISE`·Σ|aₖ hᵏ|, round-off hides the sign of bⱼ. An interval with V ≥ 2 so short that all signs are hidden
+holds two roots or a touch, which cannot be told apart. Two roots of a parabola near the middle of the
+interval are separated if they are about 1e-7 h or more apart.
 
 References: Collins, Akritas, SYMSAC (1976); Lane, Riesenfeld, BIT 21 (1981); Rouillier, Zimmermann, J. Comput. Appl.
 Math. 162 (2004).
@@ -27,23 +27,26 @@ __all__ = ["DEPTH", "DOUBLE", "NOISE", "NONE", "ROOT", "first_root", "scratch_sh
 
 NONE, ROOT, DOUBLE = 0, 1, 2
 
-#: Halvings at most. Two roots in an interval of 2⁻⁴⁰ h leave coefficients of n² 2⁻⁸¹ Σ|aₖ hᵏ|, far below `NOISE`: the
-#: bound only ends what is not finite.
+#: Largest number of halvings. Two roots in an interval of 2⁻⁴⁰ h leave coefficients of n² 2⁻⁸¹ Σ|aₖ hᵏ|, far below
+#: `NOISE`: this bound is only reached with coefficients that are not finite.
 DEPTH = 40
+#: Bound on the round-off of a Bernstein coefficient, relative to the sum of sizes Σ|aₖ hᵏ|.
 NOISE = 2.0**-52
-#: Half the width of the bracket around a root that has been found, in parts of it.
+#: Half the width of the bracket around a root that has been found, relative to the root.
 NARROW = 2.0**-8
-#: Corrections of Halley's method at most; the last is so small in parts of the root, and leaves its cube as an error.
-_MAX_HALLEY, _CLOSE = 4, 1e-4
-#: What is below zero by so much of the sum of all terms is so whatever their rounding.
+#: Largest number of corrections of Halley's method.
+_MAX_HALLEY = 4
+#: Halley's method ends at a correction of this size relative to the root; its cube is the relative error that is left.
+_CLOSE = 1e-4
+#: A sum below zero by this much, relative to the sum of the sizes of its terms, is negative whatever the rounding.
 _SURE = 1e-12
 
-#: Indices known not to be negative, which need no test for counting from the end.
+#: Type of indices known not to be negative: they need no test for counting from the end.
 _u = np.uint64
 
 
 def scratch_shape(order: int) -> tuple[int, int]:
-    """Shape of the scratch that `first_root` needs for polynomials of this degree at most."""
+    """Shape of the scratch array that `first_root` needs for polynomials up to this degree."""
     return DEPTH + 2, order + 3
 
 
@@ -58,18 +61,18 @@ def first_root(row, order, h, leaving, scratch):
     h
         End of the interval, of either sign: s runs from 0 to h.
     leaving
-        0: the height is positive at s = 0. 1: it is 0 there but for round-off, row[0] is left out, and roots of
-        height/s are looked for.
+        0: the height is positive at s = 0. 1: it is 0 there up to round-off; row[0] is ignored, and the roots of
+        height/s are isolated.
     scratch
-        float64, at least `scratch_shape` of the order.
+        float64, at least of the shape `scratch_shape(order)`.
 
     Returns
     -------
     kind, low, high
-        `NONE`. Or `ROOT`: on the way from low to high the height goes from positive to zero or less, once; low = high
-        = 0 where it does so at once, and low = 0 is possible (where, leaving, the height is 0). Or `DOUBLE`: between
-        low and high are two roots closer than round-off lets one see, or a touch; or, with low = 0 and high = h, a
-        coefficient is not finite and nothing can be told.
+        `NONE`: no root. `ROOT`: from low to high the height changes once from positive to zero or negative; low =
+        high = 0 if it is not positive at the start; low = 0 may also occur for leaving = 1, where the height is 0.
+        `DOUBLE`: between low and high are two roots that round-off cannot separate, or a touch; or, with low = 0 and
+        high = h, a coefficient is not finite and the roots are unknown.
     """
     shift = 1 if leaving != 0 else 0
     n = order - shift
@@ -85,7 +88,7 @@ def first_root(row, order, h, leaving, scratch):
             first += 1
         if leaving == 0 or scratch[0, _u(first)] <= 0.0:
             return ROOT, 0.0, 0.0
-        n -= first  # it rises like s**(first + 1)
+        n -= first  # the height rises like s**(first + 1)
         for k in range(n + 1):
             scratch[0, k] = scratch[0, _u(k + first)]
     else:
@@ -101,16 +104,16 @@ def first_root(row, order, h, leaving, scratch):
 
 @always_inlined
 def _scale(row, n, shift, h, scratch):
-    """Coefficients for s = h u, u in [0, 1], to scratch[0].
+    """Write the coefficients for s = h u, u in [0, 1], to scratch[0].
 
-    Returns the sum of their sizes, and how far the terms from the third power on can pull the polynomial down.
+    Returns the sum of their sizes, and a bound on how far the terms from the third power on can lower the polynomial.
     """
     first = row[_u(shift)] * (h if shift == 1 else 1.0)
     scratch[0, 0] = first
     size, size_odd, fall, fall_odd = abs(first), 0.0, 0.0, 0.0
     square = h * h
     odd, even = (square, square * h) if shift == 1 else (h, square)
-    # Even and odd powers apart: two chains of half the length.
+    # Even and odd powers are summed apart: two independent chains of half the length.
     for k in range(1, n, 2):
         a, b = row[_u(k + shift)] * odd, row[_u(k + 1 + shift)] * even
         scratch[0, _u(k)], scratch[0, _u(k + 1)] = a, b
@@ -128,7 +131,7 @@ def _scale(row, n, shift, h, scratch):
 
 @always_inlined
 def _least(scratch, n):
-    """Least value on [0, 1] of the terms up to the second power; the others, of a Taylor polynomial, are small."""
+    """Least value on [0, 1] of the terms up to the second power; of a Taylor polynomial the others are small."""
     a = scratch[0, 0]
     b = scratch[0, 1] if n > 0 else 0.0
     c = scratch[0, 2] if n > 1 else 0.0
@@ -139,7 +142,7 @@ def _least(scratch, n):
 
 @always_inlined
 def _sum(scratch, n):
-    """Value at the end, u = 1."""
+    """Value at u = 1."""
     value = 0.0
     for k in range(n + 1):
         value += scratch[0, k]
@@ -148,9 +151,9 @@ def _sum(scratch, n):
 
 @always_inlined
 def _plain_root(scratch, n, size, value):
-    """The first root of what ends below zero, at this value, by Halley's method; nan where it is not plain to see.
+    """The first root of a polynomial whose value at u = 1 is negative, by Halley's method; nan where it may be another.
 
-    It is where the polynomial falls, or is concave, from the start to a little beyond the root.
+    The root found is the first if the polynomial falls, or is concave, from the start to a little beyond it.
     """
     slope = 0.0
     for k in range(1, n + 1):
@@ -173,7 +176,7 @@ def _plain_root(scratch, n, size, value):
 
 @always_inlined
 def _first_guess(scratch, n, value, slope):
-    """Where the inverse cubic is 0 that has the values and slopes of both ends; or else the parabola at the start."""
+    """Root of the inverse cubic through the values and slopes of both ends; else of the parabola at the start."""
     start, rate, bend = scratch[0, 0], scratch[0, 1], scratch[0, 2] if n > 1 else 0.0
     if rate < 0.0 and slope < 0.0:
         drop = value - start
@@ -186,9 +189,10 @@ def _first_guess(scratch, n, value, slope):
 
 @always_inlined
 def _falls_or_bends(scratch, n, s, size):
-    """Whether the first derivative is not above zero on [0, s], or the second one.
+    """Whether the first or the second derivative is nowhere positive on [0, s], as far as the coefficients show it.
 
-    Σ bₖ uᵏ with u in [0, 1] is an average of the partial sums of the bₖ, and of 0 (Abel): none of them may be above.
+    Σ bₖ uᵏ with u in [0, 1] is a weighted mean of 0 and the partial sums of the bₖ (Abel); it is not positive if none
+    of these is.
     """
     falls, bends, highest_fall, highest_bend, power = 0.0, 0.0, -math.inf, -math.inf, 1.0
     for k in range(1, n + 1):
@@ -203,7 +207,7 @@ def _falls_or_bends(scratch, n, s, size):
 
 @always_inlined
 def _to_bernstein(scratch, n):
-    """From powers to the Bernstein basis of [0, 1]: bⱼ = Σ C(j, i) / C(n, i) aᵢ, by sums of neighbours."""
+    """Convert from powers to the Bernstein basis of [0, 1]: bⱼ = Σ C(j, i) / C(n, i) aᵢ, by sums of neighbours."""
     inverse = 1.0  # 1 / C(n, i)
     for i in range(1, n + 1):
         inverse *= i / (n - i + 1)
@@ -217,9 +221,9 @@ def _to_bernstein(scratch, n):
 
 @always_inlined
 def _variations(scratch, slot, n):
-    """Changes of sign, zeros left out; the last coefficient, the value at the end, counts as negative if zero."""
+    """Number of sign changes, zeros left out; the last coefficient, the value at the end, is negative if zero."""
     count = 0
-    positive = True  # every interval that is looked at starts above 0
+    positive = True  # the polynomial is positive at the start of every interval searched
     for j in range(1, n + 1):
         b = scratch[slot, j]
         if (b < 0.0) if positive else (b > 0.0):
@@ -232,7 +236,7 @@ def _variations(scratch, slot, n):
 
 @always_inlined
 def _is_noise(scratch, slot, first, n, noise):
-    """Whether round-off hides the signs of coefficients first … n."""
+    """Whether round-off hides the signs of the coefficients first … n."""
     largest = 0.0
     for j in range(first, n + 1):
         largest = max(largest, abs(scratch[slot, j]))
@@ -241,7 +245,7 @@ def _is_noise(scratch, slot, first, n, noise):
 
 @always_inlined
 def _halve(scratch, slot, n):
-    """De Casteljau at the middle: the later half stays in its slot, the earlier goes to the next."""
+    """Halve an interval by de Casteljau's algorithm: the later half stays in its slot, the earlier goes to the next."""
     left = slot + 1
     scratch[left, 0] = scratch[slot, 0]
     for level in range(1, n + 1):
@@ -255,7 +259,7 @@ def _halve(scratch, slot, n):
 
 @always_inlined
 def _search(scratch, n, noise, h):
-    """Look through the interval in slot 0: a stack of intervals, the earliest on top."""
+    """Search the interval in slot 0, with a stack of intervals whose top is the earliest."""
     scratch[0, _u(n + 1)], scratch[0, _u(n + 2)] = 0.0, 1.0
     slot = 0
     while slot >= 0:
@@ -265,7 +269,7 @@ def _search(scratch, n, noise, h):
             continue
         low = scratch[slot, _u(n + 1)]
         high = low + scratch[slot, _u(n + 2)]
-        # One that ends in noise, and level, may be the first of two.
+        # Where round-off hides the signs of the last two coefficients, the root may be the first of two.
         if count == 1 and not _is_noise(scratch, slot, max(n - 1, 0), n, noise):
             return ROOT, low * h, high * h
         if slot > DEPTH or _is_noise(scratch, slot, 0, n, noise):

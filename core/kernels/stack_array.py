@@ -1,4 +1,4 @@
-"""Room for the arrays of generated functions."""
+"""Local arrays of generated functions."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ __all__ = ["stack_array"]
 
 
 def stack_array(size: int) -> NDArray[np.float64]:
-    """Room for numbers of no certain value; in machine code (`native`) it is on the stack of the function."""
+    """Return an uninitialised array; machine code of `native` allocates it on the stack of the function."""
     return np.empty(size)

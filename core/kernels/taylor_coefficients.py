@@ -1,4 +1,4 @@
-"""Taylor coefficients: the unit of time they are in, and the step they allow.
+"""Taylor coefficients: their unit of time, and the step length they allow.
 
 Row i of c holds the coefficients c[i, 0], c[i, 1], … of one function of time.
 
@@ -21,29 +21,44 @@ __all__ = [
     "step_length", "step_length_of_height", "unsigned",
 ]  # fmt: skip
 
-#: Outside these orders a step gains less than it costs.
-LEAST_ORDER, MAX_ORDER = 8, 24
-#: Length of a row, whatever the order: a constant, so that one register points into all rows.
+#: Least order: a lower one needs so many more steps that it saves no time.
+LEAST_ORDER = 8
+#: Largest order: above it a step costs more than its greater length saves.
+MAX_ORDER = 24
+#: Length of a row for every order: a constant, so that one register points into all rows.
 STRIDE = MAX_ORDER + 1
 
-#: What the height may be off by: in powers of two of the tolerance, and of the height at most.
-_FREEDOM, _FREEST = 10.0, -14.0
+#: The error allowed in the height is 2**_FREEDOM times the tolerance …
+_FREEDOM = 10.0
+#: … but at most 2**_FREEST of the height, unless the tolerance is larger.
+_FREEST = -14.0
 
+#: log₂ e.
 _LOG2_E = math.log2(math.e)
-_THIRD = 1.0 / 3.0  #: a product is there sooner than a quotient
-#: Of a double: bits of the mantissa, how many they are, bits of the exponent, those of the number 1, and their value.
-_MANTISSA, _DIGITS, _EXPONENT, _ONE, _BIAS = 2**52 - 1, 52, 2047 << 52, 1023 << 52, 1023
+#: 1/3: multiplying by it takes less time than dividing by 3.
+_THIRD = 1.0 / 3.0
+#: Number of bits of the mantissa of a double.
+_DIGITS = 52
+#: Mask of the mantissa of a double.
+_MANTISSA = 2**52 - 1
+#: Mask of the exponent of a double.
+_EXPONENT = 2047 << 52
+#: Bits of the double 1.
+_ONE = 1023 << 52
+#: Biased exponent of the double 1.
+_BIAS = 1023
+#: Least normal double.
 _NORMAL = 2.0**-1022
-#: The unit is multiplied by this where coefficients have left floating point: those of order 24 by most of its range.
+#: Factor of the unit of time where coefficients overflow: it scales those of order 24 by 2⁻⁹⁶⁰, most of the range.
 _OVERFLOWN = 2.0**-40
 
-#: Of indices known not to be negative, which need no test for counting from the end.
+#: Type of indices known not to be negative: they need no test for counting from the end.
 unsigned = np.uint64
 
 
 @always_inlined
 def _norm(c, d, k):
-    """Sum of the sizes of the state's coefficients k. A sum, not a maximum: nan stays nan."""
+    """Sum over the coordinates of |coefficient k| of the state. A sum, not a maximum, so that nan stays nan."""
     size = 0.0
     for i in range(d):
         size += abs(c[i, unsigned(k)])
@@ -52,14 +67,14 @@ def _norm(c, d, k):
 
 @always_inlined
 def power_of_two(u):
-    """The greatest power of two that is not above u; 1 where u is not positive and finite, or below 2⁻¹⁰²²."""
+    """The greatest power of two that is not above u; 1 if u is not positive and finite, or below 2⁻¹⁰²²."""
     power = np.int64(np.float64(u).view(np.int64) & _EXPONENT).view(np.float64)
     return power if 0.0 < power < math.inf and u > 0.0 else 1.0
 
 
 @always_inlined
 def power_near(u, v):
-    """A power of two within a factor of two of u/v, by their exponents; 1 unless all three are positive and normal."""
+    """A power of two within a factor of two of u/v; 1 unless u, v and the power are positive, finite and normal."""
     exponents = np.float64(u).view(np.int64) & _EXPONENT, np.float64(v).view(np.int64) & _EXPONENT
     bits = exponents[0] - exponents[1] + _ONE
     usual = _NORMAL <= u < math.inf and _NORMAL <= v < math.inf and 0 < bits < _EXPONENT
@@ -68,9 +83,9 @@ def power_near(u, v):
 
 @always_inlined
 def _log2(u):
-    """Binary logarithm of a positive number, to within 0.01; 0 counts as 2⁻¹⁰²³.
+    """Binary logarithm of a positive number, with an error below 0.01; 0 counts as 2⁻¹⁰²³.
 
-    A step length is the k-th root of a quotient: no more is needed of it, and `math.log` takes as long as ten terms.
+    That is accurate enough for a step length, the k-th root of a quotient; `math.log` takes as long as ten terms.
     """
     bits = np.float64(u).view(np.int64)
     mantissa = np.int64((bits & _MANTISSA) | _ONE).view(np.float64)
@@ -79,7 +94,7 @@ def _log2(u):
 
 @always_inlined
 def _exp2(y):
-    """Power of two, to within 0.4 %; beyond 2^±1000 that power."""
+    """2ʸ with a relative error below 0.4 %; y is clipped to ±1000."""
     y = min(max(y, -1000.0), 1000.0)
     whole = int(y + _BIAS)
     rest = y + _BIAS - whole
@@ -88,14 +103,14 @@ def _exp2(y):
 
 @always_inlined
 def _log_radius(log_scale, log_before, log_last, order, power):
-    """Log of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 and order."""
-    last = (log_scale - log_last) * (1.0 / (order - power))  # the quotient is there before the coefficients are
+    """log₂ of the least ρ with ‖c[:, m]‖ ρᵐ = scale·ρ**power for m = order − 1 or m = order."""
+    last = (log_scale - log_last) * (1.0 / (order - power))  # the quotient does not wait for the coefficients
     return min(last, (log_scale - log_before) * (1.0 / (order - 1 - power))) if order - 1 > power else last
 
 
 @jitted
 def _last_nonzero(c, d, order):
-    """The last coefficient that is not zero; 0 if all those beyond half the order are."""
+    """Index of the last coefficient that is not zero; 0 if all beyond half the order are zero."""
     m = order
     while m > order // 2 and _norm(c, d, m) == 0.0:
         m -= 1
@@ -104,7 +119,7 @@ def _last_nonzero(c, d, order):
 
 @always_inlined
 def _first_moving(c, d, order):
-    """The first coefficient from 1 on that is not zero, `order` at most."""
+    """Index ≥ 1 of the first coefficient that is not zero, at most `order`."""
     q = 1
     while q < order and _norm(c, d, q) == 0.0:
         q += 1
@@ -116,10 +131,10 @@ def step_length(c, d, order, tolerance):
     r"""Length of the step that the last two coefficients of the state allow (Jorba, Zou, Exp. Math. 14, 2005).
 
     h = min ρₘ · tolerance**(1/order) · exp(−0.7 / (order − 1)) over m = order − 1 and order, with
-    ρₘ = (scale / ‖c[:, m]‖)**(1/m): the terms left out are then about `tolerance` parts of the scale. (Jorba and Zou
-    take the order that makes the second factor e⁻²; here it is ½ at most.) The scale is ‖x‖ or, where that is larger,
-    the motion in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 at which the state moves: so units of state or time make
-    no difference, and x = 0 may be passed.
+    ρₘ = (scale / ‖c[:, m]‖)**(1/m): the terms left out are then about `tolerance` times the scale. (Jorba and Zou
+    choose the order so that the second factor is e⁻²; here it is at most ½.) The scale is ‖x‖ or, where that is larger,
+    the displacement in the step, ‖c[:, q]‖ h**q with the first q ≥ 1 for which c[:, q] ≠ 0. So the step does not depend
+    on the units of state and time, and the solution may pass through x = 0.
 
     Parameters
     ----------
@@ -135,8 +150,9 @@ def step_length(c, d, order, tolerance):
     Returns
     -------
     float
-        Positive; inf where all coefficients beyond half the order vanish (equilibria, and solutions that are
-        polynomials of so low a degree), or all but the last; 0 or nan where a coefficient is not finite.
+        In the unit of time of the coefficients, positive; inf where all coefficients beyond half the order vanish
+        (equilibria, and solutions that are polynomials of at most that degree), or all but the last; 0 or nan where a
+        coefficient is not finite.
     """
     if _norm(c, d, order) == 0.0 and _norm(c, d, order - 1) == 0.0:
         order = _last_nonzero(c, d, order)
@@ -155,19 +171,19 @@ def step_length(c, d, order, tolerance):
         q = _first_moving(c, d, order)
         if q == order:
             return math.inf
-        motion = _log2(_norm(c, d, q)) + shrink * q  # with h = ρ·2**shrink, as the scale
+        motion = _log2(_norm(c, d, q)) + shrink * q  # the scale, for h = ρ·2**shrink
         return max(h, _exp2(_log_radius(motion, before, last, order, q) + factor))
     return h
 
 
 @always_inlined
 def step_length_of_height(c, d, order, tolerance):
-    """Length of the step that the last two coefficients of row d allow, the height over the surface.
+    """Length of the step that the last two coefficients of row d, the guard height, allow.
 
-    A surface may vary faster than the state: a crossing is seen on this polynomial, but located on the scheme itself.
-    So it may be off by 2¹⁰ times the tolerance, up to 2⁻¹⁴, or by the tolerance if that is more. The scale is the
-    largest of the height, and of its change to first and to second order, in the step: one of them at least is no
-    accident of where the step begins. The rest is as in `step_length`.
+    The height may vary faster than the state. Its polynomial detects a crossing, which is then located on the scheme
+    itself; so the polynomial may have a relative error of 2¹⁰ times the tolerance up to 2⁻¹⁴, or of the tolerance if
+    that is larger. The scale is the largest of the height and its changes of first and second order in the step: they
+    are not all small by accident of where the step begins. Otherwise as in `step_length`.
     """
     highest = order
     while order > highest // 2 and c[d, order] == 0.0 and c[d, order - 1] == 0.0:
@@ -188,13 +204,13 @@ def step_length_of_height(c, d, order, tolerance):
 
 @always_inlined
 def correction_of_unit(length):
-    """What a unit of time has to be multiplied by, a step of which this length came out as too short in it, or nan."""
+    """Factor of the unit of time in which a step length came out too small, or nan."""
     return power_of_two(length) if length > 0.0 else _OVERFLOWN
 
 
 @jitted
 def is_at_rest(c, d, order):
-    """Whether all coefficients but the first of rows 0 … d vanish: neither the state moves nor the height."""
+    """Whether all coefficients but the first of rows 0 … d vanish: state and height are constant."""
     for i in range(d + 1):
         for k in range(1, order + 1):
             if c[i, k] != 0.0:
@@ -203,9 +219,9 @@ def is_at_rest(c, d, order):
 
 
 def order_of(tolerance: float) -> int:
-    """Order with which a step of `step_length` costs least for the time it covers: measured.
+    """Order for which steps of `step_length` take the least computing time per unit of time, as measured.
 
-    Jorba and Zou's −½ ln(tolerance) + 1 counts the coefficients alone; with what else a step costs, longer steps of
-    higher order pay.
+    Jorba and Zou's −½ ln(tolerance) + 1 counts the cost of the coefficients alone; a step has other costs too, so that
+    longer steps of higher order pay.
     """
     return min(max(LEAST_ORDER, math.ceil(8.0 - 0.55 * math.log(tolerance))), MAX_ORDER)

@@ -1,4 +1,4 @@
-"""LLVM's text → machine code, kept beside the file of the function, as numba keeps its own."""
+"""Compile LLVM's text to machine code, cached beside the source file of the function like numba's own cache."""
 
 # mypy: disable-error-code="no-untyped-call"
 # llvmlite's functions have no types
@@ -18,13 +18,13 @@ from llvmlite import binding as llvm
 from numba import cfunc
 
 from core.kernels.abi import CALL
-from core.llvm.operations import Unknown
+from core.llvm.operations import Unsupported
 from core.llvm.statements import lowered
 
 __all__ = ["Native", "native"]
 
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_double, *(ctypes.POINTER(ctypes.c_double),) * 3)
-_SPEED = 3  #: of LLVM's levels of optimisation the one that numba takes too
+_SPEED = 3  #: LLVM's optimisation level, the same as numba's
 _lock = threading.Lock()
 
 
@@ -34,15 +34,15 @@ class Native:
     Attributes
     ----------
     address
-        Where its machine code is.
+        Address of its machine code.
     ctypes
-        The function, to be called from Python.
+        The function as a ctypes object, for calls from Python.
     cache_hits
-        1 if it was loaded, 0 if it was compiled here.
+        1 if it was loaded from the cache, 0 if it was compiled.
     """
 
     def __init__(self, code: bytes, symbol: str, cache_hits: int) -> None:
-        # An engine frees its machine when it is freed: each has one of its own.
+        # An engine frees its target machine with itself, so each needs its own.
         self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _new_machine())
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
@@ -51,9 +51,9 @@ class Native:
 
 
 def native(function: Any) -> Any:
-    """Compile a function of generated text, or load what was compiled of it before.
+    """Compile a function of generated text, or load its machine code from the cache.
 
-    What `statements` does not know, numba compiles: to the same numbers, in twenty times the time.
+    Functions that `statements` cannot translate are compiled by numba, with the same results, in twenty times the time.
     """
     symbol = function.__name__
     path = _path(function)
@@ -64,7 +64,7 @@ def native(function: Any) -> Any:
             pass
         try:
             code = _code(lowered(function, symbol))
-        except Unknown:
+        except Unsupported:
             return cfunc(CALL, cache=True, error_model="numpy")(function)
         partial = path.with_name(f"{path.name}.{os.getpid()}")
         partial.parent.mkdir(exist_ok=True)
@@ -80,7 +80,7 @@ def _path(function: Any) -> Path:
 
 @lru_cache(maxsize=1)
 def _target_name() -> str:
-    """A name for the processor and the compiler, whose code another one may not run."""
+    """Key of the processor and the compiler: machine code may not run on another processor."""
     features = llvm.get_host_cpu_features().flatten()
     parts = (llvm.get_process_triple(), llvm.get_host_cpu_name(), features, llvmlite.__version__)
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
@@ -88,12 +88,12 @@ def _target_name() -> str:
 
 @lru_cache(maxsize=1)
 def _machine() -> Any:
-    """The processor at hand, to compile for."""
+    """Target machine for compiling, shared by all functions."""
     return _new_machine()
 
 
 def _new_machine() -> Any:
-    """The processor at hand, told as numba tells LLVM of it."""
+    """New target machine for this processor, with the options that numba uses."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     triple = llvm.get_process_triple()
@@ -105,7 +105,7 @@ def _new_machine() -> Any:
 
 
 def _code(text: str) -> bytes:
-    """Machine code of a module, optimised."""
+    """Optimise a module and compile it to machine code."""
     machine = _machine()
     module = llvm.parse_assembly(text)
     module.triple, module.data_layout = llvm.get_process_triple(), str(machine.target_data)

@@ -1,9 +1,9 @@
-"""Generated text → LLVM: the part of Python that it is written in, and no more.
+"""Translate generated text to LLVM: only the subset of Python in which it is written.
 
-numba takes some milliseconds for a line, most of them to find out types: a step of sixteen variables has thousands of
-lines. What is written here has three types of scalars, known as the lines are read: floating-point numbers, whole
-numbers of 64 bits and truth values; and pointers to floating-point numbers. Operations, and their order, are those of
-numba: what is worked out is the same to the last bit.
+numba takes some milliseconds for a line, most of them for type inference, and a step of sixteen variables has
+thousands of lines. Generated text has only three scalar types (floating-point numbers, 64-bit integers, truth values)
+and pointers to floating-point numbers, known as the lines are read. Operations and their order are numba's, so that
+results agree to the last bit.
 """
 
 from __future__ import annotations
@@ -17,17 +17,29 @@ from functools import lru_cache
 from typing import Any
 
 from core.llvm.expressions import Expressions
-from core.llvm.operations import DOUBLE, RANK, ROWS, TRUTH, WHOLE, Thing, Unknown, Value, bits, number_of, returned
+from core.llvm.operations import (
+    BOOLEAN,
+    DOUBLE,
+    INTEGER,
+    POINTER,
+    RANK,
+    Object,
+    Unsupported,
+    Value,
+    bits,
+    constant,
+    return_type,
+)
 
 __all__ = ["lowered"]
 
-#: Types of the arguments of a function of `abi`, which returns a whole number.
-_ENTRY = (DOUBLE, DOUBLE, ROWS, ROWS, ROWS)
+#: Types of the arguments (t, h, p, w, scratch) of a function of `abi`, which returns an integer.
+_ENTRY = (DOUBLE, DOUBLE, POINTER, POINTER, POINTER)
 
 
 @dataclass
 class _Module:
-    """The functions and tables that a function turns out to call for, each once."""
+    """A module: the functions and tables that a function needs, each once."""
 
     symbol: str
     parts: list[str] = field(default_factory=list)
@@ -39,7 +51,7 @@ class _Module:
         self.declared[name] = line
 
     def table(self, numbers: Sequence[float]) -> str:
-        """A pointer to constant numbers."""
+        """Pointer to a table of constants."""
         key = tuple(map(bits, numbers))
         if key not in self.tables:
             name = self.tables[key] = f"@table{len(self.tables)}"
@@ -47,10 +59,11 @@ class _Module:
             self.parts.append(f"{name} = private unnamed_addr constant [{len(key)} x double] [{body}]")
         return self.tables[key]
 
-    def function(self, what: Any, arguments: Sequence[Value | Thing]) -> tuple[str, Any]:
-        """Name and result of a function for arguments of these kinds.
+    def function(self, what: Any, arguments: Sequence[Value | Object]) -> tuple[str, Any]:
+        """Name and result kinds of a function for arguments of these kinds.
 
-        One that is not jitted is compiled anew for every value of whole numbers known beforehand: sizes of arrays.
+        A function that is not jitted is compiled anew for all values of integer arguments known at compile time, which
+        are sizes of arrays.
         """
         python = getattr(what, "py_func", what)
         if python is not what:
@@ -65,44 +78,44 @@ class _Module:
 
 
 def lowered(function: Any, symbol: str) -> str:
-    """LLVM's text of a module that holds one function of the signature of `abi`, and all that it calls.
+    """Text of an LLVM module with one function of the signature of `abi` and all functions that it calls.
 
     Parameters
     ----------
     function
-        A Python function of t, h, p, w, scratch; what it calls are jitted functions, or such as could be.
+        A Python function of t, h, p, w, scratch; the functions that it calls are jitted, or could be.
     symbol
-        What it is called in the module.
+        Its name in the module.
 
     Raises
     ------
-    Unknown
-        Naming what generated text has not held so far.
+    Unsupported
+        Naming a construct that cannot be translated.
     """
     module = _Module(symbol)
     arguments = [Value(kind, "") for kind in _ENTRY]
     lines, result = _Function.read(module, function, f"@{symbol}", arguments, entry=True)
-    if result != (WHOLE,):
-        raise Unknown(f"{function.__name__} returns {result}, not a whole number")
+    if result != (INTEGER,):
+        raise Unsupported(f"{function.__name__} returns {result}, not an integer")
     return "\n".join([*module.parts, *module.declared.values(), lines])
 
 
-class Wider(Exception):  # noqa: N818
-    """A variable turns out to be of a wider type: its function is read once more."""
+class WiderType(Exception):  # noqa: N818
+    """A variable needs a wider type than assumed so far: its function is read again."""
 
 
 @lru_cache(maxsize=1024)
 def _tree(function: Any) -> ast.FunctionDef:
     (tree,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
-    assert isinstance(tree, ast.FunctionDef)  # noqa: S101 - of what else there is a source, numba has no function
+    assert isinstance(tree, ast.FunctionDef)  # noqa: S101 - numba compiles no other source
     return tree
 
 
 class _Function(Expressions):
-    """One function, read line by line; a variable is a place on the stack, which LLVM turns into registers."""
+    """One function, read line by line; variables are allocated on the stack, and LLVM moves them to registers."""
 
     def __init__(
-        self, module: _Module, function: Any, arguments: Sequence[Value | Thing], kinds: dict[str, str]
+        self, module: _Module, function: Any, arguments: Sequence[Value | Object], kinds: dict[str, str]
     ) -> None:
         super().__init__(module, function.__globals__, kinds)
         self.tree = _tree(function)
@@ -110,39 +123,39 @@ class _Function(Expressions):
         self.result: tuple[str, ...] | None = None
         parameters = [a.arg for a in self.tree.args.args]
         if len(parameters) != len(arguments):
-            raise Unknown(f"{self.tree.name} takes {len(parameters)} arguments, here it has {len(arguments)}")
+            raise Unsupported(f"{self.tree.name} takes {len(parameters)} arguments, here it has {len(arguments)}")
         self.parameters: list[Value] = []
         for name, value in zip(parameters, arguments, strict=True):
-            self.take(name, value)
+            self.bind_argument(name, value)
 
     @classmethod
     def read(
-        cls, module: _Module, function: Any, name: str, arguments: Sequence[Value | Thing], entry: bool = False
+        cls, module: _Module, function: Any, name: str, arguments: Sequence[Value | Object], entry: bool = False
     ) -> tuple[str, tuple[str, ...]]:
-        """Text, and kinds of the results, of a function."""
+        """Text of a function, and the kinds of its results."""
         kinds: dict[str, str] = {}
         while True:
             try:
                 reader = cls(module, function, arguments, kinds)
                 reader.block(reader.tree.body)
                 break
-            except Wider:
+            except WiderType:
                 continue
         result = reader.result or ()
-        given = ", ".join(f"{a.kind}{' noalias' * (a.kind == ROWS and entry)} {a.text}" for a in reader.parameters)
-        head = f"define {'' if entry else 'internal '}{returned(result)} {name}({given}) {{"
+        given = ", ".join(f"{a.kind}{' noalias' * (a.kind == POINTER and entry)} {a.text}" for a in reader.parameters)
+        head = f"define {'' if entry else 'internal '}{return_type(result)} {name}({given}) {{"
         end = "unreachable" if result else "ret void"
         body = [head, *reader.stack, *reader.lines, f"  {end}", "}"]
         return "\n".join(body), result
 
-    def take(self, name: str, value: Value | Thing) -> None:
-        """An argument: constants that the function is compiled for have a name only."""
-        if isinstance(value, Thing):
+    def bind_argument(self, name: str, value: Value | Object) -> None:
+        """Bind an argument; constants that the function is compiled for are no parameters."""
+        if isinstance(value, Object):
             self.bound[name] = value
             return
         self.parameters.append(replace(value, text=f"%arg.{name}"))
         if isinstance(value.known, int):
-            self.bound[name] = number_of(value.known)
+            self.bound[name] = constant(value.known)
         else:
             self.assign_name(name, self.parameters[-1])
 
@@ -152,7 +165,7 @@ class _Function(Expressions):
         for statement in body:
             handler = getattr(self, f"do_{type(statement).__name__}", None)
             if handler is None:
-                raise Unknown(f"a statement of the kind {type(statement).__name__}")
+                raise Unsupported(f"a statement of the kind {type(statement).__name__}")
             handler(statement)
 
     def do_Expr(self, node: ast.Expr) -> None:
@@ -178,21 +191,21 @@ class _Function(Expressions):
             case ast.Subscript():
                 self.emit(f"store double {self.double(value)}, ptr {self.address(target)}")
             case _:
-                raise Unknown(f"an assignment to {ast.unparse(target)}")
+                raise Unsupported(f"an assignment to {ast.unparse(target)}")
 
     def assign_name(self, name: str, value: Any) -> None:
         if isinstance(value, tuple):
             for k, part in enumerate(value):
                 self.assign_name(f"{name}.{k}", part)
             value = len(value)
-        if not isinstance(value, Value) or value.kind == ROWS or name in self.bound:
+        if not isinstance(value, Value) or value.kind == POINTER or name in self.bound:
             if self.bound.setdefault(name, value) != value:
-                raise Unknown(f"{name}, which is given two meanings")
+                raise Unsupported(f"{name}, which has two meanings")
             return
         kind = self.kinds.setdefault(name, value.kind)
         if RANK[value.kind] > RANK[kind]:
             self.kinds[name] = value.kind
-            raise Wider
+            raise WiderType
         if name not in self.places:
             self.places.add(name)
             self.stack.append(f"  %v.{name} = alloca {kind}")
@@ -200,7 +213,7 @@ class _Function(Expressions):
 
     def do_If(self, node: ast.If) -> None:
         yes, no, after = self.label(), self.label(), self.label()
-        self.branch(self.truth(node.test), yes, no)
+        self.branch(self.condition(node.test), yes, no)
         for label, body in ((yes, node.body), (no, node.orelse)):
             self.lines.append(f"{label}:")
             self.block(body)
@@ -210,12 +223,12 @@ class _Function(Expressions):
     def do_While(self, node: ast.While) -> None:
         head, inner, other, after = (self.label() for _ in range(4))
         self.begin(head)
-        self.branch(self.truth(node.test), inner, other)
+        self.branch(self.condition(node.test), inner, other)
         self.lines.append(f"{inner}:")
         self.loop(node, head, other, after)
 
     def loop(self, node: ast.While | ast.For, head: str, other: str, after: str) -> None:
-        """The body of a loop, and what is done where nothing has broken it off."""
+        """Translate the body of a loop, and its `else` clause."""
         self.loops.append((head, after))
         self.block(node.body)
         self.loops.pop()
@@ -225,36 +238,36 @@ class _Function(Expressions):
         self.begin(after)
 
     def do_For(self, node: ast.For) -> None:
-        counter, (first, last, step), value_at = self.slot(WHOLE), *self.iterated(node.iter)
+        counter, (first, last, step), value_at = self.slot(INTEGER), *self.iterated(node.iter)
         head, inner, other, after = (self.label() for _ in range(4))
         self.emit(f"store i64 {first}, ptr {counter}")
         self.begin(head)
-        k = self.let(WHOLE, f"load i64, ptr {counter}")
+        k = self.let(INTEGER, f"load i64, ptr {counter}")
         order = "slt" if step > 0 else "sgt"
-        self.branch(self.let(TRUTH, f"icmp {order} i64 {k.text}, {last}"), inner, other)
+        self.branch(self.let(BOOLEAN, f"icmp {order} i64 {k.text}, {last}"), inner, other)
         self.lines.append(f"{inner}:")
-        self.emit(f"store i64 {self.let(WHOLE, f'add i64 {k.text}, {step}').text}, ptr {counter}")
+        self.emit(f"store i64 {self.let(INTEGER, f'add i64 {k.text}, {step}').text}, ptr {counter}")
         self.assign(node.target, value_at(k))
         self.loop(node, head, other, after)
 
     def iterated(self, node: ast.expr) -> tuple[tuple[str, str, int], Callable[[Value], Any]]:
-        """First, last (excluded) and step of the counter of a loop, and what its variable is for a counter."""
+        """First value, end (excluded) and step of the counter of a loop, and the loop variable as a function of it."""
         match node:
             case ast.Call(func=ast.Name(id="range"), args=arguments):
                 values = [self.value(a) for a in arguments]
                 if len(values) == 1:
-                    values = [number_of(0), *values]
+                    values = [constant(0), *values]
                 step = values[2].known if len(values) == 3 else 1
-                if not isinstance(step, int) or any(v.kind != WHOLE for v in values):
-                    raise Unknown(f"a loop over {ast.unparse(node)}")
+                if not isinstance(step, int) or any(v.kind != INTEGER for v in values):
+                    raise Unsupported(f"a loop over {ast.unparse(node)}")
                 return (values[0].text, values[1].text, step), lambda k: k
             case ast.Tuple(elts=elements):
                 numbers = [self.value(e) for e in elements]
                 if any(n.known is None for n in numbers):
-                    raise Unknown(f"a loop over {ast.unparse(node)}")
+                    raise Unsupported(f"a loop over {ast.unparse(node)}")
                 table = self.module.table([float(n.known) for n in numbers])
                 return ("0", str(len(numbers)), 1), lambda k: self.load(self.element(table, k.text))
-        raise Unknown(f"a loop over {ast.unparse(node)}")
+        raise Unsupported(f"a loop over {ast.unparse(node)}")
 
     def do_Break(self, _: ast.Break) -> None:
         self.leave(f"br label %{self.loops[-1][1]}")
@@ -271,11 +284,11 @@ class _Function(Expressions):
         kinds = tuple(v.kind for v in values)
         self.result = self.result or kinds
         if self.result != kinds:
-            raise Unknown(f"{self.tree.name} returns {self.result} and {kinds}")
+            raise Unsupported(f"{self.tree.name} returns {self.result} and {kinds}")
         if len(values) < 2:
             self.leave(f"ret {kinds[0]} {values[0].text}" if values else "ret void")
             return
         whole = "undef"
         for k, v in enumerate(values):
-            whole = self.let("", f"insertvalue {returned(kinds)} {whole}, {v.kind} {v.text}, {k}").text
-        self.leave(f"ret {returned(kinds)} {whole}")
+            whole = self.let("", f"insertvalue {return_type(kinds)} {whole}, {v.kind} {v.text}, {k}").text
+        self.leave(f"ret {return_type(kinds)} {whole}")

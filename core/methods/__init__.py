@@ -1,4 +1,4 @@
-"""The integrators: each a declaration, in the file of its family."""
+"""The integrators, each a declaration in the file of its family."""
 
 from core.methods.base import Method, Scheme
 from core.methods.discrete_multiplier import Composition, DiscreteMultiplier

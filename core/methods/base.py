@@ -1,4 +1,4 @@
-"""What a method is: a name, what it does in a sentence, and a scheme, from which everything else follows."""
+"""The declaration of a method: a name, a description, and a scheme, from which everything else follows."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Method", "Scheme", "written_sum"]
 
 
 def written_sum(*terms: Expr) -> Expr:
-    """The sum of a number and a root, not worked out: sympy's first sum loads a tenth of what importing it does."""
+    """An unevaluated sum: sympy's first evaluated sum takes a tenth as long as importing it."""
     return Add(*terms, evaluate=False)
 
 
@@ -41,7 +41,7 @@ class Scheme(ABC):
 
     @abstractmethod
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
-        """Write one step; returns its increments."""
+        """Write the text of one step to `step`; returns the d increments of the state."""
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,9 @@ class Method:
     name: str
     """Its key in METHODS."""
     scheme: Scheme
-    """What a step is."""
+    """The one-step map."""
     doc: str
-    """What it is, in a sentence."""
+    """Description in a sentence."""
 
     @property
     def order(self) -> int | None:

@@ -17,20 +17,20 @@ __all__ = ["DMM2", "DMM4", "DMM6", "DMM8", "Composition", "DiscreteMultiplier"]
 
 @dataclass(frozen=True)
 class DiscreteMultiplier(Scheme):
-    """x₁ = x₀ + h fᵗ(t₀, x₀, t₁, x₁), paper (eq:twoSchemes)."""
+    """x₁ = x₀ + h fᵗ(t₀, x₀, t₁, x₁), with the discrete field fᵗ that keeps ψ: paper (eq:twoSchemes)."""
 
     order: int = 2
     conservative = symmetric = needs_conserved = True
 
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
-        """Write one step, which gives ψ back what rounding has taken."""
-        return step.hold(self.write_bare(mode, step))
+        """Write one step, which also corrects the round-off of ψ in earlier steps."""
+        return step.restore_levels(self.write_bare(mode, step))
 
     def write_bare(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
-        """Write the scheme as such.
+        """Write the scheme without the correction of round-off.
 
-        Where ψ does not fix the orbit alone, the minimal-norm DMM is solved as a saddle-point system with multipliers
-        λ, which has no inverse of ΛᵗΛᵗᵀ in it:  Δ − h f̄ + Λᵗᵀ λ = 0,  Λᵗ Δ + h s_t = 0.
+        Unless the invariants determine the orbit, the minimal-norm DMM is solved as a saddle-point system with
+        multipliers λ, which avoids the inverse of ΛᵗΛᵗᵀ:  Δ − h f̄ + Λᵗᵀ λ = 0,  Λᵗ Δ + h s_t = 0.
         """
         discrete = mode.discrete
         d, m = len(mode.field), len(mode.conserved)
@@ -48,9 +48,18 @@ class DiscreteMultiplier(Scheme):
 
 @dataclass(frozen=True)
 class Composition(Scheme):
-    """Steps of another scheme with these weights, the one in the middle that makes the sum 1, and these again back.
+    """Symmetric composition: steps of another scheme with lengths weight·h.
 
-    Symmetric and conservative because the other is; the weights raise its order.
+    Symmetric and conservative because that scheme is; the weights raise its order.
+
+    Attributes
+    ----------
+    half
+        First half of the weights; the middle one makes the sum 1, and the others mirror these.
+    of
+        The scheme.
+    order
+        As in `Scheme`.
     """
 
     half: tuple[Expr, ...]
@@ -65,10 +74,10 @@ class Composition(Scheme):
         return (*self.half, middle, *reversed(self.half))
 
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
-        """Write one step, which gives ψ back what rounding has taken."""
+        """Write one step, which also corrects the round-off of ψ in earlier steps."""
         half = [float(weight) for weight in self.half]
-        weights = (*half, 1 - 2 * math.fsum(half), *reversed(half))  # so that they add up to 1 in doubles, too
-        return step.hold(step.compose(weights, lambda: self.of.write_bare(mode, step)))
+        weights = (*half, 1 - 2 * math.fsum(half), *reversed(half))  # these add up to 1 in doubles, too
+        return step.restore_levels(step.compose(weights, lambda: self.of.write_bare(mode, step)))
 
 
 def _decimals(*texts: str) -> tuple[Expr, ...]:

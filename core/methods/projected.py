@@ -1,4 +1,4 @@
-"""Methods whose increment is moved along the discrete gradient until ψ is kept."""
+"""Methods whose increment is projected along the discrete gradient to the levels of ψ."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ __all__ = ["PRK8", "TAYLOR", "Projected", "TaylorSeries"]
 
 @dataclass(frozen=True)
 class Projected(Scheme):
-    """A one-step map, its increment moved along the discrete gradient."""
+    """A one-step map whose increment is projected along the discrete gradient."""
 
     of: ButcherTableau
     conservative = needs_conserved = True
 
     @property
     def order(self) -> int:  # type: ignore[override]
-        """That of the map."""
+        """Order of the map."""
         return self.of.order
 
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
-        """Write the map, and the move."""
-        return step.move_onto_levels(self.of.write(mode, step))
+        """Write the map and the projection."""
+        return step.project_to_levels(self.of.write(mode, step))
 
 
 @dataclass(frozen=True)
 class TaylorSeries(Scheme):
-    """The Taylor series of the solution, its increment moved along the discrete gradient."""
+    """The Taylor series of the solution, whose increment is projected along the discrete gradient."""
 
     order: None = None
     conservative = True
 
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
-        """Write the series, whose coefficients are prepared once for all lengths of the step, and the move."""
-        return step.move_onto_levels(step.polynomial(), prepared=True)
+        """Write the projection of the series, whose coefficients are prepared once for trial steps of all lengths."""
+        return step.project_to_levels(step.polynomial(), prepared=True)
 
 
 PRK8 = Method("prk8", Projected(DOP853), "rk8 moved onto ψ: a conservative method that is explicit.")

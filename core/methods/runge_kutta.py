@@ -25,13 +25,13 @@ class ButcherTableau(Scheme):
     Attributes
     ----------
     rows
-        aᵢⱼ, of each stage: numbers that are exact, or have thirty digits. A row may leave out zeros at its end.
+        aᵢⱼ for each stage, exact or to thirty digits. A row may omit its last zeros.
     weights
         bᵢ.
     order, symmetric
         As in `Scheme`.
     source
-        Where the numbers are from, in words; empty where they are few enough to be shown.
+        Source of the coefficients, in words; empty if they are few enough to be displayed.
     """
 
     rows: tuple[tuple[Expr, ...], ...]
@@ -47,11 +47,11 @@ class ButcherTableau(Scheme):
 
     @cached_property
     def explicit(self) -> bool:
-        """Whether each stage follows from those before it."""
+        """Whether each stage depends on earlier ones only."""
         return not any(a for i, row in enumerate(self.rows) for a in row[i:])
 
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
-        """Write one step: stage after stage, or all of them by Newton's method."""
+        """Write one step: stage by stage if explicit, else all stages by Newton's method."""
         return self._write_explicit(step) if self.explicit else self._write_implicit(step)
 
     def _write_explicit(self, step: StepCode) -> Sequence[Expr]:
@@ -62,7 +62,7 @@ class ButcherTableau(Scheme):
         return _weighted(step.h, self.weights, slopes)
 
     def _write_implicit(self, step: StepCode) -> Sequence[Expr]:
-        """The unknowns are h kᵢ, all of them at once."""
+        """Solve for all h kᵢ at once."""
         d, stages = len(step.x), len(self.rows)
         unknowns = symbols(f"d:{stages * d}")
         parts = [unknowns[i * d : (i + 1) * d] for i in range(stages)]
@@ -76,14 +76,14 @@ class ButcherTableau(Scheme):
 
 
 def _short(number: Expr) -> Expr:
-    """A number as a double holds it, where it is given in decimals."""
+    """Round a decimal number to a double; keep an exact one."""
     return Float(float(number)) if number.has(Float) else number
 
 
 def _weighted(h: Symbol, weights: Sequence[Expr], slopes: Sequence[Sequence[Expr]]) -> list[Expr]:
-    """h Σ bₖ kₖ, the slope that was worked out last being added last: the rest is there before it is."""
+    """h Σ bₖ kₖ; the slope evaluated last is added last, so that only one operation waits for it."""
     used = [(_short(b), slope) for b, slope in zip(weights, slopes, strict=False) if b]
-    if all(b.is_Rational for b, _ in used):  # whole numbers first: of constant slopes the sum is exact
+    if all(b.is_Rational for b, _ in used):  # sum with integer weights, exact for constant slopes
         whole = math.lcm(*(int(b.q) for b, _ in used))
         return [h / whole * sum(b * whole * slope[i] for b, slope in used) for i in range(len(slopes[0]))]
     sums = [Integer(0)] * len(slopes[0])
@@ -93,7 +93,7 @@ def _weighted(h: Symbol, weights: Sequence[Expr], slopes: Sequence[Sequence[Expr
 
 
 def _combined(weights: Sequence[Expr], parts: Sequence[Sequence[Symbol]], d: int) -> list[Expr]:
-    """Σ bₖ uₖ of the unknowns of all stages."""
+    """Σ bₖ uₖ over the unknowns of all stages."""
     return [sum((_short(b) * part[i] for b, part in zip(weights, parts, strict=False)), Integer(0)) for i in range(d)]
 
 

@@ -1,4 +1,4 @@
-"""How a variable-step method prepares a step: the Taylor coefficients of the solution, and the length they allow."""
+"""Prepare a step of a variable-step method: the Taylor coefficients of the solution, and the length they allow."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ from core.symbolic.laws import Laws, Mode
 
 __all__ = ["coefficient_rows", "prepare_step_text"]
 
-#: Steps are at most so many units of the system's own time long: powers of more could leave floating point.
+#: Longest step, in units of time of the coefficients: powers of a longer one could overflow.
 _LONGEST = 2.0**20
-#: Where nothing moves, any unit of time will do, and a long one needs few steps.
+#: Factor of the unit of time where state and height are constant: a long unit needs few steps.
 _AT_REST = 2.0**500
-#: A step shorter than this needs another unit: with 24 coefficients, powers of less could leave floating point.
+#: Shortest step, in units of time: a shorter one needs another unit, since its 24th power could underflow.
 _SHORTEST = 2.0**-24
-#: To work coefficients out: beside the state, at the state, and in three other units of time.
+#: Largest number of evaluations of the coefficients: one beside the state, others at the state in new units of time.
 _ATTEMPTS = 6
-#: How far beside the state, in parts of it; of each coordinate another part.
-_BESIDE, _PRIME = 0.5, 7
+#: Displacement of the state beside which the coefficients are evaluated, relative to the state …
+_BESIDE = 0.5
+#: … times 1 + k/_PRIME for coordinate k (modulo _PRIME), so that coordinates are displaced by different amounts.
+_PRIME = 7
 
 
 @lru_cache(maxsize=64)
@@ -35,12 +37,12 @@ def _series(laws: Laws, sign: int) -> SeriesCode:
 
 
 def coefficient_rows(laws: Laws) -> int:
-    """Rows of coefficients that a step of either mode needs."""
+    """Number of rows of coefficients that a step of any mode needs."""
     return max(_series(laws, sign).rows for sign in laws.modes)
 
 
 def prepare_step_text(laws: Laws, mode: Mode) -> str:
-    """Text of `prepare_step`: coefficients to scratch, those of the height in row d; the step length to w[LENGTH]."""
+    """Text of `prepare_step`: writes coefficients to scratch, with the height in row d, and the length to w[LENGTH]."""
     code = _series(laws, mode.sign)
     lines = [f"order = int(w[{ORDER}])", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
     lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
@@ -53,10 +55,10 @@ def prepare_step_text(laws: Laws, mode: Mode) -> str:
 
 
 def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
-    """Lines that work the coefficients out, and end the loop around them unless they have to be worked out again.
+    """Lines that evaluate the coefficients, and leave the loop around them unless they have to be evaluated again.
 
-    That is so in another unit of time; and where high coefficients vanish though no polynomial is followed, as those of
-    x' = 1, y' = x**30 do at x = 0. How long the step may be is then seen from a state beside it.
+    That is necessary in another unit of time, and if high coefficients vanish although the solution is not a polynomial
+    of low degree, as for x' = 1, y' = x**30 at x = 0. The step length is then limited by that at a nearby state.
     """
     names, d = Names(laws), len(laws.x)
     state, height = (f"{name}(c, {d}, order, w[{TOLERANCE}])" for name in ("step_length", "step_length_of_height"))
@@ -79,11 +81,11 @@ def _degree_in_time(laws: Laws, mode: Mode) -> float:
         if all(degrees[v] == n for v, n in found.items()):
             return max(*found.values(), _degree(laws.g, degrees))
         degrees |= found
-    return math.inf  # some coordinate depends on itself
+    return math.inf  # a coordinate depends on itself
 
 
 def _degree(u: Expr, degrees: Mapping[Symbol, float]) -> float:
-    """Bound the degree in time of an expression in symbols of these degrees."""
+    """Bound the degree in time of an expression whose symbols have these degrees."""
     if u.is_Symbol:
         return degrees.get(u, 0)
     parts = [_degree(v, degrees) for v in u.args]
@@ -97,7 +99,7 @@ def _degree(u: Expr, degrees: Mapping[Symbol, float]) -> float:
 
 
 def _residual_lines(laws: Laws, mode: Mode) -> list[str]:
-    """Lines that write what ψ is above its levels here to the frame, once for all steps from here that are tried."""
+    """Lines that write the level residual here to the frame, once for all trial steps from here."""
     names = Names(laws)
     targets = [f"w[{names.frame.level_residual + j}]" for j in range(len(mode.conserved))]
     if not targets:

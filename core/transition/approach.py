@@ -1,4 +1,4 @@
-"""Come to the surface where a step does not: a field may have no value beyond it. Jitted; inlined into `time_loop`.
+"""Approach a surface beyond which the field is not defined, so that a full step fails. Inlined into `time_loop`.
 
 Heights and rates are as in `event_location`.
 """
@@ -10,25 +10,25 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DOUBT, LENGTH, PREPARE, RATE_END, G, call
+from core.kernels.abi import LENGTH, PREPARE, RATE_END, ROUNDING_OF_G, G, call
 from core.kernels.jit import inlined, internal
 from core.transition.event_location import BOUND, try_step, write_end
 from core.transition.surface import MARGIN, evaluate_g, evaluate_switching
 
-__all__ = ["cut_to_domain", "cut_to_prepared", "has_end", "is_at_surface", "move_across"]
+__all__ = ["check_at_surface", "cut_to_domain", "cut_to_prepared", "reflect_across", "try_finite_step"]
 
 _EPS = 2.0**-52
-#: Of a step to the surface beyond which the field has no value.
+#: Largest number of halvings of a step towards a surface beyond which the field is not defined.
 _HALVINGS = 60
-#: How far beside a state, in parts of its size, the slopes of g are taken.
+#: Increment of a coordinate for the difference quotients of g, relative to the state.
 _BESIDE = 2.0**-26
-#: Of the size of a state: what a landing may be moved by, and be the same landing.
+#: Largest displacement of a landing by the reflection at the surface, relative to the state: 16 eps.
 _NOTHING = 2.0**-48
 
 
 @inlined
 def cut_to_prepared(context, t, h):
-    """The length that a variable-step method takes, at most h; nan where there is none."""
+    """Prepare a step; returns the length that a variable-step method takes, at most h in size; nan if it finds none."""
     run = context.run
     run.evaluations += call(context.functions[run.mode, PREPARE], t, h, context.p, context.w, context.scratch)
     length = context.w[LENGTH]
@@ -39,19 +39,19 @@ def cut_to_prepared(context, t, h):
 
 
 @inlined
-def has_end(context, t, h):
-    """Whether a step of length h has an end that is a state, with a height and a rate."""
+def try_finite_step(context, t, h):
+    """Try a step of length h; returns whether state, height and rate at its end are finite."""
     height = try_step(context, t, h)
     return abs(height) < math.inf and abs(context.w[RATE_END]) < math.inf and write_end(context) < BOUND
 
 
 @internal
 def cut_to_domain(context, t, h):
-    """The longest of h/2, h/4 … that is a step, where a shorter one may help; 0 where there is none.
+    """The longest of h/2, h/4 … for which the step succeeds; 0 if none does, or if a shorter step would not help.
 
-    A field may have no value beyond the surface, as a spring that only pushes: the surface is then approached in ever
-    shorter steps, the last of which cannot be told from it. And a variable-step method may have taken too long a step,
-    that does not lead back to the levels of ψ.
+    The field may not be defined beyond the surface, as of a spring that only pushes: the surface is then approached in
+    ever shorter steps, until round-off hides the distance. And a variable-step method may have taken a step too long
+    to be projected to the levels of ψ.
     """
     run = context.run
     ahead = run.rate < 0.0 and run.height + 2.0 * run.rate * abs(h) <= 0.0
@@ -61,17 +61,17 @@ def cut_to_domain(context, t, h):
         h *= 0.5
         if not ahead and abs(h) <= 4.0 * _EPS * abs(t):
             return 0.0
-        if has_end(context, t, h):
+        if try_finite_step(context, t, h):
             run.final = run.final if run.adaptive == 0 else 0
             return h
     return 0.0
 
 
 @internal
-def move_across(context, t):
-    """Move a state that is on the surface but for rounding, by less than that, to where g has the sign to come.
+def reflect_across(context, t):
+    """Reflect a state within rounding of the surface across it, so that g has the sign of the mode to be entered.
 
-    A field that has a value on its own side alone has none at a state whose g is wrong by the last digit.
+    A field defined on its own side only has no value at a state where round-off gives g the other sign.
     """
     x, place, g = context.x, context.place, context.w[G]
     size, steepest, along = 0.0, 0.0, 0
@@ -90,10 +90,10 @@ def move_across(context, t):
 
 
 @internal
-def is_at_surface(context, t):
-    """Whether the state is as near to the surface as the rounding of time lets it come."""
+def check_at_surface(context, t):
+    """Evaluate switching at the state; returns whether rounding of g and of time can explain its distance."""
     run, x = context.run, context.x
     for i in range(x.size):
         context.place[i] = x[i]
     evaluate_switching(context, t)
-    return run.height <= MARGIN * (context.w[DOUBT] + _EPS * abs(run.own) * abs(t))
+    return run.height <= MARGIN * (context.w[ROUNDING_OF_G] + _EPS * abs(run.own) * abs(t))

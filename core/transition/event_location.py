@@ -1,7 +1,7 @@
-"""Find the first crossing in a step, on the scheme itself. Jitted; inlined into `time_loop`.
+"""Locate the first crossing in a step, on the scheme itself. Jitted; inlined into `time_loop`.
 
-Throughout, σ = sign·g is the height of the guard of the mode occupied (positive inside), and a *rate* is dσ/dt counted
-along the run: negative while it approaches the surface. Lengths s along a step have the sign of the step.
+Throughout, the *height* is σ = sign·g, the guard height of the mode occupied (positive inside), and the *rate* is dσ/dt
+in the direction of the run, negative while it approaches the surface. Lengths s along a step have the sign of the step.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -12,7 +12,18 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from core.kernels.abi import DOUBT, EVALUATE, G_END, ORDER, PER_UNIT, RATE_END, SLACK, STEP, UNIT, call
+from core.kernels.abi import (
+    EVALUATE,
+    G_END,
+    ORDER,
+    PER_UNIT,
+    RATE_END,
+    ROUNDING_OF_G,
+    ROUNDING_OF_STATE,
+    STEP,
+    UNIT,
+    call,
+)
 from core.kernels.doubledouble.arithmetic import fma
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import DOUBLE, NARROW, ROOT, first_root
@@ -35,37 +46,45 @@ __all__ = [
     "write_end",
 ]
 
+#: Results of a search: no crossing; a crossing; a touch; no crossing up to run.hit, unknown beyond; no decision.
 NONE, FOUND, TOUCH, SHORT, FAILED = 0, 1, 2, 3, 4
 _EPS = 2.0**-52
-BOUND = 1e150  #: of a state: beyond it the square overflows
-MAX_NODES = 64  #: of one step: lengths at which it has been tried
-_MAX_TRIALS = 100  # for one root
+#: A state of this size has escaped: the square of a larger one may overflow.
+BOUND = 1e150
+#: Largest number of trial lengths in one step.
+MAX_NODES = 64
+#: Largest number of trial steps for one root.
+_MAX_TRIALS = 100
+#: Largest number of trial steps of Newton's method.
 _MAX_NEWTON = 6
-_ROUGH = 1e-4  # relative accuracy of a polynomial's root that is only a first guess
-_NARROW = 2.5 * NARROW  # of a bracket in the middle of which the root is known to be
-_MARGIN = 16.0  # what g may be wrong by, in units of a first-order bound on its rounding
+#: Relative accuracy of the root of a Taylor polynomial, which is only a first guess.
+_ROUGH = 1e-4
+#: Brackets up to this relative width are those that `first_root` sets around a root it has found, in their middle.
+_NARROW = 2.5 * NARROW
+#: Largest error of g, in units of the first-order bound on its rounding.
+_MARGIN = 16.0
 
 
 class StepContext(NamedTuple):
-    """What a step is taken with: the compiled functions, the guards, the run's record and frame, and scratch."""
+    """Everything a step needs: the compiled functions, the guards, the run's record and frame, and scratch."""
 
     functions: Any  # (modes, functions) addresses, in the order of `abi.FUNCTIONS`
     guards: Any  # (modes,) `records.GUARD`
     run: Any  # `records.RUN`
     p: Any
     w: Any  # frame; x, carry, increment, place are parts of it
-    scratch: Any  # (rows, STRIDE) of a variable-step method
+    scratch: Any  # (rows, STRIDE) Taylor coefficients of a variable-step method
     x: Any
     carry: Any
     increment: Any
     place: Any
-    nodes: Any  # (MAX_NODES, 3): lengths, heights and rates of the steps tried
+    nodes: Any  # (MAX_NODES, 3): lengths, heights and rates of trial steps
     pieces: Any  # scratch of `first_root`
 
 
 @inlined
 def try_step(context, t, s):
-    """Height after a step of length s, on the scheme itself; nan where there is none."""
+    """Try a step of length s; returns the height at its end, nan if the step fails."""
     run = context.run
     count = call(context.functions[run.mode, STEP], t, s, context.p, context.w, context.scratch)
     if count < 0:
@@ -77,7 +96,7 @@ def try_step(context, t, s):
 
 @inlined
 def write_end(context):
-    """Write the end of the step tried last to `place`; returns the sum of its sizes, nan where one is no number."""
+    """Write the end of the last trial step to `place`; returns Σ|xᵢ| there, nan if a coordinate is nan."""
     x, place, size = context.x, context.place, 0.0
     for i in range(x.size):
         place[i] = x[i] + (context.carry[i] + context.increment[i])
@@ -86,29 +105,29 @@ def write_end(context):
 
 
 @inlined
-def slack(context, t):
-    """What rounding of the state alone can do to g at the end of the step tried last."""
+def state_rounding(context, t):
+    """Bound on the change of g by rounding the state alone, at the end of the last trial step."""
     write_end(context)
     call(context.functions[context.run.mode, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
-    return context.w[SLACK]
+    return context.w[ROUNDING_OF_STATE]
 
 
 @inlined
-def doubt(context, t):
-    """What rounding can do to g at most at the end of the step tried last."""
-    slack(context, t)
-    return context.w[DOUBT]
+def g_rounding(context, t):
+    """Bound on the change of g by all rounding, at the end of the last trial step."""
+    state_rounding(context, t)
+    return context.w[ROUNDING_OF_G]
 
 
 @inlined
 def rate_at_end(context):
-    """Rate at the end of the step tried last."""
+    """Rate at the end of the last trial step."""
     return math.copysign(1.0, context.run.tau) * context.run.sign * context.w[RATE_END]
 
 
 @inlined
 def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
-    """Where the cubic in σ that has the lengths and slopes ds/dσ of both ends is at σ = 0."""
+    """Value at σ = 0 of the cubic s(σ) that has the lengths and slopes ds/dσ of both ends."""
     width, drop = abs(high - low), f_high - f_low
     z = -f_low / drop
     at_low, at_high = drop / (r_low * width), drop / (r_high * width)
@@ -118,12 +137,12 @@ def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
 
 @inlined
 def root(context, t, low, high, f_low, f_high, r_low, r_high):
-    """Step length between low and high, where the height changes sign, at which it vanishes: to the last digit.
+    """Step length between low and high, where the height changes sign, at which it vanishes to round-off.
 
-    Inverse cubic interpolation of heights and rates, with a bisection every fourth trial; ends when no trial could be
-    better. Returns the length at which the height is smallest in size, of either sign; nan if there is none.
+    Inverse cubic interpolation of heights and rates, with a bisection every fourth trial; ends when no other length can
+    be better. Returns the length with the smallest height in size, of either sign; nan if a trial step fails.
     """
-    # Where the height rises to zero at the far end, it has crossed it before.
+    # Where the height rises at the far end, it has crossed zero before: low is the first guess.
     best, f_best = (low, f_low) if abs(f_low) < abs(f_high) or r_high > 0.0 else (high, f_high)
     for k in range(_MAX_TRIALS):
         guess = _inverse_interpolant(low, high, f_low, f_high, r_low, r_high)
@@ -134,7 +153,7 @@ def root(context, t, low, high, f_low, f_high, r_low, r_high):
         f = try_step(context, t, guess)
         if not abs(f) < math.inf:
             return math.nan
-        noise = slack(context, t + guess)
+        noise = state_rounding(context, t + guess)
         stalled = abs(f_best) <= abs(f) <= _MARGIN * noise
         if abs(f) < abs(f_best):
             best, f_best = guess, f
@@ -149,10 +168,10 @@ def root(context, t, low, high, f_low, f_high, r_low, r_high):
 
 @internal
 def dip(context, t, low, high, f_low, f_high, r_low, r_high):
-    """Look for a place between low and high, where the height falls and rises again, at which it is not positive.
+    """Search for a length between low and high, where the height falls and rises again, at which it is not positive.
 
-    Returns (length, height, rate) there, or at the lowest place found. Looking ends once the tangents of both ends
-    meet above the surface.
+    Returns (length, height, rate) there, or at the last trial. The search ends once the tangents of both ends meet
+    above the surface.
     """
     s, f, r = high, f_high, r_high
     for k in range(_MAX_TRIALS):
@@ -174,14 +193,14 @@ def dip(context, t, low, high, f_low, f_high, r_low, r_high):
 
 @internal
 def peak(context, t, high, r_low, r_high):
-    """Length in (0, high) at which the height stops rising: by regula falsi (Illinois) on the rate, and bisection."""
+    """Length in (0, high) with positive height, or where the rate vanishes, by regula falsi (Illinois) and bisection."""
     low, s, f, r = 0.0, high, 0.0, r_high
     for k in range(_MAX_TRIALS):
         part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
         s = low + part * (high - low)
         f, r = try_step(context, t, s), rate_at_end(context)
         if not f <= 0.0 or s in (low, high):
-            break  # well above the surface is all that is asked for
+            break  # a positive height is all that is needed
         if r > 0.0:
             low, r_low, r_high = s, r, 0.5 * r_high
         else:
@@ -191,19 +210,19 @@ def peak(context, t, high, r_low, r_high):
 
 @inlined
 def locate_crossing(context, t, h, f_end, r_end):
-    """Look for the first crossing in a step of length h; its place goes to run.hit.
+    """Locate the first crossing in a step of length h; the length up to it goes to run.hit.
 
-    Between two places that have been looked at, the height is taken for a cubic (Hermite): its Bernstein coefficients
-    tell by their signs (Descartes) whether it has a root there, and whether just one. Where it may have more, or the
-    rates show a minimum between, the scheme itself is looked at in between.
+    Between two trial lengths the height is taken to be a cubic (Hermite). The signs of its Bernstein coefficients tell
+    whether it has no root or one root there (Descartes). Where it may have more, or the rates show a minimum between,
+    trial steps are taken in between.
     """
     run, nodes = context.run, context.nodes
     s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
-    noise = _MARGIN * context.w[DOUBT]  # at the crossing before
+    noise = _MARGIN * context.w[ROUNDING_OF_G]  # at the last crossing
     if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 < r * abs(h) <= noise:
-        return NONE  # too short a way to tell whether it has left
+        return NONE  # the step is too short to tell whether the state has left the surface
     if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):
-        return NONE  # it was moved off the surface, to either side, and is not back
+        return NONE  # the perturbation has moved it off the surface, to either side, and it is not back
     depth = 0
     nodes[0, 0], nodes[0, 1], nodes[0, 2] = h, f_end, r_end
     for _ in range(MAX_NODES):
@@ -213,13 +232,13 @@ def locate_crossing(context, t, h, f_end, r_end):
         if f1 <= 0.0 < f and not low < 0.0 < high:
             run.hit = root(context, t, s, s1, f, f1, r, r1)
             return FOUND if run.hit == run.hit else FAILED
-        if f == 0.0 and f1 <= 0.0 and r1 <= 0.0:  # it has left the surface, and is back
+        if f == 0.0 and f1 <= 0.0 and r1 <= 0.0:  # the state has left the surface and returned
             s, f, r = peak(context, t, s1, r, r1)
             if not f > 0.0:
                 run.hit = s
-                return TOUCH if -f <= _MARGIN * doubt(context, t + s) else FAILED
+                return TOUCH if -f <= _MARGIN * g_rounding(context, t + s) else FAILED
             continue
-        above = f1 > 0.0 and high > 0.0 and (low > 0.0 or f == r == 0.0)  # a start at a fold rises like s²
+        above = f1 > 0.0 and high > 0.0 and (low > 0.0 or f == r == 0.0)  # at a fold the height rises like s²
         s2, f2, r2 = s1, f1, r1
         if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
             s2, f2, r2 = dip(context, t, s, s1, f, f1, r, r1)
@@ -242,7 +261,7 @@ def locate_crossing(context, t, h, f_end, r_end):
 
 @inlined
 def _polynomial_root(row, order, low, high):
-    """Root of Σ row[k] sᵏ between low and high, where it falls from positive values: by Newton's method, bisecting."""
+    """Root of Σ row[k] sᵏ between low, where it is positive, and high: by Newton's method, safeguarded by bisection."""
     s = low + 0.5 * (high - low)
     if abs(high - low) <= _NARROW * abs(high):
         return s
@@ -263,7 +282,7 @@ def _polynomial_root(row, order, low, high):
 
 @inlined
 def _newton(context, t, low, high):
-    """Move run.hit to where the scheme itself meets the surface; returns whether it does so between low and high."""
+    """Correct run.hit by Newton's method on the scheme itself; returns whether a root between low and high is found."""
     run = context.run
     best, f_best, s, noise = run.hit, math.inf, run.hit, 0.0
     for k in range(_MAX_NEWTON):
@@ -271,27 +290,27 @@ def _newton(context, t, low, high):
         if not abs(f) < abs(f_best):
             break
         best, f_best = s, f
-        if k == 0:  # so near the surface the rounding of one state is that of another
-            noise = slack(context, t + s)
+        if k == 0:  # near the surface it is the same for all trials
+            noise = state_rounding(context, t + s)
         if abs(f) <= noise:
             break
         s -= math.copysign(1.0, s) * f / rate_at_end(context)
         if s == best or not min(low, high) <= s <= max(low, high):
             break
     run.hit = best
-    return abs(f_best) < math.inf and (abs(f_best) <= _MARGIN * context.w[DOUBT] or s == best)
+    return abs(f_best) < math.inf and (abs(f_best) <= _MARGIN * context.w[ROUNDING_OF_G] or s == best)
 
 
 @inlined
 def isolate_root_of_series(context, h):
-    """What `first_root` says of the Taylor polynomial of the height, in its own unit of time."""
+    """Isolate the first root of the Taylor polynomial of the height by `first_root`, in its own unit of time."""
     run, order, w = context.run, int(context.w[ORDER]), context.w
     return first_root(context.scratch[context.x.size], order, h * w[PER_UNIT], run.leaving, context.pieces)
 
 
 @inlined
 def locate_near_root(context, t, low, high):
-    """Locate a root of the Taylor polynomial on the scheme itself; returns whether that has one beside it."""
+    """Locate a root of the Taylor polynomial on the scheme itself; returns whether the scheme has one nearby."""
     unit, order = context.w[UNIT], int(context.w[ORDER])
     context.run.hit = unit * _polynomial_root(context.scratch[context.x.size], order, low, high)
     return _newton(context, t, unit * low, unit * high)
@@ -299,23 +318,23 @@ def locate_near_root(context, t, low, high):
 
 @inlined
 def locate_beside_series(context, t, h, f_end, r_end, kind, low, high):
-    """Look for the first crossing where the Taylor polynomial of the height leaves it open.
+    """Locate the first crossing where the Taylor polynomial of the height does not decide.
 
-    SHORT: nothing up to run.hit, which is as far as can be said.
+    Returns SHORT if there is none up to run.hit and nothing is known beyond.
     """
     run, unit = context.run, context.w[UNIT]
-    if kind == DOUBLE:  # two crossings or none, as round-off will have it
+    if kind == DOUBLE:  # two crossings or none: round-off hides which
         run.hit = unit * (low + 0.5 * (high - low))
         height = try_step(context, t, run.hit)
         if height > 0.0:
             return SHORT
-        return TOUCH if -height <= _MARGIN * doubt(context, t + run.hit) else FAILED
-    if kind == ROOT:  # the scheme, whose polynomial is projected to ψ, meets the surface a little earlier or later
+        return TOUCH if -height <= _MARGIN * g_rounding(context, t + run.hit) else FAILED
+    if kind == ROOT:  # the scheme, projected to the levels of ψ, meets the surface a little earlier or later
         h = unit * high
         f_end, r_end = try_step(context, t, h), rate_at_end(context)
         if f_end > 0.0:
             run.hit = h
             return SHORT
-    elif f_end > 0.0:  # else round-off hides a root at the very end
+    elif f_end > 0.0:  # else round-off hides a root at the end of the step
         return NONE
     return locate_crossing(context, t, h, f_end, r_end)

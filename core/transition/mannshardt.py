@@ -1,7 +1,7 @@
 """Land on the surface, perturb, jump, classify, switch: the paper's Algorithm 1.
 
-`advance` takes a step, or the part of one up to the next crossing, or what a crossing has left of one. Jitted; inlined
-into `time_loop`. Heights and rates are as in `event_location`.
+`advance` takes a step, the part of a step up to the next crossing, or the rest of a step that a crossing has cut.
+Jitted; inlined into `time_loop`. Heights and rates are as in `event_location`.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, DOUBT, G_END, JUMP, PROJECT, SET_LEVELS, SLACK, G, call
+from core.kernels.abi import DELAY, G_END, JUMP, PROJECT, ROUNDING_OF_G, ROUNDING_OF_STATE, SET_LEVELS, G, call
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
-from core.transition.approach import cut_to_domain, cut_to_prepared, has_end, is_at_surface, move_across
+from core.transition.approach import check_at_surface, cut_to_domain, cut_to_prepared, reflect_across, try_finite_step
 from core.transition.event_location import (
     BOUND,
     FAILED,
@@ -56,23 +56,23 @@ _UNSTABLE = int(Status.UNSTABLE)
 _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = range(len(CROSSING_KINDS))
 
 _EPS = 2.0**-52
-#: Crossings accumulate where the gaps between them have shrunk so many times in a row …
+#: Crossings accumulate if the times between them have shrunk this many times in a row …
 _SHRUNK = 8
-#: … and the sum of the gaps to come is below this part of the time.
+#: … and the sum of the times to come is below this part of the current time.
 _SPENT = 2.0**-52
-#: The surface is met against the field where the rate away from it exceeds this part of the rate at the start of the
-#: step, or of the rate with which the mode was entered.
+#: The surface is met against the field if the rate away from it exceeds this part of the rate at the start of the step,
+#: or of the rate with which the mode was entered.
 _AGAINST = 2.0**-7
-#: After so many gaps that have shrunk in a row, a visit below rounding ends a sequence of them, and is no touch.
+#: After this many shrinking times in a row, a stay in a mode within rounding of the surface is Zeno and not a touch.
 _COMING = 3
 
 
 @internal
 def accept_plain_step(run, h, height, rate):
-    """Whether nothing happens in a step of length h that ends at this height and rate; if so, they are taken over.
+    """Accept a step of length h that ends at this height and rate if it has no crossing; returns whether it does so.
 
-    The height is taken for a cubic, which is positive where its Bernstein coefficients are; and a minimum between,
-    which shows in the signs of the rates, is looked at.
+    The height is taken to be a cubic, which is positive if its Bernstein coefficients are. A step in which the rates
+    show a minimum of the height is left to `advance`.
     """
     rate, third = math.copysign(1.0, run.tau) * rate, abs(h) / 3.0
     above = run.height + run.rate * third > 0.0 and height - rate * third > 0.0
@@ -84,18 +84,18 @@ def accept_plain_step(run, h, height, rate):
 
 @inlined
 def enter_mode(context, mode, rate):
-    """Enter a mode at its surface, from which it leads with this rate."""
+    """Enter a mode at its surface, with this rate away from it."""
     run = context.run
     run.mode, run.sign = mode, context.guards[mode].sign
     run.height, run.rate, run.entered = 0.0, rate, rate
     run.leaving = 1
-    if run.conservative == 1 or run.watched > 0:
+    if run.conservative == 1 or run.monitored > 0:
         call(context.functions[mode, SET_LEVELS], run.t, 0.0, context.p, context.w, context.scratch)
 
 
 @internal
 def enter_first_mode(context):
-    """Enter the mode of the initial value: by the sign of g, on the surface by where the fields lead."""
+    """Enter the mode of the initial value, given by the sign of g; on the surface, by the directions of the fields."""
     run, w = context.run, context.w
     for i in range(context.x.size):
         context.place[i] = context.x[i]
@@ -104,10 +104,10 @@ def enter_first_mode(context):
     if not abs(g) < math.inf:
         return _NO_CONVERGENCE
     mode = mode_of(g)
-    if run.first_mode != NO_MODE:  # it has been found by other means
+    if run.first_mode != NO_MODE:  # `Runner` has found it by the second derivative of g
         mode = run.first_mode
         enter_mode(context, mode, max(into_plus if mode == 1 else into_minus, 0.0))
-    elif abs(g) <= w[SLACK]:  # on the surface as exactly as floating point can say
+    elif abs(g) <= w[ROUNDING_OF_STATE]:  # on the surface to round-off
         if into_plus > 0.0 and into_minus > 0.0:
             return _REPELLING
         if not (into_plus * into_minus < 0.0):
@@ -123,16 +123,16 @@ def enter_first_mode(context):
 
 @internal
 def is_met_against_the_field(context, found, own):
-    """Whether the scheme meets the surface where its field leads away from it, and does not just touch it.
+    """Whether the scheme meets the surface, other than by a touch, where its field leads away from it.
 
-    Such a step is too long: the field changes in it by more than it is. A touch is one where the state, if it has just
-    left the surface, has stayed within rounding of it.
+    Such a step is too long: the field changes in it by more than its own size. After a crossing, a touch is genuine
+    only if the state has stayed within rounding of the surface.
     """
     run = context.run
     if run.follow == 0 or run.shift != 0.0:
         return False
     if found == TOUCH:
-        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * context.w[DOUBT]
+        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * context.w[ROUNDING_OF_G]
     return own > _AGAINST * min(abs(run.rate), abs(run.entered))
 
 
@@ -141,7 +141,7 @@ def classify(run):
     """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
     if run.own < 0.0 and run.other < 0.0:
         return _SLIDING, _SLIDING_KIND
-    if run.own < 0.0 < run.other or run.follow == 0:  # without a transition the place is too rough to tell a touch
+    if run.own < 0.0 < run.other or run.follow == 0:  # without a transition the place is too inaccurate to tell a touch
         return RUNNING, _TRANSVERSAL_KIND
     return _GRAZING, _GRAZING_KIND
 
@@ -150,8 +150,8 @@ def classify(run):
 def jump(context):
     """Jump, and find where the fields lead from there: status, kind, mode entered, and the rate into it.
 
-    A jump that leads from the surface to the surface is known by its declaration: g is rounding there, and its sign
-    means nothing. Where the surface was not landed on, or of any other jump, g tells.
+    If the declared jump leads from the surface to the surface and the run has landed on it, the sign of g after the
+    jump is round-off, and the fields decide. Otherwise the sign of g decides, unless g is within rounding of zero.
     """
     run, x, w = context.run, context.x, context.w
     guard = context.guards[run.mode]
@@ -175,53 +175,53 @@ def jump(context):
 
 @inlined
 def elapsed(run):
-    """Time since the crossing before, or the start."""
-    return abs((run.t - run.met) + (run.t_carry - run.met_carry))
+    """Time since the last crossing, or the start."""
+    return abs((run.t - run.last_hit) + (run.t_carry - run.last_hit_carry))
 
 
 @internal
 def is_lost_in_rounding(context, found, own, rate):
-    """Whether the visit that a jump ends here, and the next one, stay within rounding of the surface.
+    """Whether the segments before and after a jump both stay within rounding of the surface.
 
-    A visit of length T that arrives at the rate r has been r·T/4 away, if its path is a parabola. Below the rounding
-    of g neither the place nor the rates of a visit are known, and so neither is where a touch leads.
+    A segment of duration T that arrives with rate r has reached the height r·T/4, if its path is a parabola. Below the
+    rounding of g neither place nor rates are known, so that where a touch leads is undetermined.
     """
     run = context.run
     if context.guards[run.mode].jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
         return False
-    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * context.w[DOUBT]
+    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * context.w[ROUNDING_OF_G]
 
 
 @inlined
 def accumulates(run):
-    """Whether crossings come ever closer and their accumulation point is no more than round-off away (Zeno).
+    """Update the times between crossings; returns whether they accumulate within round-off of the current time (Zeno).
 
-    A geometric sequence of gaps with ratio q has the sum gap·q/(1 − q) to come.
+    The gaps yet to come of a geometric sequence with ratio q add up to gap·q/(1 − q).
     """
     gap = elapsed(run)
     ratio = gap / run.gap if run.gap > 0.0 else math.inf
     run.shrinking = run.shrinking + 1 if ratio < 1.0 else 0
-    run.gap, run.met, run.met_carry = gap, run.t, run.t_carry
+    run.gap, run.last_hit, run.last_hit_carry = gap, run.t, run.t_carry
     return run.shrinking >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
 
 
 @inlined
 def switch_mode(context, log, found):
-    """At the surface: jump, classify, enter the mode behind, write the crossing down."""
+    """At the surface: jump, classify, record the crossing, and enter the next mode."""
     run, x = context.run, context.x
     hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
     guard = context.guards[run.mode]
     hit.t = run.t
     hit.rate_before, hit.rate_after = along * run.sign * run.own, -along * run.sign * run.other
     own, other = run.own, run.other
-    if run.shift != 0.0 or run.follow == 0:  # it is not where the surface was met
+    if run.shift != 0.0 or run.follow == 0:  # the state is not where the surface was met
         for i in range(x.size):
             context.place[i] = x[i]
         evaluate_switching(context, run.t)
     hit.g, rate = context.w[G], run.other
     run.own, run.other = own, other
     record_place(context, log, 1)
-    if run.watched > 0:  # what the mode that is left has lost
+    if run.monitored > 0:  # with the error of ψ at the end of the segment
         widen_envelope(context, log)
     against = is_met_against_the_field(context, found, own)
     run.leaving = 1
@@ -247,7 +247,7 @@ def switch_mode(context, log, found):
     enter_mode(context, mode, rate)
     if leaving == 0:  # it has jumped off the surface
         run.height, run.leaving = run.sign * context.w[G], 0
-    elif is_contradicted(context, run.hit):  # a step so stiff that its own rounding hides the surface
+    elif is_contradicted(context, run.hit):  # the step is so stiff that its rounding hides the surface
         return _UNSTABLE
     if accumulates(run):
         return _ZENO
@@ -256,9 +256,10 @@ def switch_mode(context, log, found):
 
 @inlined
 def land(context, log, t):
-    """Move the state to the crossing found, or by the perturbation beyond it; returns whether that could be done.
+    """Advance the state to the crossing found, displaced by the perturbation if any; returns whether the step succeeds.
 
-    Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ and x̂ anew there.
+    Paper: solve (eq:to-interface), (eq:interface) for (t̂, x̂); with a perturbation, t̂ ← t̂ + c·τᵖ, and x̂ is the state
+    at that time.
     """
     run, x, place = context.run, context.x, context.place
     if run.shift != 0.0:
@@ -280,15 +281,15 @@ def land(context, log, t):
         for i in range(x.size):
             place[i] = x[i]
         evaluate_switching(context, run.t)
-        if run.edged == 1 and context.guards[run.mode].jump == NO_JUMP and run.sign * context.w[G] > 0.0:
-            move_across(context, run.t)
+        if run.partly_defined == 1 and context.guards[run.mode].jump == NO_JUMP and run.sign * context.w[G] > 0.0:
+            reflect_across(context, run.t)
         record_place(context, log, 0)
     return True
 
 
 @inlined
 def step_over(context, log, t, h):
-    """Without a transition: the step stands, and only then is g evaluated."""
+    """Without a transition: accept the step, and switch modes at its end if g has changed sign."""
     run, x, place = context.run, context.x, context.place
     height, rate = run.sign * context.w[G_END], rate_at_end(context)
     if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
@@ -310,12 +311,12 @@ def step_over(context, log, t, h):
 
 @inlined
 def locate_in_shorter_step(context, t, h):
-    """Locate a crossing where a step of length h has failed: what is found, and the length of a shorter one."""
+    """Locate a crossing in a shorter step, after one of length h has failed; returns the result and its length."""
     run = context.run
     h = cut_to_domain(context, t, h)
     if h == 0.0:
         return FAILED, h
-    if run.leaving == 0 and is_at_surface(context, t):
+    if run.leaving == 0 and check_at_surface(context, t):
         run.hit = 0.0
         return FOUND, h
     return locate_crossing(context, t, h, run.sign * context.w[G_END], rate_at_end(context)), h
@@ -323,12 +324,12 @@ def locate_in_shorter_step(context, t, h):
 
 @inlined
 def locate(context, t, h, kind, low, high):
-    """Locate the first crossing in a step of length h that ends: what is found, and the length if it is nothing."""
+    """Locate the first crossing in a step of length h that succeeds; returns the result and the length searched."""
     run = context.run
     height, rate, found = run.sign * context.w[G_END], rate_at_end(context), NONE
     if run.adaptive == 1:
         found = locate_beside_series(context, t, h, height, rate, kind, low, high)
-    elif (h > 0.0) == (run.tau > 0.0):  # going back from a perturbed crossing is no motion to be watched
+    elif (h > 0.0) == (run.tau > 0.0):  # a step back from a perturbed crossing is not searched
         found = locate_crossing(context, t, h, height, rate)
     if found == SHORT:
         h, run.final = run.hit, 0
@@ -338,9 +339,9 @@ def locate(context, t, h, kind, low, high):
 
 @inlined
 def end_step(context, t, h):
-    """A step of length h in which no crossing has been found stands."""
+    """Accept a step of length h in which no crossing has been found."""
     run = context.run
-    if run.tried != h:  # to look for a crossing has changed the increment
+    if run.tried != h:  # the search has changed the increment
         try_step(context, t, h)
     height, rate = run.sign * context.w[G_END], rate_at_end(context)
     accept_step(context)
@@ -353,7 +354,7 @@ def end_step(context, t, h):
 
 @inlined
 def advance(context, log, h):
-    """Go on by h, or to the first crossing before that and into the mode behind; run.rest is what is left of h."""
+    """Advance by h, or to the first crossing before that and into the next mode; run.rest is the rest of h."""
     run = context.run
     t, found = run.t + run.t_carry, FAILED
     kind, low, high = NO_ROOT, 0.0, 0.0
@@ -364,8 +365,8 @@ def advance(context, log, h):
             kind, low, high = isolate_root_of_series(context, h)
     length = h
     if kind == ROOT and locate_near_root(context, t, low, high):
-        found = FOUND  # and the end of the step is of no use
-    elif has_end(context, t, h):
+        found = FOUND  # the end of the step is not needed
+    elif try_finite_step(context, t, h):
         if run.follow == 0:
             return step_over(context, log, t, h)
         found, length = locate(context, t, h, kind, low, high)
@@ -379,7 +380,7 @@ def advance(context, log, h):
     if found == FAILED or not land(context, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:
-        run.own = 0.0  # it turns at the surface, and does not arrive
+        run.own = 0.0  # the height turns at the surface: its rate is zero
     run.rest = h - run.hit if run.adaptive == 0 else 0.0
     run.final = run.final if run.adaptive == 0 else 0
     return switch_mode(context, log, found)

@@ -1,4 +1,4 @@
-"""The state of a run as the compiled loop keeps it: one record, its guards, and the rows it writes."""
+"""Structured arrays of the compiled loop: the record of a run, its guards, and the rows it writes."""
 
 import numpy as np
 
@@ -6,74 +6,74 @@ from core.kernels.jit import inlined
 
 __all__ = ["GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN", "SIGNS", "mode_of"]
 
-#: Sign of g in each mode. A mode is numbered by the signs of its surfaces: here 1 where g > 0, else 0.
+#: Sign of g in each mode: mode 1 has g > 0, mode 0 has g < 0.
 SIGNS = np.array([-1, 1])
-#: Mode of a run that has entered none yet.
+#: Mode of a run that has not entered any yet.
 NO_MODE = -1
 
-#: Of a guard: the state does not jump; or where the jump leads is read from g there; or it leads to the surface again.
+#: Jump of a guard: none; to a state whose mode is given by the sign of g there; or to a state on the surface.
 NO_JUMP, JUMP_ANYWHERE, JUMP_TO_SURFACE = 0, 1, 2
 
-#: What ends a mode, one for each: its height is sign·g, positive inside; a transition leads on from where it is zero.
+#: The guard that ends a mode: its height is sign·g, positive inside; where it is zero, a transition follows.
 GUARD = np.dtype(
     [
         ("sign", np.int64),
-        ("to", np.int64),  # mode behind the surface
+        ("to", np.int64),  # mode on the other side of the surface
         ("jump", np.int64),  # one of the codes above
     ],
     align=True,
 )
 
-#: Everything a run carries from one call of `advance` to the next besides its frame (`abi.Frame`).
+#: All that a run keeps between calls of `advance`, besides its frame (`abi.Frame`).
 RUN = np.dtype(
     [
-        ("t", np.float64),  # start of the current step, and what its digits could not hold
+        ("t", np.float64),  # start of the current step; t_carry is its compensation, what rounding has taken from it
         ("t_carry", np.float64),
-        ("t_start", np.float64),  # of the envelope
+        ("t_start", np.float64),  # start and end of the envelope; t_end also ends the run
         ("t_end", np.float64),
-        ("tau", np.float64),  # signed: negative where time runs back; infinite where the method chooses
-        ("rest", np.float64),  # of a step that a crossing has cut; 0 at the end of a step
+        ("tau", np.float64),  # step size, negative where time runs back; infinite where the method chooses its steps
+        ("rest", np.float64),  # length left of a step that a crossing has cut; 0 at the end of a step
         ("shift", np.float64),  # c·τᵖ added to every crossing time
-        ("height", np.float64),  # over the surface, and its rate along the run, at the current state
+        ("height", np.float64),  # guard height at the current state, and its rate along the run
         ("rate", np.float64),
         ("entered", np.float64),  # rate with which the mode was entered
-        ("own", np.float64),  # at the surface: rate into the mode occupied, and into the one behind
+        ("own", np.float64),  # rate at the surface into the mode occupied; `other`: into the one on the other side
         ("other", np.float64),
-        ("hit", np.float64),  # where in the step the surface is met
-        ("longest", np.float64),  # step so far of a method that chooses its steps
-        ("tried", np.float64),  # length of the step tried last
-        ("met", np.float64),  # when it was met last, and what the digits could not hold
-        ("met_carry", np.float64),
-        ("gap", np.float64),  # between the last two crossings
+        ("hit", np.float64),  # length from the start of the step to the surface
+        ("longest", np.float64),  # longest step so far of a variable-step method
+        ("tried", np.float64),  # length of the last trial step
+        ("last_hit", np.float64),  # time of the last crossing, or of the start, and its compensation
+        ("last_hit_carry", np.float64),
+        ("gap", np.float64),  # time between the last two crossings
         ("shrinking", np.int64),  # how many gaps in a row have shrunk
         ("final", np.int64),  # 1: the step ends at t_end
         ("mode", np.int64),  # carried, never read from the sign of g after a crossing; NO_MODE before the first step
-        ("sign", np.int64),  # of its guard
+        ("sign", np.int64),  # sign of the guard of the mode occupied
         ("first_mode", np.int64),  # in which the run begins; NO_MODE until that is known
         ("leaving", np.int64),  # 1 while g has not yet taken the sign of the mode
         ("follow", np.int64),  # 1: Mannshardt's transition; 0: step over the surface
-        ("adaptive", np.int64),  # 1: the method chooses the length of its steps
+        ("adaptive", np.int64),  # 1: a variable-step method
         ("conservative", np.int64),  # 1: the method holds ψ at its level
-        ("watched", np.int64),  # how many ψ have their level residual recorded in the envelope
-        ("edged", np.int64),  # 1: a field has roots, logarithms or the like, and may have no value beyond the surface
+        ("monitored", np.int64),  # number of ψ whose level residual is recorded in the envelope
+        ("partly_defined", np.int64),  # 1: a field or ψ has a root, real power or logarithm, not defined everywhere
         ("record", np.int64),  # 1: write a row each step
         ("steps", np.int64),
         ("evaluations", np.int64),
         ("crossings", np.int64),
         ("max_crossings", np.int64),
-        ("stride", np.int64),  # of the steps without a crossing, one of so many has its start kept
-        ("next_sample", np.int64),
-        ("samples", np.int64),  # kept so far
-        ("rows", np.int64),  # written since the last return
-        ("hits", np.int64),
+        ("stride", np.int64),  # every stride-th step is sampled
+        ("next_sample", np.int64),  # number of the next step to be sampled
+        ("samples", np.int64),  # number of samples kept
+        ("rows", np.int64),  # number of rows written since the last return
+        ("hits", np.int64),  # number of crossings written since the last return
     ],
     align=True,
 )
 
-#: A recorded step, beside its state.
+#: A recorded step; its state is kept apart.
 ROW = np.dtype([("t", np.float64), ("mode", np.int64), ("segment", np.int64)], align=True)
 
-#: A crossing, beside its states before and after.
+#: A crossing; its states are kept apart.
 HIT = np.dtype(
     [
         ("t", np.float64),
@@ -81,7 +81,7 @@ HIT = np.dtype(
         ("rate_before", np.float64),
         ("rate_after", np.float64),
         ("passed", np.int64),  # 1: the run went on from here
-        ("mode", np.int64),  # in which it did
+        ("mode", np.int64),  # mode after the crossing
         ("kind", np.int64),
     ],
     align=True,

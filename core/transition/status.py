@@ -1,4 +1,4 @@
-"""How a run ends, and the kinds of crossing: names, and what they mean in plain words."""
+"""How a run ends, with reason and advice; and the kinds of crossing."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Status(IntEnum):
 
     @property
     def advice_without_tau(self) -> str:
-        """What to do about it where the method chooses its steps."""
+        """What to do about it, for a method that chooses its steps."""
         return _WITHOUT_TAU.get(self, self.advice)
 
 
@@ -65,24 +65,24 @@ _WORDS = {
     ),
     Status.ZENO: (
         "crossings come ever closer and accumulate here (Zeno)",
-        "The motion does not go on by these laws; say what follows with another system.",
+        "These laws do not determine the motion beyond this time; continue it with another system.",
     ),
     Status.CROSSING_LIMIT: ("reached max_crossings", "Raise max_crossings to go on."),
     Status.STEP_LIMIT: ("reached max_steps", "Take a larger step size tau, a shorter time, or raise max_steps."),
     Status.CANCELLED: ("cancelled", ""),
     Status.CONTRADICTION: (
-        "the state lies on the other side of the surface than the one whose law it has followed",
-        "This is an error of the program, not of yours: please report the system, and discard the run.",
+        "the state has followed the law of one side of the surface and lies on the other",
+        "This is a defect of the program, not of your input: please report the system, and discard the run.",
     ),
     Status.UNSTABLE: (
-        "the step is too long for this field: the scheme leaves the solution, which does not move so",
+        "the step is too long for this field: the numerical solution departs from the exact one",
         "Take a smaller step size tau, or a method that chooses its steps (taylor).",
     ),
 }
 
 _WITHOUT_TAU = {
     Status.GRAZING: "Move the initial condition or a parameter a little.",
-    Status.NO_CONVERGENCE: "Its Taylor series is not defined here, as that of a root at zero: take prk8, say.",
+    Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8, say.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
     Status.STEP_LIMIT: "Take a larger tolerance, a shorter time, or raise max_steps.",
     Status.UNSTABLE: "Take a smaller tolerance.",

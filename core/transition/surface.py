@@ -1,4 +1,4 @@
-"""What is evaluated and written down at the surface: g, its rates, its rounding. Jitted; inlined into `time_loop`.
+"""Evaluations and records at the surface: g, its rates, its rounding. Jitted; inlined into `time_loop`.
 
 Heights and rates are as in `event_location`.
 """
@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from core.kernels.abi import DOUBT, EVALUATE, LEVEL_RESIDUAL, RATES, G, call
+from core.kernels.abi import EVALUATE, LEVEL_RESIDUAL, RATES, ROUNDING_OF_G, G, call
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import inlined, internal
 
@@ -21,21 +21,21 @@ __all__ = [
 ]  # fmt: skip
 
 _EPS = 2.0**-52
-MARGIN = 16.0  #: by how much g may contradict the mode, in units of a first-order bound on its rounding
+MARGIN = 16.0  #: error of g that counts as round-off, in units of the first-order bound on its rounding
 
 
 class Log(NamedTuple):
-    """Where crossings are written."""
+    """Arrays to which crossings and errors of ψ are written."""
 
     hits: Any
-    places: Any  # (…, 3, d): on the surface, where the run landed, where it went on from
-    residual: Any  # ψ less its levels, a part of the frame
-    envelope: Any  # (columns, m, 2) least and greatest residual in equal parts of the time
+    places: Any  # (…, 3, d): states on the surface, where the run landed, from which it continued
+    residual: Any  # (m,) level residual, a part of the frame
+    envelope: Any  # (columns, m, 2) least and greatest level residual in equal parts of the time
 
 
 @inlined
 def accept_step(context):
-    """Add the increment to the state, keeping what rounding would lose (compensated summation)."""
+    """Add the increment to the state by compensated summation."""
     x, carry, increment = context.x, context.carry, context.increment
     for i in range(x.size):
         x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
@@ -43,20 +43,20 @@ def accept_step(context):
 
 @inlined
 def advance_time(run, h):
-    """Go on in time, compensated likewise."""
+    """Add a step length to the time by compensated summation."""
     run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
 
 
 @inlined
 def evaluate_g(context, t):
-    """G at `place`."""
+    """Evaluate g at `place`."""
     call(context.functions[context.run.mode, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
     return context.w[G]
 
 
 @inlined
 def evaluate_rates(context, mode, t):
-    """Rates at `place` with which the fields lead into g < 0 and into g > 0; g to w[G]."""
+    """Rates at `place` with which the fields lead into g < 0 and into g > 0; writes g to w[G]."""
     w, along = context.w, math.copysign(1.0, context.run.tau)
     call(context.functions[mode, EVALUATE], t, 0.0, context.p, w, context.scratch)
     return -along * w[RATES], along * w[RATES + 1]
@@ -64,7 +64,7 @@ def evaluate_rates(context, mode, t):
 
 @inlined
 def evaluate_switching(context, t):
-    """Take the rates at `place` into the mode occupied and into the one behind to run.own and run.other; g to w[G]."""
+    """Write the rates at `place` into the mode occupied and the other one to run.own and run.other, and g to w[G]."""
     run = context.run
     into_minus, into_plus = evaluate_rates(context, run.mode, t)
     run.own, run.other = (into_plus, into_minus) if run.sign > 0 else (into_minus, into_plus)
@@ -72,20 +72,20 @@ def evaluate_switching(context, t):
 
 @inlined
 def record_place(context, log, which):
-    """Write `place` down as where the surface was met (0), where the run landed (1), or went on from (2)."""
+    """Record `place` as the state on the surface (0), where the run landed (1), or from which it continued (2)."""
     for i in range(context.place.size):
         log.places[context.run.hits, which, i] = context.place[i]
 
 
 @internal
 def widen_envelope(context, log):
-    """Take ψ less its levels into the column of this time."""
+    """Widen the envelope at this time by the level residual."""
     run, residual, envelope = context.run, log.residual, log.envelope
     call(context.functions[run.mode, LEVEL_RESIDUAL], run.t, 0.0, context.p, context.w, context.scratch)
     columns = envelope.shape[0]
     column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
     for j in range(residual.size):
-        if residual[j] < envelope[column, j, 0]:  # never so where a mode has fewer ψ, and the residual is nan
+        if residual[j] < envelope[column, j, 0]:  # false for nan, where the mode has fewer ψ
             envelope[column, j, 0] = residual[j]
         if residual[j] > envelope[column, j, 1]:
             envelope[column, j, 1] = residual[j]
@@ -93,16 +93,16 @@ def widen_envelope(context, log):
 
 @inlined
 def is_on_surface(context):
-    """Whether g, where it has been evaluated last, may be zero but for rounding."""
-    return abs(context.w[G]) <= MARGIN * context.w[DOUBT]
+    """Whether g, as evaluated last, is zero within rounding."""
+    return abs(context.w[G]) <= MARGIN * context.w[ROUNDING_OF_G]
 
 
 @internal
 def contradicts(context, h):
-    """Whether g at the state has the sign of the mode behind, by more than rounding can explain.
+    """Evaluate g at the state; returns whether it has the sign of the other mode by more than rounding can explain.
 
-    A step of length h rounds its increment, and a time is rounded too: both move g by so much of its rate. Where a
-    perturbation, or a step over the surface, has left the state on purpose there is nothing to compare.
+    Rounding of the increment of a step of length h and of the time change g by eps times h and t times its rate. A
+    state left on the other side on purpose, by a perturbation or a step over the surface, contradicts nothing.
     """
     for i in range(context.x.size):
         context.place[i] = context.x[i]
@@ -112,9 +112,9 @@ def contradicts(context, h):
 
 @inlined
 def is_contradicted(context, h):
-    """The same, where switching has been evaluated at the state."""
+    """As `contradicts`, where switching has been evaluated at the state already."""
     run, w = context.run, context.w
     if run.leaving == 1 and (run.shift != 0.0 or run.follow == 0):
         return False
     moved = _EPS * (abs(run.t) + abs(h)) * max(abs(w[RATES]), abs(w[RATES + 1]))
-    return -run.sign * w[G] > MARGIN * (w[DOUBT] + moved)
+    return -run.sign * w[G] > MARGIN * (w[ROUNDING_OF_G] + moved)

@@ -1,1 +1,1 @@
-"""Numbers of two doubles: some 32 digits, for levels of ψ and what round-off would take from them."""
+"""Double-double numbers, of some 32 digits: for the levels of ψ and the residuals of ψ and g."""

@@ -1,15 +1,16 @@
 """Double-double arithmetic: a number is the unevaluated sum hi + lo of two doubles, about 106 bits.
 
 Every function takes and returns such pairs as plain floats. With u = 2⁻⁵³ the relative errors are at most 15 u² for a
-quotient and 4 u² for a square root, of pairs with |lo| ≤ ulp(hi)/2, which both return. Sums and products, which are
-worked out at every step, leave lo as it comes: the error of a sum of products is some eps² of its terms, as long as lo
+quotient and 4 u² for a square root, of pairs with |lo| ≤ ulp(hi)/2; both return such pairs. Sums and products, which
+every step evaluates, do not normalise lo: the error of a sum of products is some eps² of its terms, as long as lo
 stays small beside hi.
-Joldes, Muller, Popescu: Tight and rigorous error bounds for basic building blocks of double-word arithmetic,
-ACM Trans. Math. Softw. 44 (2017); the square root: Lefèvre, Louvet, Muller, Picot, Rideau, ibid. 49 (2023); sums and
-products: Lange, Rump: Faithfully rounded floating-point computations, ibid. 46 (2020).
 
-The bounds hold as long as the products of high parts stay between 2⁻⁹⁶⁸, below which what rounding lost of them is no
-double any more, and the largest double. What overflows in a sum or a product is nan or inf: never a finite number.
+References: Joldes, Muller, Popescu: Tight and rigorous error bounds for basic building blocks of double-word
+arithmetic, ACM Trans. Math. Softw. 44 (2017); the square root: Lefèvre, Louvet, Muller, Picot, Rideau, ibid. 49
+(2023); sums and products: Lange, Rump: Faithfully rounded floating-point computations, ibid. 46 (2020).
+
+The bounds hold as long as the products of high parts lie between 2⁻⁹⁶⁸, below which their rounding error is not a
+double, and the largest double. A sum or product that overflows gives nan or inf, never a finite number.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -34,15 +35,15 @@ __all__ = [
 
 _inline = njit(error_model="numpy")
 
-#: Digits to which `split` works out what is no ratio of whole numbers; a pair holds 32.
+#: Decimal digits to which `split` evaluates irrational constants; a pair holds 32.
 _DIGITS = 50
 
 
 def _fma(typing_context, a, b, c):
     """a b + c, rounded once.
 
-    A processor that has the instruction does it in one. For one that has not, LLVM calls the C library's ``fma``,
-    which is rounded once too, but is a call, and slow where it has to work in software.
+    This is one instruction where the processor has it. Elsewhere LLVM calls the C library's ``fma``, which rounds once
+    too, but is slow where it works in software.
     """
 
     def generate(context, builder, signature, arguments):
@@ -56,14 +57,14 @@ fma: Any = intrinsic(_fma)
 
 @_inline
 def fast_two_sum(a, b):
-    """a + b and what rounding lost of it, exactly, where |a| ≥ |b| or a = 0 (Dekker)."""
+    """Rounded a + b and its rounding error, exactly, where |a| ≥ |b| or a = 0 (Dekker)."""
     total = a + b
     return total, b - (total - a)
 
 
 @_inline
 def two_product(a, b):
-    """a b and what rounding lost of it, exactly."""
+    """Rounded a b and its rounding error, exactly."""
     product = a * b
     return product, fma(a, b, -product)
 
@@ -91,14 +92,14 @@ def pair_square(ah, al):
 
 @_inline
 def pair_scale(ah, al, b):
-    """a b of a double b."""
+    """a b, where b is a double."""
     high, lost = two_product(ah, b)
     return high, fma(al, b, lost)
 
 
 @_inline
 def dd_div(ah, al, bh, bl):
-    """a / b; where it is 0 or not finite, as in double precision."""
+    """a / b; in double precision where that is 0 or not finite."""
     quotient = ah / bh
     if quotient == 0.0 or not math.isfinite(quotient):
         return quotient, 0.0
@@ -108,7 +109,7 @@ def dd_div(ah, al, bh, bl):
 
 @_inline
 def dd_sqrt(ah, al):
-    """√a; where it is 0 or not finite, as in double precision."""
+    """√a; in double precision where that is 0 or not finite."""
     root = math.sqrt(ah)
     if root == 0.0 or not math.isfinite(root):
         return root, 0.0
@@ -121,22 +122,22 @@ def split(value: sympy.Expr | Fraction) -> tuple[float, float]:
     Parameters
     ----------
     value
-        A number: a ratio, or an expression such as ``sqrt(2)`` or ``pi/3``.
+        A real number: a ratio of integers, or an expression such as ``sqrt(2)`` or ``pi/3``.
 
     Returns
     -------
     tuple of float
-        hi, the double nearest to it, and lo, the double nearest to what is left.
+        hi, the double nearest to the value, and lo, the double nearest to value − hi.
 
     Raises
     ------
     ValueError
-        If it is no real number, or none that a double can hold.
+        If it is not a real number, or too large for a double.
     """
     exact = sympy.sympify(value)
     number = exact if exact.is_Rational else sympy.N(exact, _DIGITS)
     if not (number.is_Rational or (number.is_Float and number.is_finite)):
-        raise ValueError(f"{value} is no real number: a constant such as 1/3 or sqrt(2) is needed")
+        raise ValueError(f"{value} is not a real number: a constant such as 1/3 or sqrt(2) is needed")
     ratio = sympy.Rational(number)
     whole = Fraction(int(ratio.p), int(ratio.q))
     try:

@@ -1,13 +1,13 @@
-"""Elementary functions of double-double numbers to some 2⁻⁷⁷, for levels of ψ and what round-off would take from them.
+"""Elementary functions of double-double numbers, accurate to about 2⁻⁷⁷, for the levels of ψ and its residuals.
 
-Each reduces its argument with a table, and sums a short Taylor series of the rest: the first terms are pairs, the
-others, which count some 2⁻²⁶ times less, are in double precision. A level is set anew at every crossing, so that 2²⁵
-crossings, each wrong by 2⁻⁷⁷ to the same side, move it by one eps.
+Each reduces its argument with a table and sums a short Taylor series of the remainder. The first terms are pairs; the
+others are some 2⁻²⁶ times smaller and in double precision. The levels are set anew at every crossing: after 2²⁵
+crossings, errors of 2⁻⁷⁷ of the same sign move a level by one eps.
 
-Errors as measured, at most, relative to the larger of the result and 1: sin, cos, exp, sinh, cosh, tanh 2⁻⁷⁸, log 2⁻⁷⁷,
-tangent 2⁻⁷⁶ up to |a| = 1.3; a^b 2⁻⁷⁷ (1 + |b|) relative, for 2⁻²⁰ ≤ a ≤ 2²⁰. As in double precision, with lo = 0, are
-angles beyond 2³⁵, exponents beyond 600, logarithms and powers of numbers that are not between 2⁻⁹⁶⁰ and 2⁹⁶⁰, and what
-is not finite.
+Largest errors measured, relative to the larger of |result| and 1: sin, cos, exp, sinh, cosh, tanh 2⁻⁷⁸, log 2⁻⁷⁷,
+tangent 2⁻⁷⁶ up to |a| = 1.3; a^b 2⁻⁷⁷ (1 + |b|) relative, for 2⁻²⁰ ≤ a ≤ 2²⁰. Results
+are in double precision, with lo = 0, for angles beyond 2³⁵, exponents beyond 600, logarithms and powers of numbers not
+between 2⁻⁹⁶⁰ and 2⁹⁶⁰, and arguments that are not finite.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -51,26 +51,32 @@ __all__ = ["dd_cos", "dd_cosh", "dd_exp", "dd_log", "dd_pow", "dd_sin", "dd_sinh
 
 _inline = njit(error_model="numpy")
 
-#: Of a double: bits of the mantissa, how many they are, bits of the number 1, and the exponent's value for it.
-_MANTISSA, _DIGITS, _ONE, _BIAS = 2**52 - 1, 52, 1023 << 52, 1023
+#: Number of bits of the mantissa of a double.
+_DIGITS = 52
+#: Mask of the mantissa of a double.
+_MANTISSA = 2**52 - 1
+#: Bits of the double 1.
+_ONE = 1023 << 52
+#: Biased exponent of the double 1.
+_BIAS = 1023
 
 
 @_inline
 def _power_of_two(k):
-    """2ᵏ, a normal number, without the call that `math.ldexp` is."""
+    """2ᵏ, if normal, without a call of `math.ldexp`."""
     return np.int64((k + _BIAS) << _DIGITS).view(np.float64)
 
 
 # Exponential and hyperbolic functions -------------------------------------------------------------------------------
 # eᵃ = 2ᵏ T eʳ, T = 2^(j/128) from a table, −64 ≤ j < 64, r = a − (k + j/128) log 2, |r| ≤ log(2)/256.
 
-#: Up to here eᵃ, e⁻ᵃ and their low parts are normal numbers.
+#: Up to this |a|, eᵃ, e⁻ᵃ and their low parts are normal numbers.
 _LARGEST_EXPONENT = 600.0
 
 
 @_inline
 def _exp(ah, al):
-    """eᵃ of |a| ≤ 600."""
+    """eᵃ for |a| ≤ 600."""
     n = math.floor(ah * EXP_STEPS_PER_UNIT + 0.5)
     h, low = two_product(-float(n), EXP_STEP[0])
     rh, lost = fast_two_sum(h, ah)  # exact: they are within a factor of two of each other (Sterbenz), or n = 0
@@ -135,14 +141,14 @@ def dd_tanh(ah, al):
 # Logarithm and real powers ------------------------------------------------------------------------------------------
 # log a = k log 2 − log c + 2 artanh(s), a = 2ᵏ m, 1/√2 ≤ m < √2, c a double near 1/m, s = f/(2 + f), f = c m − 1.
 
-#: Between this and its inverse a, and what scales it to near 1, are normal numbers, and so are their low parts.
+#: Between the inverse of this and this, a, the power of two that scales it to near 1, and their low parts are normal.
 _LARGEST = 2.0**960
 _SQRT_2 = math.sqrt(2.0)
 
 
 @_inline
 def _log(ah, al):
-    """log a of 2⁻⁹⁶⁰ ≤ a ≤ 2⁹⁶⁰."""
+    """log a for 2⁻⁹⁶⁰ ≤ a ≤ 2⁹⁶⁰."""
     bits = np.float64(ah).view(np.int64)
     k = (bits >> _DIGITS) - _BIAS
     mh = np.int64((bits & _MANTISSA) | _ONE).view(np.float64)
@@ -171,10 +177,7 @@ def dd_log(ah, al):
 
 @_inline
 def dd_pow(ah, al, bh, bl):
-    """a^b of a real b through e^(b log a).
-
-    A negative a has powers of whole numbers b only, as in double precision.
-    """
+    """a^b for real b, as e^(b log a); for negative a, nan unless b is an integer, as in double precision."""
     if not (1.0 / _LARGEST <= abs(ah) <= _LARGEST and math.isfinite(bh)):
         return math.pow(ah, bh), 0.0
     sign = 1.0
@@ -192,14 +195,17 @@ def dd_pow(ah, al, bh, bl):
 # Trigonometric functions --------------------------------------------------------------------------------------------
 # a = n π/512 + r, |r| ≤ π/1024, and the functions of n π/512 from a table of the sine over a whole turn.
 
-_QUARTER, _TURN = 256, 1023
-#: Beyond this the rounding of 512 a/π can make the n found another than the nearest, and leave more than π/1024.
+#: A quarter turn, in units of π/512.
+_QUARTER = 256
+#: Mask that reduces multiples of π/512 modulo a whole turn.
+_TURN = 1023
+#: Beyond this |a|, rounding 512 a/π may give an n that is not the nearest, and leave |r| > π/1024.
 _LARGEST_ANGLE = 2.0**35
 
 
 @_inline
 def _reduced(ah, al, n):
-    """a − n π/512 of a whole number n beside 512 a/π."""
+    """a − n π/512, where n is the integer nearest to 512 a/π."""
     h, low = two_product(-n, SIN_STEP[0])
     h, lost = fast_two_sum(h, ah)  # exact where |ah| is the larger: then they are within a factor of two (Sterbenz)
     low, low_lost = two_sum(low, al)
@@ -211,7 +217,7 @@ def _reduced(ah, al, n):
 
 @_inline
 def _turned(ah, al, turn):
-    """Sine of a + turn π/512 of |a| ≤ 2³⁵."""
+    """sin(a + turn π/512) for |a| ≤ 2³⁵."""
     n = math.floor(ah * SIN_STEPS_PER_UNIT + 0.5)
     rh, rl = _reduced(ah, al, float(n))
     zh, zl = pair_square(rh, rl)
@@ -220,7 +226,7 @@ def _turned(ah, al, turn):
     i, j = (n + turn) & _TURN, (n + turn + _QUARTER) & _TURN
     ph, pl = pair_mul(SIN_HIGH[i], SIN_LOW[i], ch, cl)
     qh, ql = pair_mul(SIN_HIGH[j], SIN_LOW[j], rh, sl)
-    # The table's sine is 0, or larger than that of r, which is larger than what cos r takes from it.
+    # In decreasing order of size: the table's sine (unless 0), the term with sin r, the term with cos r − 1.
     h, lost = fast_two_sum(SIN_HIGH[i], qh)
     h, rest = fast_two_sum(h, ph)
     return fast_two_sum(h, lost + rest + (SIN_LOW[i] + (ql + pl)))

@@ -1,4 +1,4 @@
-"""Sums that lose nothing, what compensated summation is made of; and powers that are cheaper than others."""
+"""Error-free sums, for compensated summation; and half-integer powers by products and one square root."""
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 # jitted: numba infers the types
@@ -14,7 +14,7 @@ __all__ = ["half_power", "two_sum"]
 
 @njit(error_model="numpy")
 def two_sum(a, b):
-    """a + b and what rounding lost of it, exactly (Knuth)."""
+    """Rounded a + b and its rounding error, exactly (Knuth)."""
     total = a + b
     back = total - a
     return total, (a - (total - back)) + (b - back)
@@ -22,7 +22,7 @@ def two_sum(a, b):
 
 @njit(error_model="numpy")
 def half_power(u, n):
-    """u to the power n + ½ of a whole number n > 0, to n + 1 roundings."""
+    """u to the power n + ½, for an integer n > 0, with n + 1 roundings."""
     power = math.sqrt(u)
     for _ in range(n):
         power *= u

@@ -1,4 +1,4 @@
-"""Constants of the elementary functions of double-double numbers, worked out once, when this is imported."""
+"""Constants of the double-double elementary functions, evaluated once, on import."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from numpy.typing import NDArray
 
 _mp = mpmath.mp.clone()
 _mp.dps = 80
-_ONE = 2**240  #: numbers are taken apart as whole multiples of its inverse
+_ONE = 2**240  #: numbers are split as integer multiples of its inverse
 
 Table = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _parts(value: Any, count: int = 2) -> tuple[float, ...]:
-    """Leading `count` doubles of a number, each the nearest to what the ones before it leave."""
+    """Split a number into `count` doubles, each the nearest to the remainder of those before it."""
     rest, parts = int(_mp.nint(value * _ONE)), []
     for _ in range(count):
-        parts.append(rest / _ONE)  # the quotient of whole numbers is the nearest double
+        parts.append(rest / _ONE)  # the quotient of Python integers is correctly rounded
         rest -= int(parts[-1] * _ONE)
     return tuple(parts)
 
 
 def _powers(base: Any, first: int, end: int) -> Iterator[Any]:
-    """base^n for first ≤ n < end, each from the one before it."""
+    """base^n for first ≤ n < end, each from the power before it."""
     return accumulate(range(first + 1, end), lambda power, _: power * base, initial=base**first)
 
 
 def _table(values: Iterable[Any]) -> Table:
-    """High parts, and low parts, of many numbers."""
+    """High parts and low parts of numbers."""
     pairs = np.array([_parts(value) for value in values])
     return pairs[:, 0].copy(), pairs[:, 1].copy()
 

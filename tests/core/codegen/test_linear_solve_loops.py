@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy
 
-from core.codegen.linear_solve import DEPENDENT, KEPT, least_change, with_pivots
+from core.codegen.linear_solve import DEPENDENT, LEVEL_TOLERANCE, least_change, with_pivots
 from core.codegen.linear_solve_loops import change_along, solve_with_pivots
 
 EPS = np.finfo(float).eps
@@ -57,36 +57,36 @@ def test_saddle_points_are_those_that_are_written_out(d, m, draws):
             rows[-1] = 2 * rows[0]  # a gradient that depends on another one
         matrix = np.block([[np.eye(d) + 0.1 * rng.normal(size=(d, d)), rows.T], [rows, np.zeros((m, m))]])
         right = np.concatenate([rng.normal(size=d), rows @ rng.normal(size=d)])
-        found, (firm, excess, largest) = solved(matrix, right, d)
+        found, (independent, residual, largest) = solved(matrix, right, d)
         values = {f"j{i}_{k}": matrix[i, k] for i in range(n) for k in range(n)} | {f"r{i}": right[i] for i in range(n)}
         wanted = written_out(with_pivots(n, d), values | {"corrections": 1, "state": 1.0, "math": math})
         error = np.abs(found - [wanted[f"r{k}"] for k in range(n)]).max()
         # The same operations but for the order of rows that are never pivots; the condition of Λ Λᵗ is some hundreds.
         assert error <= 2.0**14 * n * EPS * np.abs(found).max(), (matrix, right)
         if m > 1:
-            assert firm == wanted["firm"]
-            assert (excess, largest) == (wanted["excess"], max(wanted[f"s{k}"] for k in range(d, n)))
+            assert independent == wanted["independent"]
+            assert (residual, largest) == (wanted["residual"], max(wanted[f"s{k}"] for k in range(d, n)))
         assert (
             np.abs(rows @ found[:d] - right[d:]).max()
-            <= max(KEPT, 64 * n * EPS) * np.abs(rows).max() * np.abs(found).max()
+            <= max(LEVEL_TOLERANCE, 64 * n * EPS) * np.abs(rows).max() * np.abs(found).max()
         )
 
 
 def test_a_gradient_that_vanishes_binds_nothing():
     rows = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     matrix = np.block([[np.eye(3), rows.T], [rows, np.zeros((2, 2))]])
-    found, (firm, *_) = solved(matrix, [1.0, 2.0, 3.0, 0.0, 0.0], 3)
+    found, (independent, *_) = solved(matrix, [1.0, 2.0, 3.0, 0.0, 0.0], 3)
     assert found.tolist() == [0.0, 2.0, 3.0, 0.0, 1.0]
-    assert not firm
+    assert not independent
 
 
 def test_a_gradient_nearly_dependent_on_another_binds_unless_its_psi_is_kept_but_for_rounding():
     rows = np.array([[1.0, 0.0, 0.0], [1.0, 1e-5, 0.0]])
     matrix = np.block([[np.eye(3), rows.T], [rows, np.zeros((2, 2))]])
-    for excess, sought in ((1e-9, 1e-4), (1e-16, 0.0)):
-        found, (firm, *_) = solved(matrix, [0.0, 0.0, 0.0, 0.0, excess], 3)
+    for residual, sought in ((1e-9, 1e-4), (1e-16, 0.0)):
+        found, (independent, *_) = solved(matrix, [0.0, 0.0, 0.0, 0.0, residual], 3)
         assert np.allclose(found[:3], [0.0, sought, 0.0], rtol=1e-5, atol=0.0)
-        assert not firm
+        assert not independent
 
 
 def changed(rows, slopes, right):

@@ -16,7 +16,7 @@ from core.kernels.doubledouble import arithmetic, elementary
 from core.kernels.stack_array import stack_array
 from core.kernels.taylor_coefficients import STRIDE
 from core.llvm import statements
-from core.llvm.operations import Unknown
+from core.llvm.operations import Unsupported
 from core.methods import METHODS
 
 POINTER = ctypes.POINTER(ctypes.c_double)
@@ -144,7 +144,7 @@ def test_what_is_not_in_the_language_is_told_so(body):
     linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
     space = {}
     exec(compile(source, name, "exec"), space)  # noqa: S102 - text of our own
-    with pytest.raises(Unknown):
+    with pytest.raises(Unsupported):
         statements.lowered(space["value"], "value")
 
 
