@@ -119,14 +119,14 @@ def integrate(
     runner = Runner(system, chosen, t0, start, settings, columns)
     sampler = None if times is None or not times.size else Sampler(runner, chosen, times)
     record_steps = sampler is not None or (times is None and record == "steps")
-    runner.advance(t1, record_steps, record != "end", _after(runner, t0, t1, sampler, progress))
+    runner.advance(t1, record_steps, record != "end", _after_each_call(runner, t0, t1, sampler, progress))
     if sampler is not None:
         sampler.take(final=True)
     run = _wrap(runner, chosen, t0, np.array(start), record, sampler)
     return run if times is None else replace(run, record="t_eval")
 
 
-def _after(
+def _after_each_call(
     runner: Runner, t0: float, t1: float, sampler: Sampler | None, progress: Callable[[float], object] | None
 ) -> Callable[[], None] | None:
     """What to do whenever the loop returns; None for nothing."""
@@ -249,16 +249,16 @@ def _span(t_span: tuple[float, float]) -> tuple[float, float]:
 def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sampler: Sampler | None) -> Trajectory:
     """Rows from the loop, or samples, with the first and the last state always among them."""
     rows = runner.rows if sampler is None else sampler.rows
-    t = _between(t0, rows.t, runner.t)
-    x = _between(x0, rows.x, runner.x)
-    side = _between(runner.first_side, rows.side, runner.side)
+    t = _with_ends(t0, rows.t, runner.t)
+    x = _with_ends(x0, rows.x, runner.x)
+    side = _with_ends(runner.first_side, rows.side, runner.side)
     # The last state was recorded, or the run has not moved.
     rest = slice(-1) if t[-1] == t[-2] and (x[-1] == x[-2]).all() else slice(None)
     t, x, side = t[rest], x[rest], side[rest]
     if record == "end" and sampler is None:
         segment = np.arange(len(t))
     else:
-        segment = _between(0, rows.segment, runner.segment)[rest]
+        segment = _with_ends(0, rows.segment, runner.segment)[rest]
     if record == "end":
         crossings = no_crossings(len(x0))
         last = runner.entry()
@@ -287,7 +287,7 @@ def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0
     return fresh, np.array([t for t, _ in numbers.values()]), np.array([x for _, x in numbers.values()])
 
 
-def _between(first: Any, parts: list[Any], last: Any) -> Any:
+def _with_ends(first: Any, parts: list[Any], last: Any) -> Any:
     """What was recorded, with the first and the last value around it."""
     ends = np.array([first, last])
     return np.concatenate([ends[:1], *parts, ends[1:]]) if parts else ends

@@ -117,7 +117,7 @@ class _Steps:
         times = self.t[:, None] + self.h[:, None] * places
         whole = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.side, times[:, 1:])], axis=1)
         with np.errstate(all="ignore"):
-            apart = np.abs(self._again(times, whole) - whole[:, 2:]).max(axis=1)
+            apart = np.abs(self._by_steps_between(times, whole) - whole[:, 2:]).max(axis=1)
             way = np.abs(whole - whole[:, :1]).max(axis=1)
             unit = np.nanmax(way, axis=0, initial=0.0)
             unit = np.maximum(unit, _SLIGHT * unit.max(initial=0.0))
@@ -142,7 +142,7 @@ class _Steps:
         """What a step may be off by, in parts of the state."""
         return max(_ROUNDING, _TOLERANCES * self.run.tolerance if self.method.adaptive else 0.0)
 
-    def _again(self, times: Floats, whole: Floats) -> Floats:
+    def _by_steps_between(self, times: Floats, whole: Floats) -> Floats:
         """States at all places but the first two, by a step from the place before."""
         t, x = times[:, 1:-1], whole[:, 1:-1]
         side = np.repeat(self.side, t.shape[1])

@@ -123,8 +123,8 @@ def discrete_function(laws: Laws, side: int) -> DiscreteFunction:
         values = parts(t0, x0, t1, x1, p)
         mean, time_slope = values[:d], values[d : d + m]
         rows = values[d + m :].reshape(m, d, *values.shape[1:])
-        excess = np.einsum("ij...,j...->i...", rows, mean) + time_slope
-        multipliers = _solve_definite(np.einsum("ij...,kj...->ik...", rows, rows), excess)
+        residual = np.einsum("ij...,j...->i...", rows, mean) + time_slope
+        multipliers = _solve_definite(np.einsum("ij...,kj...->ik...", rows, rows), residual)
         return np.moveaxis(mean - np.einsum("ij...,i...->j...", rows, multipliers), 0, -1)
 
     return minimal_norm

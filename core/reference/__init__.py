@@ -1,4 +1,4 @@
-"""Solutions to measure others against: exact ones where a closed form is known, else an external solver's."""
+"""Reference solutions: exact where a closed form is known, else by the Taylor method or an external solver."""
 
 from core.reference.declared import reference_solution
 from core.reference.exact import ExactSolution, exact_solution

@@ -1,4 +1,4 @@
-"""reference_solution(): the solution that a declared system's runs are measured against."""
+"""reference_solution(): the solution against which runs of a declared system are measured."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
 
     A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
     curves, pendulums and free rigid bodies; one side may be of one kind and the other of another, and the surface may
-    move. Its `name` says which it is. The solution is worked out to as many digits as it takes two precisions to agree
-    to round-off of a double, and no crossing is missed: bounds on g between samples show that there is none.
+    move. Its `name` says which. The solution is computed in as many digits as two precisions need to agree to the
+    round-off of a double, and no crossing is missed: bounds on g between samples exclude further ones.
 
     Parameters
     ----------
@@ -34,16 +34,16 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
     t0
         Start time.
     independent
-        Where there is no closed form, take SciPy's DOP853 at its tightest tolerance: slower, less accurate, and not
-        made here.
+        Where there is no closed form, use SciPy's DOP853 at its tightest tolerance: slower and less accurate, but an
+        external solver, independent of this package's methods.
 
     Returns
     -------
     Solution
         ``.crossing(k)`` -> (t, x) on the surface and ``.after(k)`` -> x after its jump, for k = 1, 2, …; ``.state(t)``,
-        ``.side(t)``; worked out when first asked for. ``.exact`` says whether all that was asked for so far is right to
-        round-off of a double, and ``.error`` bounds its error before it is rounded; where it is not exact, ``.error``
-        is its own estimate, and where a closed form is known but no number of digits was enough, ``.name`` says so.
+        ``.side(t)``; computed when first asked for. ``.exact`` tells whether all that was asked for so far is right to
+        the round-off of a double, and ``.error`` bounds its error before rounding; where it is not exact, ``.error``
+        is an estimate. Where a closed form is known but the highest precision was not enough, ``.name`` says so.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
     system, t0 = system_of(system), number(t0, "t0")
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
     laws = system.laws
-    # The very numbers that the compiled functions use: a float is a ratio.
+    # Exactly the numbers that the compiled functions use: every double is a ratio.
     numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
     fields = {side: tuple(f.xreplace(numbers) for f in laws.modes[side].field) for side in (-1, 1)}
     jump = None if laws.jump is None else tuple(u.xreplace(numbers) for u in laws.jump)

@@ -1,8 +1,8 @@
-"""Exact piecewise solutions of fields with closed forms, worked out in as many digits as they need.
+"""Exact piecewise solutions of fields with closed forms, computed in as many digits as they need.
 
-A solution is a power series of time to many digits between crossings, and crossings are found by bounds that leave none
-unseen. It is worked out at two precisions; where they differ by more than round-off of a double, at higher ones. What
-a passage of a saddle, or thirty crossings, magnify is thus held against the digits that are carried.
+Between crossings a solution is a power series of time in many digits; crossings are found by bounds that miss none. It
+is computed at two precisions, and at higher ones where these differ by more than the round-off of a double: so the
+digits suffice also where a saddle, or many crossings, magnify errors.
 """
 
 from __future__ import annotations
@@ -19,15 +19,18 @@ from core.reference.arcs import ExactArc, Level
 from core.reference.powers import GUARD, Field
 from core.reference.program import Digits, Program
 from core.reference.recognition import closed_form, exact_numbers
-from core.reference.solution import MAX_CROSSINGS, Motion, ReferenceSolution, State, Stop, first_arc
+from core.reference.solution import MAX_CROSSINGS, Dynamics, ReferenceSolution, State, Stop, first_arc
 from core.reference.surface import Surface
 from core.symbolic.expressions import TIME
 
 __all__ = ["ExactSolution", "exact_solution"]
 
+#: Precisions in bits, tried two at a time; each includes none of the guard bits.
 _BITS = (60, 76, 114, 171, 256, 384, 576)
+#: (precision in bits, the solution at a lower one or None) -> the solution at that precision.
 Begin: TypeAlias = "Callable[[int, ReferenceSolution | None], ReferenceSolution]"
-_AGREEMENT = 2.0**-57  # relative difference that is round-off of a double: an eighth of what rounding it makes
+#: Relative difference of two precisions that agree: at most an eighth of half an ulp.
+_AGREEMENT = 2.0**-57
 
 
 def exact_solution(
@@ -74,7 +77,7 @@ def exact_solution(
 
 
 class ExactSolution:
-    """Piecewise smooth solution worked out at two precisions, higher ones where they do not agree.
+    """Piecewise smooth solution, computed at two precisions, and at higher ones where these do not agree.
 
     Parameters
     ----------
@@ -82,7 +85,7 @@ class ExactSolution:
         The closed forms of its fields, for display.
     t0 : float
     begin : callable
-        A precision in bits, and the solution at a lower one or None -> the solution worked out at it.
+        (precision in bits, the solution at a lower one or None) -> the solution at that precision.
     """
 
     def __init__(self, basis: str, t0: float, begin: Begin) -> None:
@@ -95,15 +98,15 @@ class ExactSolution:
 
     @property
     def name(self) -> str:
-        """What it rests on; where no number of digits was enough, also how large its error may be."""
+        """The closed forms on which it rests; where the highest precision was not enough, also a bound on its error."""
         return f"exact ({self._basis})" if self.exact else f"power series ({self._basis}), error {self._error:.1e}"
 
     @property
     def error(self) -> float:
         """Bound on the error of all times and states asked for so far, before they are rounded to double.
 
-        The largest difference between the last two precisions: that of the lower one, which is far above that of the
-        higher one, whose results are given.
+        The largest difference between the last two precisions: the error of the lower one, far above that of the
+        higher one, whose results are returned.
         """
         return self._error
 
@@ -114,23 +117,23 @@ class ExactSolution:
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
-        t, x, _ = self._agreed(lambda solution: solution.passage(k))
+        t, x, _ = self._agreed(lambda solution: solution.crossing_in_digits(k))
         return float(t), as_doubles(x)
 
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
-        return as_doubles(self._agreed(lambda solution: solution.passage(k))[2])
+        return as_doubles(self._agreed(lambda solution: solution.crossing_in_digits(k))[2])
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
-        return as_doubles(self._agreed(lambda solution: (solution.point(t),))[0])
+        return as_doubles(self._agreed(lambda solution: (solution.state_in_digits(t),))[0])
 
     def side(self, t: float) -> int:
         """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
         return int(self._agreed(lambda solution: (solution.side(t),))[0])
 
     def _agreed(self, ask: Callable[[ReferenceSolution], tuple[Any, ...]]) -> tuple[Any, ...]:
-        """The answer that two precisions agree on, or that of the highest."""
+        """The result on which two precisions agree, else that of the highest."""
         while True:
             coarse, fine = _outcome(ask, self._coarse), _outcome(ask, self._fine)
             absolute, relative = self._difference(coarse, fine)
@@ -146,7 +149,7 @@ class ExactSolution:
         return agreed
 
     def _difference(self, coarse: Any, fine: Any) -> tuple[float, float]:
-        """Largest difference of two outcomes, and the largest relative to the time, or to the size of the state."""
+        """Largest difference of two outcomes, absolute and relative to the time or to the size of the state."""
         if isinstance(coarse, ValueError) or isinstance(fine, ValueError):
             return (0.0, 0.0) if isinstance(coarse, ValueError) and isinstance(fine, ValueError) else (np.inf, np.inf)
         absolute = relative = 0.0
@@ -159,7 +162,7 @@ class ExactSolution:
 
 
 def as_doubles(x: State) -> NDArray[np.float64]:
-    """The state (d,), each number rounded once."""
+    """The state (d,) in doubles, each number rounded once."""
     return np.array([float(u) for u in x])
 
 
@@ -173,7 +176,7 @@ def _outcome(ask: Callable[[ReferenceSolution], tuple[Any, ...]], solution: Refe
 def _solution(
     level: Level, jumps: Program | None, t0: float, x0: NDArray[np.float64], most: int, guide: ReferenceSolution | None
 ) -> ReferenceSolution:
-    """The solution at one precision, along that at a lower one, if there is one."""
+    """The solution at one precision, guided by that at a lower one if there is one."""
     digits, surface, numbers = level.digits, level.surface, count()
 
     def start(t: Any, x: State, side: int, on_surface: bool) -> ExactArc:
@@ -181,14 +184,14 @@ def _solution(
         return ExactArc(level, t, x, side, on_surface, along if isinstance(along, ExactArc) else None)
 
     def height(t: Any, x: State) -> Any:
-        return surface.look(digits, 1, t, x)[0]
+        return surface.evaluate(digits, 1, t, x)[0]
 
     def rate(side: int, t: Any, x: State) -> Any:
-        return surface.look(digits, side, t, x)[1]
+        return surface.evaluate(digits, side, t, x)[1]
 
     def land(t: Any, x: State) -> State:
         return np.array(jumps.run(digits, [t, *x]) if jumps else x, dtype=object)
 
-    motion = Motion(start, height, rate, land if jumps else None)
+    dynamics = Dynamics(start, height, rate, land if jumps else None)
     t, x = digits.context.mpf(t0), np.array([digits.context.mpf(float(u)) for u in x0], dtype=object)
-    return ReferenceSolution("", motion, first_arc(motion, t, x, surface.reach(digits, t, x)), most)
+    return ReferenceSolution("", dynamics, first_arc(dynamics, t, x, surface.round_off(digits, t, x)), most)

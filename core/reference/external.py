@@ -9,13 +9,17 @@ import scipy  # loads a subpackage when it is first used
 from numpy.typing import ArrayLike, NDArray
 
 from core.reference.search import Sample, Time, first_zero
-from core.reference.solution import MAX_CROSSINGS, Arc, Motion, ReferenceSolution, State, first_arc
+from core.reference.solution import MAX_CROSSINGS, Arc, Dynamics, ReferenceSolution, State, first_arc
 
 __all__ = ["external_solution"]
 
-_LOOKS = (0.25, 0.5, 0.75)  # where within a step g is looked at, besides its ends
-_MAX_STEPS = 200_000  # of one arc
-_PEER_RTOL = 1e-13
+#: Parts of a step at which g is evaluated, besides its ends, to find pairs of crossings.
+_INNER = (0.25, 0.5, 0.75)
+#: Most steps of one arc before the search for a crossing is given up.
+_MAX_STEPS = 200_000
+#: Relative tolerance of one step: some 500 eps, where DOP853 still keeps it.
+_RTOL = 1e-13
+#: Estimate of the error of a solution, in units of the tolerance of one step.
 _STEPS_OF_ERROR = 10
 
 
@@ -41,16 +45,16 @@ def external_solution(
         On the surface only if g vanishes there exactly; ValueError as for `exact_solution`.
     max_crossings : int
     jump : callable (t, x) -> (d,), or None
-        The state after reaching the surface.
+        The state after reaching the surface; None where it is continuous.
 
     Returns
     -------
     ReferenceSolution
-        Its `error` is ten times what the tolerance lets one step err: for some tens of units of time; it grows.
+        Its `error`, ten times the tolerance of one step, holds for some tens of units of time; later the error grows.
     """
 
     def start(t: Time, x: State, side: int, on_surface: bool) -> Arc:
-        return _PeerArc(float(t), x.astype(float), side, on_surface, f, g, gdot)
+        return _ExternalArc(float(t), x.astype(float), side, on_surface, f, g, gdot)
 
     def rate(side: int, t: Time, x: State) -> Time:
         return float(gdot(side, float(t), x.astype(float)))
@@ -61,15 +65,15 @@ def external_solution(
     def land(t: Time, x: State) -> State:
         return np.asarray(jump(float(t), x.astype(float)) if jump else x, dtype=float)
 
-    motion = Motion(start, height, rate, land if jump else None)
+    dynamics = Dynamics(start, height, rate, land if jump else None)
     x = np.asarray(x0, dtype=float)
-    first = first_arc(motion, float(t0), x, 0.0)
-    error = _STEPS_OF_ERROR * _PEER_RTOL * float(np.abs(x).max() or 1.0)
-    return ReferenceSolution(f"SciPy DOP853, rtol {_PEER_RTOL:g}", motion, first, max_crossings, error)
+    first = first_arc(dynamics, float(t0), x, 0.0)
+    error = _STEPS_OF_ERROR * _RTOL * float(np.abs(x).max() or 1.0)
+    return ReferenceSolution(f"SciPy DOP853, rtol {_RTOL:g}", dynamics, first, max_crossings, error)
 
 
-class _PeerArc:
-    """An arc by DOP853, one node a step."""
+class _ExternalArc:
+    """An arc by DOP853, with the time and state at the end of every step."""
 
     def __init__(
         self, t: float, x: NDArray[np.float64], side: int, on_surface: bool,
@@ -82,12 +86,12 @@ class _PeerArc:
         self.side = side
         self._g, self._gdot = g, gdot
         self._f = lambda u, y: np.asarray(f(side, u, y), dtype=float)
-        self._atol = _PEER_RTOL / 10 * (np.abs(x).max() or 1.0)
-        self._solver = scipy.integrate.DOP853(self._f, t, x, np.inf, rtol=_PEER_RTOL, atol=self._atol)
+        self._atol = _RTOL / 10 * (np.abs(x).max() or 1.0)
+        self._solver = scipy.integrate.DOP853(self._f, t, x, np.inf, rtol=_RTOL, atol=self._atol)
         self._times, self._states = [t], [x]
-        depth, rate = self._look(t, x)
-        self.steepest, self.deepest = abs(rate), abs(depth)
-        self._last = Sample(t, 0.0 if on_surface else depth, rate)
+        height, rate = self._height_and_rate(t, x)
+        self.largest_rate, self.largest_height = abs(rate), abs(height)
+        self._last = Sample(t, 0.0 if on_surface else height, rate)
         self._found: tuple[Time, State] | None = None
 
     def arrival(self, until: float) -> tuple[Time, State] | None:
@@ -107,34 +111,37 @@ class _PeerArc:
     def _search(self, t: float, x: NDArray[np.float64]) -> None:
         """Look along the step just taken, to (t, x), and keep the first crossing on it."""
         path, start = self._solver.dense_output(), self._times[-1]
-        inner = [start + (t - start) * part for part in _LOOKS]
+        inner = [start + (t - start) * part for part in _INNER]
         samples = [
-            self._last, *(Sample(u, *self._look(u, path(u))) for u in inner), Sample(t, *self._look(t, x))
-        ]  # fmt: skip
+            self._last,
+            *(Sample(u, *self._height_and_rate(u, path(u))) for u in inner),
+            Sample(t, *self._height_and_rate(t, x)),
+        ]
         for a, b in pairwise(samples):
-            self.steepest, self.deepest = max(self.steepest, abs(float(a.rate))), max(self.deepest, abs(float(a.depth)))
-            when = first_zero(self._watch, a, b)
+            self.largest_rate, self.largest_height = (
+                max(self.largest_rate, abs(float(a.rate))),
+                max(self.largest_height, abs(float(a.height))),
+            )
+            when = first_zero(self._evaluate, a, b)
             if when is not None:
                 self._found = float(when), self.state(float(when))
                 return
         self._last = samples[-1]
 
-    def _watch(self, t: Time) -> tuple[Time, Time]:
-        return self._look(float(t), self.state(float(t)))
+    def _evaluate(self, t: Time) -> tuple[Time, Time]:
+        return self._height_and_rate(float(t), self.state(float(t)))
 
     def state(self, t: float) -> State:
-        """State (d,) at time t, by a step of the integrator itself from the node before: no interpolant."""
+        """State (d,) at time t, by a step of the integrator from the last one before t; no interpolant is used."""
         node = bisect_right(self._times, t) - 1
         t0, x0 = self._times[node], self._states[node]
         if t == t0:
             return x0
-        run = scipy.integrate.solve_ivp(
-            self._f, (t0, t), x0, "DOP853", rtol=_PEER_RTOL, atol=self._atol, first_step=t - t0
-        )
+        run = scipy.integrate.solve_ivp(self._f, (t0, t), x0, "DOP853", rtol=_RTOL, atol=self._atol, first_step=t - t0)
         if not run.success:
             raise ValueError(f"the reference integrator stops after t = {t0:.17g}: {run.message}")
         return np.asarray(run.y[:, -1])
 
-    def _look(self, t: float, x: NDArray[np.float64] | State) -> tuple[float, float]:
+    def _height_and_rate(self, t: float, x: NDArray[np.float64] | State) -> tuple[float, float]:
         y = x.astype(float)
         return self.side * float(self._g(t, y)), self.side * float(self._gdot(self.side, t, y))

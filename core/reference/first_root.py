@@ -1,8 +1,8 @@
 """The first time at which a solution reaches the surface, by bounds that leave no root unseen.
 
-A step is cut into pieces. Bounds on g, ġ and g̈ over a piece decide it: g is positive all over it; or g is monotonic or
-of one curvature, so that signs at its ends, or at its lowest point, tell. A piece that they do not decide is cut again.
-Signs are those of the solution to many digits. Source: Moore, Kearfott, Cloud (2009), ch. 8.
+A step is cut into pieces. Bounds on g, ġ and g̈ over a piece decide whether it has a root: g is positive throughout; or
+it is monotonic, or convex, and its signs at both ends or at its minimum tell. A piece that they do not decide is cut
+again. Signs are those of the solution in many digits. Source: Moore, Kearfott, Cloud (2009), ch. 8.
 """
 
 from __future__ import annotations
@@ -17,22 +17,27 @@ from core.reference.surface import Enclosure
 
 __all__ = ["FirstRoot", "newton", "zero_between"]
 
-Look: TypeAlias = Callable[[Any], tuple[Any, Any]]  # of a number: a function and its slope
+Evaluate: TypeAlias = Callable[[Any], tuple[Any, Any]]  # argument -> a function and its slope
 
-_PIECES = 12  # that a step or an undecided piece is cut into
-_NARROWEST = 2.0**-44  # part of a step: bounds in doubles tell no more
-_CLOSE = 2.0**-36  # lowest point, as part of the highest, that digits may decide
-_DOUBLE = 1e-9  # Newton's method in doubles has converged
-_MAX_TRIALS = 4000  # bisection alone takes one a bit
+#: Number of equal pieces into which a step, or an undecided piece, is cut.
+_PIECES = 12
+#: Least length of a piece, as part of the step: over a shorter one bounds in doubles tell no more.
+_NARROWEST = 2.0**-44
+#: |minimum| of g, as part of the largest |g|, below which more digits could change its sign.
+_CLOSE = 2.0**-36
+#: Relative correction at which Newton's method in doubles ends; the root is then refined in many digits.
+_DOUBLE = 1e-9
+#: Most iterations of a root finder: bisection alone takes one a bit.
+_MAX_TRIALS = 4000
 
 
 class View(Protocol):
-    """side·g (positive inside) and its rate over a step, in parts of it from 0 to 1."""
+    """side·g (positive inside) and its rate over a step, as functions of the part of it, from 0 to 1."""
 
-    def look(self, part: Any) -> tuple[Any, Any]:
-        """To many digits."""
+    def evaluate(self, part: Any) -> tuple[Any, Any]:
+        """In many digits."""
 
-    def glance(self, part: float) -> tuple[float, float]:
+    def evaluate_in_doubles(self, part: float) -> tuple[float, float]:
         """In doubles."""
 
     def enclose(self, edges: NDArray[np.float64]) -> Enclosure:
@@ -40,28 +45,29 @@ class View(Protocol):
 
 
 class FirstRoot:
-    """Search of one step for the first part of it, from 0 to 1, at which side·g vanishes.
+    """Search for the first root of side·g on one step, as the part of the step from 0 to 1.
 
     Parameters
     ----------
     view
+        side·g on the step.
     number
-        A float as a number to many digits.
+        float -> the same number in many digits.
     eps
-        Relative size of what is touched, and below which Newton's method has converged.
+        Relative correction at which Newton's method ends; a minimum of side·g below it, relative to the largest, is 0.
     leaving
-        Whether the step begins on the surface; else side·g is positive there.
+        Whether the step begins on the surface; otherwise side·g is positive there.
     """
 
     def __init__(self, view: View, number: Callable[[float], Any], eps: Any, leaving: bool) -> None:
-        self._look, self._glance, self._enclose = view.look, view.glance, view.enclose
+        self._evaluate, self._evaluate_in_doubles, self._enclose = view.evaluate, view.evaluate_in_doubles, view.enclose
         self._number, self._eps, self._leaving = number, eps, leaving
-        self._deepest = 0.0
-        self.divided = False  #: whether a piece had to be cut again
-        self.close = False  #: whether digits decided how the surface was reached, or passed
+        self._largest_height = 0.0
+        self.divided = False  #: whether a piece was cut again
+        self.decided_by_digits = False  #: whether the result hangs on round-off: more digits could change it
 
     def find(self) -> Any | None:
-        """The first root, None if there is none; where bounds in doubles cannot tell, that place."""
+        """The first root, or None; where bounds in doubles cannot tell, the start of that piece."""
         return self._over(0.0, 1.0)
 
     def _over(self, low: float, high: float) -> Any | None:
@@ -69,7 +75,7 @@ class FirstRoot:
         edges = np.linspace(low, high, _PIECES + 1)
         with np.errstate(all="ignore"):
             found = self._enclose(edges)
-        self._deepest = max(self._deepest, found.deepest)
+        self._largest_height = max(self._largest_height, found.largest_height)
         safe = (found.rate.low > 0) | ((found.height.low > 0) & ~(self._leaving & (edges[:-1] == 0)))
         for k in range(_PIECES):
             if not safe[k]:
@@ -80,50 +86,52 @@ class FirstRoot:
 
     def _piece(self, found: Enclosure, k: int, a: float, b: float) -> Any | None:
         from_surface = self._leaving and a == 0
-        if not from_surface and (found.rate.high[k] < 0 or found.bend.high[k] < 0):
-            return self._fallen(a, b)
-        if not from_surface and found.bend.low[k] > 0:
-            return self._valley(a, b)
+        if not from_surface and (found.rate.high[k] < 0 or found.second_rate.high[k] < 0):
+            return self._root_if_falling(a, b)
+        if not from_surface and found.second_rate.low[k] > 0:
+            return self._root_if_convex(a, b)
         if b - a < _NARROWEST:
-            self.close = True
-            return self._number(a)  # touched, or left, tangentially
+            self.decided_by_digits = True
+            return self._number(a)  # the surface is touched, or left, tangentially
         self.divided = True
         return self._over(a, b)
 
-    def _fallen(self, a: float, b: float) -> Any | None:
-        """The root in a piece where there is one if, and only if, side·g is not positive at its end."""
+    def _root_if_falling(self, a: float, b: float) -> Any | None:
+        """The root in a piece where side·g falls or is concave: there is one if it is not positive at the end."""
         inside, outside = self._number(a), self._number(b)
-        return self._root(inside, outside) if self._look(outside)[0] <= 0 else None
+        return self._root(inside, outside) if self._evaluate(outside)[0] <= 0 else None
 
-    def _valley(self, a: float, b: float) -> Any | None:
+    def _root_if_convex(self, a: float, b: float) -> Any | None:
         """The root in a piece where side·g is convex."""
         inside, outside = self._number(a), self._number(b)
-        if self._look(inside)[1] >= 0:
+        if self._evaluate(inside)[1] >= 0:
             return None
-        height, rate = self._look(outside)
+        height, rate = self._evaluate(outside)
         if rate <= 0:
             return self._root(inside, outside) if height <= 0 else None
-        bottom = zero_between(lambda t: self._look(t)[1], inside, outside, self._eps)
-        lowest = self._look(bottom)[0]
-        self.close = self.close or abs(lowest) <= _CLOSE * self._deepest
-        if abs(lowest) <= self._eps * self._deepest:
+        bottom = zero_between(lambda t: self._evaluate(t)[1], inside, outside, self._eps)
+        lowest = self._evaluate(bottom)[0]
+        self.decided_by_digits = self.decided_by_digits or abs(lowest) <= _CLOSE * self._largest_height
+        if abs(lowest) <= self._eps * self._largest_height:
             return bottom
         return self._root(inside, bottom) if lowest < 0 else None
 
     def _root(self, inside: Any, outside: Any) -> Any:
-        """Root in a bracket, to the last digit: from the one in doubles."""
+        """Root in a bracket, in many digits, by Newton's method from the root in doubles."""
         with np.errstate(all="ignore"):
-            first = newton(self._glance, float(inside), float(outside), (float(inside) + float(outside)) / 2, _DOUBLE)
-        return newton(self._look, inside, outside, self._number(first), self._eps)
+            first = newton(
+                self._evaluate_in_doubles, float(inside), float(outside), (float(inside) + float(outside)) / 2, _DOUBLE
+            )
+        return newton(self._evaluate, inside, outside, self._number(first), self._eps)
 
 
-def newton(look: Look, inside: Any, outside: Any, t: Any, eps: Any) -> Any:
-    """Root in a bracket: Newton's method from t, bisecting where it would leave.
+def newton(evaluate: Evaluate, inside: Any, outside: Any, t: Any, eps: Any) -> Any:
+    """Root in a bracket by Newton's method from t, with bisection where an iterate would leave the bracket.
 
-    It ends where a correction is `eps` of the root: the next one would be about the square of that.
+    It ends at a relative correction of `eps`: the next one would be about its square.
     """
     for _ in range(_MAX_TRIALS):
-        height, rate = look(t)
+        height, rate = evaluate(t)
         if height > 0:
             inside = t
         else:
@@ -139,9 +147,9 @@ def newton(look: Look, inside: Any, outside: Any, t: Any, eps: Any) -> Any:
 
 
 def zero_between(of: Callable[[Any], Any], low: Any, high: Any, eps: Any) -> Any:
-    """Zero of a function that rises through it between two numbers: false position (Illinois).
+    """Zero of a function that is negative at `low` and positive at `high`: false position (Illinois).
 
-    It ends where the function is `eps` of what it is at the ends, or two trials are as close.
+    It ends at a value of `eps` times the difference of those at the ends, or at a relative correction of `eps`.
     """
     below, above = of(low), of(high)
     least, kept = eps * (above - below), 0

@@ -1,8 +1,8 @@
 """Interval arithmetic on arrays: bounds on g over short times, from bounds on the state there.
 
-Every operation is rounded outwards by more than its round-off, so that the true value lies within. Where an operation
-is not defined all over an interval its bounds are infinite or nan; no comparison with them succeeds, hence nothing is
-concluded from them. Source: Moore, Kearfott, Cloud, *Introduction to Interval Analysis* (2009).
+Every operation is rounded outwards by more than its round-off, so that the result encloses the true value. Where an
+operation is not defined throughout an interval, its bounds are infinite or nan; no comparison with them succeeds, so
+nothing is concluded from them. Source: Moore, Kearfott, Cloud, *Introduction to Interval Analysis* (2009).
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ __all__ = ["Interval", "Intervals", "around"]
 
 Bounds: TypeAlias = NDArray[np.float64]
 
-_OUTWARDS = 2.0**-50  # relative widening: numpy's functions err by less than four units in the last place
-_TINY = 1e-300  # widening at 0, above all that underflows
+#: Relative widening of the value of a function: numpy's err by less than four units in the last place.
+_OUTWARDS = 2.0**-50
+#: Absolute widening of the value of a function, for values near 0: larger than any error by underflow.
+_TINY = 1e-300
 
 
 class Interval:
@@ -40,11 +42,11 @@ class Interval:
         return Interval(-self.high, -self.low)
 
     def within(self, other: Interval) -> Interval:
-        """What is common to two enclosures of one number; bounds that are nan are no bounds."""
+        """The intersection of two enclosures of the same number; a bound that is nan is ignored."""
         return Interval(np.fmax(self.low, other.low), np.fmin(self.high, other.high))
 
     def spread(self, n: int) -> Interval:
-        """The same where the bounds are the same for all n."""
+        """The interval broadcast to n."""
         return Interval(np.broadcast_to(self.low, n), np.broadcast_to(self.high, n))
 
     def __getitem__(self, rows: slice) -> Interval:
@@ -52,14 +54,14 @@ class Interval:
 
 
 class Intervals:
-    """The arithmetic of intervals, of n of them at once."""
+    """The arithmetic of n intervals at once, for `Program.run`."""
 
     def __init__(self) -> None:
         self._doubles = Doubles()
         self._numbers: dict[Constant, Interval] = {}
 
     def number(self, constant: Constant) -> Interval:
-        """The double nearest to the constant, and what lies around it."""
+        """An enclosure of the constant, around the nearest double."""
         if constant not in self._numbers:
             value = np.asarray(self._doubles.number(constant))
             self._numbers[constant] = _widely(value, value)
@@ -98,12 +100,12 @@ class Intervals:
 
 
 def _outwards(low: Bounds, high: Bounds) -> Interval:
-    """Bounds, themselves rounded to nearest."""
+    """The interval between bounds that were rounded to nearest."""
     return Interval(np.nextafter(low, -np.inf), np.nextafter(high, np.inf))
 
 
 def _widely(low: Bounds, high: Bounds) -> Interval:
-    """Bounds by a function that may err by some units in the last place."""
+    """The interval between bounds that may err by some units in the last place."""
     return Interval(low - (_OUTWARDS * np.abs(low) + _TINY), high + (_OUTWARDS * np.abs(high) + _TINY))
 
 
@@ -131,12 +133,12 @@ def _reciprocal(x: Interval) -> Interval:
 
 
 def _slack(x: Bounds) -> Bounds:
-    """By how much an angle may be off as a multiple of the double nearest to π."""
+    """Bound on the error of multiples of π near x when computed from the double nearest to π."""
     return _OUTWARDS * (1 + np.abs(x))
 
 
 def _reaches(low: Bounds, high: Bounds, phase: float) -> NDArray[np.bool_]:
-    """Whether phase + 2πk lies between the bounds for some k; yes where that is uncertain."""
+    """Whether phase + 2πk lies between the bounds for some integer k; True where that is uncertain."""
     first = np.ceil((low - _slack(low) - phase) / (2 * np.pi))
     return ~(phase + 2 * np.pi * first > high + _slack(high))
 

@@ -1,4 +1,4 @@
-"""Power series of a solution in time, to any number of digits: a step of the exact reference.
+"""Power series of a solution in time, in any number of digits: a step of the exact reference.
 
 The coefficients are integers, fixed-point numbers in units of 2^−point. A sum of products of integers is exact and fast
 in plain Python, so some fifty coefficients to forty digits take about a millisecond. Source: Jorba, Zou, Exp. Math. 14
@@ -20,21 +20,32 @@ from core.reference.program import Constant, Digits, Node, Program
 
 __all__ = ["GUARD", "Field", "Step"]
 
-GUARD = 32  # bits of a number below the precision of a solution: what the sums of all steps round off
-_ORDER = 0.8  # coefficients a bit: a step then goes 0.4 of the way to the nearest singularity
-_LAST = 6  # coefficients that the step size is taken from: a series may lack every other one
-_CANCELLED = 6  # bits by which a term may be larger than the state
-_APART = 4  # coefficients from one that this is asked of to the next
-_FAR = 100.0  # exponent of 2 of what stands for infinity
-_LEAST = 0.9  # of the step at which the last coefficients are of the size of the precision
-_GROWTH = 4  # a step may be 2^4 times as long as the one before
-_TOO_LONG = 2.0**-5  # part of its unit below which a step is taken anew, in a shorter unit
-_DOUBLE = 96  # bits of a coefficient that are kept on its way to a double
-_LEAST_EXPONENT = -1000  # of 2, of a state within the range of a double
+#: Guard bits of every number, beyond the precision of a solution: they absorb the round-off of all steps.
+GUARD = 32
+#: Coefficients per bit of precision: a step then goes 0.4 of the way to the nearest singularity.
+_ORDER = 0.8
+#: Number of last coefficients from which the step size is taken: every other one may vanish.
+_LAST = 6
+#: Most bits by which a term of the series may exceed the state: larger terms would cancel, and lose digits.
+_CANCELLED = 6
+#: Every fourth coefficient is tested for that.
+_APART = 4
+#: Exponent of 2 of the longest step, in units of time: it stands for infinity.
+_FAR = 100.0
+#: Safety factor on the step at which the last coefficients reach the precision.
+_SAFETY = 0.9
+#: Exponent of 2 of the largest growth of a step over the one before.
+_GROWTH = 4
+#: Step, in units of time, below which the series is expanded anew in a shorter unit, as coefficients lose digits.
+_TOO_LONG = 2.0**-5
+#: Bits of a coefficient that are kept before it is rounded to double: its integer may exceed the range of doubles.
+_DOUBLE = 96
+#: Least exponent of 2 of a state: near the end of the range of doubles.
+_LEAST_EXPONENT = -1000
 
 
 class Field:
-    """A field whose solutions can be expanded: of sums and products of the variables, and sines and cosines of these.
+    """A field whose solutions can be expanded: made of sums, products, sines and cosines of the variables.
 
     Parameters
     ----------
@@ -44,7 +55,7 @@ class Field:
     Raises
     ------
     ValueError
-        If an expression is of another kind.
+        If an expression contains another operation.
     """
 
     def __init__(self, expressions: Sequence[sympy.Expr], variables: Sequence[sympy.Symbol]) -> None:
@@ -55,22 +66,22 @@ class Field:
                 raise ValueError(f"no power series for {operation} {detail} in a field")
 
     def unit(self, digits: Digits, x: NDArray[Any]) -> int:
-        """Exponent of 2 of the time in which the state x (d,) changes by its size."""
+        """Exponent of 2 of the time in which the state x (d,) changes by its own size; 0 if one of them is 0."""
         size, rate = (max(map(abs, u)) for u in (x, self._program.run(digits, list(x))))
         return int(digits.context.mag(size) - digits.context.mag(rate)) if size and rate else 0
 
     def step(self, digits: Digits, start: Any, x: NDArray[Any], unit: int) -> Step:
-        """Expand the solution from the state x (d,), at the elapsed time `start`, in units of time of about 2^unit."""
+        """Expand the solution from state x (d,) at elapsed time `start`, in units of time of 2^unit or shorter."""
         context = digits.context
         size = max(map(abs, x))
         bits = context.prec - GUARD
         point = context.prec - (min(max(context.mag(size), _LEAST_EXPONENT), 0) if size else 0)
         while True:
             series = self._expand(digits, [int(context.ldexp(v, point)) for v in x], point, int(_ORDER * bits), unit)
-            reach = _reach(series, bits)
-            if reach >= _TOO_LONG:
-                return Step(digits, start, series, point, unit, reach)
-            unit += int(np.floor(np.log2(reach)))
+            length = _step_length(series, bits)
+            if length >= _TOO_LONG:
+                return Step(digits, start, series, point, unit, length)
+            unit += int(np.floor(np.log2(length)))
 
     def _expand(self, digits: Digits, x: list[int], point: int, order: int, unit: int) -> list[list[int]]:
         """Coefficients (d, order + 1) of the powers of time / 2^unit."""
@@ -86,7 +97,7 @@ class Field:
 
 
 class _Expansion:
-    """Series of all nodes of a program, each a growing list, and what appends coefficient k to them, in order."""
+    """Series of all nodes of a program, and the actions that append coefficient k to each of them, in order."""
 
     def __init__(self, digits: Digits, point: int, states: list[list[int]]) -> None:
         self.states = states
@@ -95,7 +106,7 @@ class _Expansion:
         self._placed: list[list[int] | Constant] = []
 
     def place(self, node: Node) -> list[int]:
-        """Series of a node; a constant stays what it is where it stands in a sum or product."""
+        """Series of a node; a constant stays a number for the products in which it stands."""
         operation, detail, arguments = node
         given = [self._placed[k] for k in arguments]
         if operation == "number":
@@ -186,18 +197,18 @@ class _Expansion:
         return sine, cosine
 
 
-def _reach(series: list[list[int]], bits: int) -> float:
-    """Time, in units, at which the last coefficients are below the precision, 2^−bits of the state, and none is large.
+def _step_length(series: list[list[int]], bits: int) -> float:
+    """Step, in units of time, at which the last terms are below 2^−bits of the state, and no term is large.
 
-    Terms much larger than the state would cancel, as those of exp(−t) do, and take digits with them.
+    Terms much larger than the state would cancel, as those of exp(−t) do, and lose digits.
     """
     size = _log2(max(abs(u[0]) for u in series) or max(abs(c) for u in series for c in u) or 1)
     order = len(series[0]) - 1
     bounds = [(k, size - bits) for k in range(order - _LAST + 1, order + 1)]
     bounds += [(k, size + _CANCELLED) for k in range(2, order, _APART)]
     sizes = ((k, bound, max(abs(u[k]) for u in series)) for k, bound in bounds)
-    reach = min(((bound - _log2(largest)) / k for k, bound, largest in sizes if largest), default=np.inf)
-    return float(_LEAST * 2.0 ** min(reach, _FAR))
+    length = min(((bound - _log2(largest)) / k for k, bound, largest in sizes if largest), default=np.inf)
+    return float(_SAFETY * 2.0 ** min(length, _FAR))
 
 
 def _log2(n: int) -> float:
@@ -207,15 +218,15 @@ def _log2(n: int) -> float:
 
 
 class Step:
-    """The solution over a short time, as a polynomial of it."""
+    """The solution over a short time, as a polynomial in time."""
 
     def __init__(
-        self, digits: Digits, start: Any, series: list[list[int]], point: int, unit: int, reach: float
+        self, digits: Digits, start: Any, series: list[list[int]], point: int, unit: int, length: float
     ) -> None:
         self.start, self.unit = start, unit
         self._digits, self._series, self._point = digits, series, point
-        self._end = min(reach, 1.0)
-        self.next_unit = unit + int(np.clip(np.ceil(np.log2(reach)), -1000, _GROWTH))
+        self._end = min(length, 1.0)
+        self.next_unit = unit + int(np.clip(np.ceil(np.log2(length)), -1000, _GROWTH))
         self.span = digits.context.ldexp(digits.context.mpf(self._end), unit)
 
     def at(self, elapsed: Any) -> NDArray[np.object_]:
@@ -231,7 +242,7 @@ class Step:
         return state
 
     def polynomial(self) -> NDArray[np.float64]:
-        """Coefficients (order + 1, d) of powers of the part of the step, from 0 to 1, to double precision."""
+        """Coefficients (order + 1, d), in doubles, of the powers of the part of the step, from 0 to 1."""
         shift = max(0, max(u[0].bit_length() for u in self._series) - _DOUBLE)
         scale = np.cumprod(np.append(1.0, np.full(len(self._series[0]) - 1, self._end)))
         rows = [[float(c >> shift) for c in series] for series in self._series]

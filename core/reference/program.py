@@ -18,11 +18,11 @@ class Constant:
 
     def __init__(self, value: sympy.Expr) -> None:
         self.value = value
-        self.integer = int(value) if value.is_Integer else None  #: itself if it is whole
+        self.integer = int(value) if value.is_Integer else None  #: the value if it is an integer, else None
 
 
 class Arithmetic(Protocol):
-    """What a program is run with; besides `number`, `power` and `call`, its values know + and *."""
+    """The arithmetic in which a program is run; its values support + and *."""
 
     def number(self, constant: Constant) -> Any:
         """The value of a constant expression."""
@@ -43,12 +43,12 @@ class Node(NamedTuple):
 
 
 class Program:
-    """Values of expressions in some symbols, each common part of them worked out once.
+    """Straight-line program for expressions in some symbols; common parts are computed once.
 
     Parameters
     ----------
     expressions : sequence of m expressions
-        In the symbols only, of the functions that `core.symbolic.expressions` lets in.
+        In the symbols only, with the functions of the whitelist, `core.symbolic.expressions.FUNCTIONS`.
     symbols : sequence of symbols
     """
 
@@ -59,7 +59,7 @@ class Program:
         self.outputs = [self._place(sympy.sympify(e)) for e in expressions]
 
     def run(self, arithmetic: Arithmetic, inputs: Sequence[Any]) -> list[Any]:
-        """The m values where the symbols have the values `inputs`."""
+        """The values (m,) of the expressions, the symbols having the values `inputs`."""
         values: list[Any] = []
         for operation, detail, arguments in self.nodes:
             values.append(_ACTIONS[operation](arithmetic, inputs, detail, [values[k] for k in arguments]))
@@ -108,9 +108,9 @@ _ACTIONS: dict[str, Callable[[Arithmetic, Sequence[Any], Any, list[Any]], Any]] 
 
 
 class Digits:
-    """Arithmetic of so many bits; what is not real is not a number.
+    """Arithmetic of a given number of bits; nan stands for what is not real.
 
-    Its context is its own, so that threads and levels of precision do not get into each other's way.
+    Each has an mpmath context of its own, so that threads and precisions do not interfere.
     """
 
     def __init__(self, bits: int) -> None:
@@ -122,7 +122,7 @@ class Digits:
     @classmethod
     @cache
     def of(cls, bits: int) -> Digits:
-        """The one of so many bits, always the same."""
+        """The arithmetic of so many bits, cached."""
         return cls(bits)
 
     def number(self, constant: Constant) -> Any:
@@ -132,7 +132,7 @@ class Digits:
         return self._numbers[constant]
 
     def ratio(self, constant: Constant) -> tuple[int, int]:
-        """The constant as p/q: itself where it is rational."""
+        """The constant as p/q: exact where it is rational, else rounded to the precision."""
         if constant not in self._ratios:
             value, bits = constant.value, self.context.prec
             if not value.is_Rational:

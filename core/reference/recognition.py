@@ -1,8 +1,8 @@
-"""Which fields have solutions in closed form: recognised from their expressions, never from a name.
+"""Recognise fields whose solutions have a closed form, from their expressions, never from a name.
 
-No closed form is evaluated: the power series of `powers` gives the solution of all these fields to any number of
-digits. But it takes a hundred times as long as the Taylor method where the solution is chaotic, as more and more digits
-are lost; a solution in closed form loses few.
+No closed form is evaluated: the power series of `powers` gives these solutions in any number of digits. It is not used
+for other fields, because a chaotic solution loses more and more digits and would take a hundred times as long as the
+Taylor method; a solution in closed form loses few.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def closed_form(field: Sequence[sympy.Expr], variables: Sequence[sympy.Symbol]) 
 
 
 def _is_rigid_body(polynomials: Sequence[sympy.Poly | None], variables: Sequence[sympy.Symbol]) -> bool:
-    """Whether it is x' = (c₁ x₂x₃, c₂ x₃x₁, c₃ x₁x₂), the c of both signs: then no solution grows for ever."""
+    """Whether x' = (c₁ x₂x₃, c₂ x₃x₁, c₃ x₁x₂) with c of both signs, so that no solution grows without bound."""
     product = sympy.Mul(*variables)
     signs = set()
     for p, v in zip(polynomials, variables, strict=True):
@@ -47,7 +47,7 @@ def _is_rigid_body(polynomials: Sequence[sympy.Poly | None], variables: Sequence
 
 
 def _motion_in_a_potential(field: Sequence[sympy.Expr], variables: Sequence[sympy.Symbol]) -> str | None:
-    """Name for u' = αv, v' = F(u), α ≠ 0, where F is quadratic or a wave; (u, v) are the variables in either order."""
+    """Name for u' = αv, v' = F(u), α ≠ 0, with F quadratic or a wave, (u, v) being the variables in either order."""
     for (u, rate), (v, force) in permutations(zip(variables, field, strict=True)):
         speed = _real_polynomial(rate, (u, v))
         if speed is None or speed.monoms() != [(0, 1)]:
@@ -60,7 +60,7 @@ def _motion_in_a_potential(field: Sequence[sympy.Expr], variables: Sequence[symp
 
 
 def _is_wave(force: sympy.Expr, u: sympy.Symbol) -> bool:
-    """Whether it is κ sin(γu + δ), or cos."""
+    """Whether the force is κ sin(γu + δ) or κ cos(γu + δ)."""
     factor, wave = force.as_independent(u, as_Add=False)
     if not isinstance(wave, sympy.sin | sympy.cos) or not factor.is_real or factor.free_symbols:
         return False
@@ -69,7 +69,7 @@ def _is_wave(force: sympy.Expr, u: sympy.Symbol) -> bool:
 
 
 def _real_polynomial(e: sympy.Expr, variables: Sequence[sympy.Symbol]) -> sympy.Poly | None:
-    """The expression as a polynomial with real coefficients; None if it is none."""
+    """The expression as a polynomial with real coefficients, or None."""
     if not e.is_polynomial(*variables):
         return None
     polynomial = sympy.Poly(e, *variables)

@@ -1,7 +1,7 @@
 """A piecewise smooth solution, extended from crossing to crossing as it is asked for.
 
 The side is carried, never read from the sign of g near the surface. The solution ends, with a reason in words, where
-it cannot go on: on a sliding piece of the surface, at a tangency, and where its crossings accumulate.
+it cannot be continued: at a sliding or repelling point of the surface, at a tangency, where its crossings accumulate.
 """
 
 from __future__ import annotations
@@ -15,16 +15,23 @@ from numpy.typing import NDArray
 
 from core.reference.search import Time
 
-__all__ = ["MAX_CROSSINGS", "Arc", "Motion", "ReferenceSolution", "Solution", "State", "Stop", "first_arc"]
+__all__ = ["MAX_CROSSINGS", "Arc", "Dynamics", "ReferenceSolution", "Solution", "State", "Stop", "first_arc"]
 
-State: TypeAlias = NDArray[Any]  # (d,) of such numbers as time is
+State: TypeAlias = NDArray[Any]  # (d,) of numbers of the same kind as time
 
-TANGENT = 1e-8  # |ġ| below this fraction of its largest value on the arc: a tangency, not a crossing
-OFF_SURFACE = 1e-9  # |g| after a jump above this fraction of the largest seen: the jump leads off the surface
+#: |ġ| at the surface, as part of its largest value on the arc, below which the surface is touched, not crossed.
+TANGENT = 1e-8
+#: |g| after a jump, as part of its largest value so far, above which the jump leads off the surface.
+OFF_SURFACE = 1e-9
+#: Most crossings of a solution, where not given.
 MAX_CROSSINGS = 100_000
-# Crossings accumulate if so many, one after another, take less than this fraction of the time since the start, or two
-# gaps in a row less than so many ulps of time. If half the speed is left by each impact, the last gap is 1e-12 of it.
-ACCUMULATED, ACCUMULATION, GAP_ULPS = 10, 1e-9, 1000
+#: Number of successive crossings that are tested for accumulation.
+ACCUMULATED = 10
+#: They accumulate if they take less than this part of the time since the start.
+ACCUMULATION = 1e-9
+#: Crossings accumulate, too, if two successive gaps together are at most this many ulps of the time. If each impact
+#: leaves half the speed, the last gap is then 1e-12 of the time.
+GAP_ULPS = 1000
 
 
 class Stop(NamedTuple):
@@ -43,25 +50,28 @@ class Arc(Protocol):
     x: State
 
     @property
-    def steepest(self) -> float:
-        """Largest |ġ| seen on it."""
+    def largest_rate(self) -> float:
+        """Largest |ġ| found on it."""
 
     @property
-    def deepest(self) -> float:
-        """Largest |g| seen on it."""
+    def largest_height(self) -> float:
+        """Largest |g| found on it."""
 
     def arrival(self, until: float) -> tuple[Time, State] | None:
         """First time and state on the surface; None if not before `until`.
 
-        ValueError if `until` is inf and there is none, or if none is found within the bounds on work.
+        Raises
+        ------
+        ValueError
+            If `until` is inf and the surface is never reached, or is not reached within the limit on steps.
         """
 
     def state(self, t: float) -> State:
         """State (d,) at time t of this arc."""
 
 
-class Motion(NamedTuple):
-    """What a solution is made from."""
+class Dynamics(NamedTuple):
+    """The functions from which a piecewise solution is put together."""
 
     start: Callable[[Time, State, int, bool], Arc]
     """(t, x, side, on_surface) -> the arc from there."""
@@ -70,11 +80,11 @@ class Motion(NamedTuple):
     rate: Callable[[int, Time, State], Time]
     """(side, t, x) -> ġ = g_t + ∇g·f with the field of that side."""
     jump: Callable[[Time, State], State] | None = None
-    """(t, x) -> the state (d,) after reaching the surface; None: it goes on as it is."""
+    """(t, x) -> the state (d,) after reaching the surface; None where it is continuous."""
 
 
 class Solution(Protocol):
-    """A solution to measure others against."""
+    """A reference solution, against which errors are measured."""
 
     @property
     def name(self) -> str:
@@ -86,7 +96,7 @@ class Solution(Protocol):
 
     @property
     def error(self) -> float:
-        """Bound on the error of what was asked for so far where it is exact, else its own estimate of it."""
+        """Error of what was asked for so far: a bound where the solution is exact, else its own estimate."""
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k, from 1 on."""
@@ -108,7 +118,7 @@ class ReferenceSolution:
     ----------
     name : str
         What it rests on, for display.
-    motion : Motion
+    dynamics : Dynamics
     first : Arc
     max_crossings : int
     error : float
@@ -118,48 +128,48 @@ class ReferenceSolution:
     exact = False
 
     def __init__(
-        self, name: str, motion: Motion, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float = np.inf
+        self, name: str, dynamics: Dynamics, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float = np.inf
     ) -> None:
         self.name = name
         self.error = error
         self.stop: Stop | None = None  #: set once the solution is known to end
-        self._motion, self._max_crossings = motion, max_crossings
+        self._dynamics, self._max_crossings = dynamics, max_crossings
         self._arcs = [first]
         self._times = [float(first.t)]
-        self._places = [first.x]  # where each arc was begun, before the jump
-        self._deepest = 0.0
+        self._arrivals = [first.x]  # where each arc was begun, before the jump
+        self._largest_height = 0.0
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
-        t, x, _ = self.passage(k)
+        t, x, _ = self.crossing_in_digits(k)
         return float(t), x.astype(float)
 
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
-        return self.passage(k)[2].astype(float)
+        return self.crossing_in_digits(k)[2].astype(float)
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
-        return self.point(t).astype(float)
+        return self.state_in_digits(t).astype(float)
 
     def side(self, t: float) -> int:
         """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
         return self._arc(t).side
 
-    def passage(self, k: int) -> tuple[Time, State, State]:
-        """Time of crossing k and the states (d,) before and after its jump, to all digits that they have."""
-        self._reach(k)
-        return self._arcs[k].t, self._places[k], self._arcs[k].x
+    def crossing_in_digits(self, k: int) -> tuple[Time, State, State]:
+        """Time of crossing k, and the states (d,) before and after its jump, unrounded."""
+        self._extend_to(k)
+        return self._arcs[k].t, self._arrivals[k], self._arcs[k].x
 
     def arc(self, k: int) -> Arc | None:
-        """The arc after crossing k, the first one for k = 0; None if it has not been worked out."""
+        """The arc after crossing k, the first arc for k = 0; None if not computed yet."""
         return self._arcs[k] if k < len(self._arcs) else None
 
-    def point(self, t: float) -> State:
-        """State (d,) at time t, to all digits that it has."""
+    def state_in_digits(self, t: float) -> State:
+        """State (d,) at time t, unrounded."""
         return self._arc(t).state(t)
 
-    def _reach(self, k: int) -> None:
+    def _extend_to(self, k: int) -> None:
         if not 1 <= k <= self._max_crossings:
             raise ValueError(f"crossing must be from 1 to {self._max_crossings}, not {k}")
         while len(self._arcs) <= k:
@@ -181,68 +191,68 @@ class ReferenceSolution:
             if arrived is None or arrived[0] > until:
                 return False
             t, x = arrived
-            self._deepest = max(self._deepest, arc.deepest)
-            onward = self._onward(arc, t, x)
+            self._largest_height = max(self._largest_height, arc.largest_height)
+            onward = self._next_arc(arc, t, x)
             if not isinstance(onward, str):
                 self._arcs.append(onward)
                 self._times.append(float(t))
-                self._places.append(x)
+                self._arrivals.append(x)
                 return True
             self.stop = Stop(float(t), x.astype(float), onward)
         if self.stop.t >= until:
             return False
         raise ValueError(f"the solution ends at t = {self.stop.t:.16g}, x = {self.stop.x}: {self.stop.reason}")
 
-    def _onward(self, arc: Arc, t: Time, x: State) -> Arc | str:
-        """The arc after the crossing at (t, x), or why there is none."""
-        tangent = TANGENT * arc.steepest
-        if -arc.side * self._motion.rate(arc.side, t, x) <= tangent:
+    def _next_arc(self, arc: Arc, t: Time, x: State) -> Arc | str:
+        """The arc after the crossing at (t, x), or the reason why there is none."""
+        tangent = TANGENT * arc.largest_rate
+        if -arc.side * self._dynamics.rate(arc.side, t, x) <= tangent:
             return "it touches the surface tangentially"
         if self._accumulates(float(t)):
             return "its crossings accumulate: infinitely many follow in a finite time (Zeno)"
-        if self._motion.jump is not None:
-            return self._landing(t, self._motion.jump(t, x), tangent)
-        onward = -arc.side * self._motion.rate(-arc.side, t, x)
+        if self._dynamics.jump is not None:
+            return self._arc_after_jump(t, self._dynamics.jump(t, x), tangent)
+        onward = -arc.side * self._dynamics.rate(-arc.side, t, x)
         if onward < -tangent:
             return "the field of the other side points back, so it slides along the surface"
         if onward <= tangent:
             return "the field of the other side is tangent to the surface"
-        return self._motion.start(t, x, -arc.side, True)
+        return self._dynamics.start(t, x, -arc.side, True)
 
-    def _landing(self, t: Time, x: State, tangent: float) -> Arc | str:
-        """The arc after a jump to (t, x), or why there is none: on the surface it goes where the fields lead."""
-        height = self._motion.height(t, x)
+    def _arc_after_jump(self, t: Time, x: State, tangent: float) -> Arc | str:
+        """The arc after a jump to (t, x), or why there is none; on the surface the fields decide its side."""
+        height = self._dynamics.height(t, x)
         if not _finite(*x, height):
             return f"the jump leads to {x.astype(float)}, where nothing is defined"
-        if np.abs(height) > OFF_SURFACE * self._deepest:
-            return self._motion.start(t, x, 1 if height > 0 else -1, False)
-        below, above = -self._motion.rate(-1, t, x) > tangent, self._motion.rate(1, t, x) > tangent
+        if np.abs(height) > OFF_SURFACE * self._largest_height:
+            return self._dynamics.start(t, x, 1 if height > 0 else -1, False)
+        below, above = -self._dynamics.rate(-1, t, x) > tangent, self._dynamics.rate(1, t, x) > tangent
         if below and above:
             return "after the jump both fields lead away from the surface"
         if not (below or above):
             return "after the jump neither field leads away from the surface, so it stays there"
-        return self._motion.start(t, x, 1 if above else -1, True)
+        return self._dynamics.start(t, x, 1 if above else -1, True)
 
     def _accumulates(self, t: float) -> bool:
-        """Whether a crossing at t comes too soon after the ones before it."""
+        """Whether crossings accumulate at t (Zeno): it follows too soon on those before it."""
         crossings = self._times[max(1, len(self._times) - ACCUMULATED) :]
         if len(crossings) == ACCUMULATED and t - crossings[0] < ACCUMULATION * (t - self._times[0]):
             return True
         return len(crossings) >= 2 and t - crossings[-2] <= GAP_ULPS * np.spacing(abs(t))
 
 
-def first_arc(motion: Motion, t: Time, x: State, reach: Time) -> Arc:
-    """The arc from (t, x): the side is the sign of g, or where |g| ≤ `reach`, the one the fields lead to."""
-    height = motion.height(t, x)
+def first_arc(dynamics: Dynamics, t: Time, x: State, round_off: Time) -> Arc:
+    """The arc from (t, x): its side is the sign of g or, where |g| ≤ `round_off`, that to which both fields point."""
+    height = dynamics.height(t, x)
     if not _finite(t, *x, height):
         raise ValueError(f"the start t0 = {float(t)}, x0 = {x.astype(float)}, with g = {float(height)}, must be finite")
-    if np.abs(height) > reach:
-        return motion.start(t, x, 1 if height > 0 else -1, False)
-    below, above = motion.rate(-1, t, x), motion.rate(1, t, x)
+    if np.abs(height) > round_off:
+        return dynamics.start(t, x, 1 if height > 0 else -1, False)
+    below, above = dynamics.rate(-1, t, x), dynamics.rate(1, t, x)
     if below < 0 and above < 0:
-        return motion.start(t, x, -1, True)
+        return dynamics.start(t, x, -1, True)
     if below > 0 and above > 0:
-        return motion.start(t, x, 1, True)
+        return dynamics.start(t, x, 1, True)
     kind = "attracts both fields (sliding)" if below > 0 > above else "repels both, or is tangent to one"
     raise ValueError(f"x0 = {x.astype(float)} is on the surface, which there {kind}: no side to start on")
 

@@ -1,4 +1,4 @@
-"""The switching function and its rates: at a point to many digits, and enclosed over short times."""
+"""The switching function and its rates: at a point in many digits, and bounds on them over short times."""
 
 from __future__ import annotations
 
@@ -17,17 +17,18 @@ from core.symbolic.expressions import TIME
 
 __all__ = ["Enclosure", "Polynomial", "Surface"]
 
-_DERIVATIVES = 6  # of the state that enclose it around the middle of a piece
+#: Number of derivatives in the Taylor bound on the state around the middle of a piece.
+_DERIVATIVES = 6
 
 
 class Surface:
-    """g with the fields on either side of it.
+    """g with the fields on both sides of it.
 
     Parameters
     ----------
     g : expression
         In the variables and time.
-    fields : the d expressions of each side
+    fields : mapping of side, −1 or +1, to d expressions
     variables : d symbols
     """
 
@@ -44,26 +45,33 @@ class Surface:
         }
         self._slopes = Program([sum(u**2 for u in gradient), g.diff(TIME)], symbols)
 
-    def look(self, digits: Digits, side: int, t: Any, x: NDArray[np.object_]) -> tuple[Any, Any]:
-        """g and its rate ġ = g_t + ∇g·f of a side at the time t and the state x (d,)."""
+    def evaluate(self, digits: Digits, side: int, t: Any, x: NDArray[np.object_]) -> tuple[Any, Any]:
+        """g and its rate ġ = g_t + ∇g·f, with the field of a side, at time t and state x (d,), in many digits."""
         height, rate = self._point[side].run(digits, [t, *x])
         return height, rate
 
-    def glance(self, side: int, t: float, x: NDArray[np.float64]) -> tuple[float, float]:
+    def evaluate_in_doubles(self, side: int, t: float, x: NDArray[np.float64]) -> tuple[float, float]:
         """The same in doubles."""
         height, rate = self._point[side].run(self._doubles, [np.float64(t), *x])
         return height, rate
 
-    def reach(self, digits: Digits, t: Any, x: NDArray[np.object_]) -> float:
-        """How far g may be from 0 on the surface by the rounding of t and x (d,) to double."""
+    def round_off(self, digits: Digits, t: Any, x: NDArray[np.object_]) -> float:
+        """Bound on |g| at a point of the surface whose t and x (d,) are rounded to double."""
         square, drift = self._slopes.run(digits, [t, *x])
         slope = np.sqrt(float(square))
         return float(2 * np.finfo(float).eps * (slope * float(np.abs(x).max()) + abs(float(drift * t))))
 
     def enclose(self, side: int, t: float, span: float, states: Polynomial, edges: NDArray[np.float64]) -> Enclosure:
-        """side·g and its first two rates on the equal pieces of a step between the edges (m + 1,), from 0 to 1.
+        """Bounds on side·g and its first two rates over equal pieces of a step.
 
-        `t` and `span` are the time of the step's start and its length.
+        Parameters
+        ----------
+        t, span
+            Start and length of the step in time.
+        states
+            The state over the step.
+        edges
+            (m + 1,) ends of the pieces, as parts of the step from 0 to 1.
         """
         m = len(edges) - 1
         middle, radius = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
@@ -76,8 +84,8 @@ class Surface:
         slack = np.spacing(np.abs(clock)) + np.concatenate([np.zeros(m), span * radius])
         inputs = [around(clock, slack), *map(around, centers.T, radii.T)]
         bounds = [u.spread(2 * m) for u in self._bounds[side].run(self._intervals, inputs)]
-        height, rate, bend = (u if side > 0 else -u for u in bounds)
-        return Enclosure.of(height, rate, bend, span * radius)
+        height, rate, second_rate = (u if side > 0 else -u for u in bounds)
+        return Enclosure.of(height, rate, second_rate, span * radius)
 
 
 def _rate(g: sympy.Expr, field: Sequence[sympy.Expr], variables: Sequence[sympy.Symbol]) -> sympy.Expr:
@@ -85,13 +93,13 @@ def _rate(g: sympy.Expr, field: Sequence[sympy.Expr], variables: Sequence[sympy.
 
 
 class Polynomial:
-    """States over a step, as a polynomial in the part of it from 0 to 1, in doubles."""
+    """The state over a step as a polynomial, in doubles, of the part of the step from 0 to 1."""
 
     def __init__(self, step: Step) -> None:
         self.coefficients = step.polynomial()  #: (order + 1, d)
         sizes = np.abs(self.coefficients)
         self._remainder = _choices(len(sizes))[-1] @ sizes  # (d,) of derivative `_DERIVATIVES`, over its factorial
-        self.error = 2.0**-46 * sizes.sum(axis=0)  # (d,) round-off of a value, generously
+        self.error = 2.0**-46 * sizes.sum(axis=0)  # (d,) bound on the round-off of a value: 64 eps of the sum of sizes
 
     def at(self, part: float) -> NDArray[np.float64]:
         """State (d,) at a part of the step."""
@@ -104,7 +112,7 @@ class Polynomial:
         return states
 
     def around(self, low: float, high: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """States (count, d) in the middle of equal pieces of a part, and bounds on how far they are left within it."""
+        """States (count, d) in the middle of equal pieces of [low, high], and bounds on distances from them there."""
         basis = _basis(low, high, count, len(self.coefficients))
         derivatives = basis @ self.coefficients  # (1 + _DERIVATIVES, count, d), scaled with powers of half a piece
         half = (high - low) / (2 * count)
@@ -120,7 +128,7 @@ def _grid(count: int, n: int) -> NDArray[np.float64]:
 
 @lru_cache
 def _choices(n: int) -> NDArray[np.float64]:
-    """Binomial coefficients (1 + _DERIVATIVES, n) of the powers 0 to n − 1 over each derivative."""
+    """Binomial coefficients (1 + _DERIVATIVES, n): entry (k, j) is j over k."""
     powers = np.arange(n)
     rows = [np.ones(n)]
     for k in range(1, _DERIVATIVES + 1):
@@ -130,7 +138,10 @@ def _choices(n: int) -> NDArray[np.float64]:
 
 @lru_cache(maxsize=4096)
 def _basis(low: float, high: float, count: int, n: int) -> NDArray[np.float64]:
-    """Derivatives (_DERIVATIVES, count, n) of the powers in the middle of equal pieces, as around() scales them."""
+    """Derivatives 0 … _DERIVATIVES − 1 of the powers in the middle of equal pieces, (_DERIVATIVES, count, n).
+
+    Derivative k is divided by k! and multiplied by the k-th power of half a piece.
+    """
     edges = np.linspace(low, high, count + 1)
     middle, half = (edges[1:] + edges[:-1]) / 2, (high - low) / (2 * count)
     powers = np.vander(middle, n, increasing=True)
@@ -143,18 +154,18 @@ class Enclosure(NamedTuple):
 
     height: Interval
     rate: Interval
-    bend: Interval
-    deepest: float
-    steepest: float
+    second_rate: Interval
+    largest_height: float
+    largest_rate: float
 
     @classmethod
-    def of(cls, height: Interval, rate: Interval, bend: Interval, half: NDArray[np.float64]) -> Enclosure:
-        """From bounds in the middle (the first m) and all over each piece, half of which takes the time `half`."""
+    def of(cls, height: Interval, rate: Interval, second_rate: Interval, half: NDArray[np.float64]) -> Enclosure:
+        """From bounds in the middle of each piece (the first m) and over all of it; `half` is half its time, (m,)."""
         m = len(half)
         here, there = slice(0, m), slice(m, None)
         away = around(np.zeros(m), half)
-        rates = rate[there].within(rate[here] + bend[there] * away)
+        rates = rate[there].within(rate[here] + second_rate[there] * away)
         heights = height[there].within(height[here] + rates * away)
         with np.errstate(all="ignore"):
-            deepest, steepest = (float(np.nanmax(np.abs(u.low[:m]), initial=0.0)) for u in (height, rate))
-        return cls(heights, rates, bend[there], deepest, steepest)
+            largest_height, largest_rate = (float(np.nanmax(np.abs(u.low[:m]), initial=0.0)) for u in (height, rate))
+        return cls(heights, rates, second_rate[there], largest_height, largest_rate)

@@ -1,4 +1,4 @@
-"""The reference integrator for systems without a closed form: our Taylor method, at two tolerances."""
+"""The reference integrator for systems without a closed form: the Taylor method, at two tolerances."""
 
 from __future__ import annotations
 
@@ -15,25 +15,30 @@ from core.system import PiecewiseSystem
 
 __all__ = ["TaylorSolution"]
 
-#: The finer one is far below round-off for the sake of its steps, which are a sixth as long: where a field or g varies
-#: within a step of the other, and returns, the two differ.
-_FINE, _COARSE = 1e-34, 1e-13
-_STRIDE = 32  # steps between snapshots
-_MAX_STEPS = 300_000  # of a solution: where no crossing comes, the search ends
+#: Finer tolerance, far below round-off: its steps are a sixth as long, so that the two runs differ where the field or
+#: g varies within a coarse step and returns.
+_FINE = 1e-34
+#: Coarser tolerance.
+_COARSE = 1e-13
+#: Number of steps between two snapshots of a run, about.
+_STRIDE = 32
+#: Most steps of a solution before the search for a crossing is given up.
+_MAX_STEPS = 300_000
 
 
 class TaylorSolution:
     """Piecewise smooth solution from (t0, x0) by the Taylor method, extended as it is asked for.
 
-    It is worked out at tolerances of 1e-34 and 1e-13, with steps of different lengths. The difference of the two, which
-    is some hundred times the error of the better one, is its own estimate of its error.
+    It is computed at tolerances of 1e-34 and 1e-13, with steps of different lengths. The difference of the two runs,
+    some hundred times the error of the finer one, is the estimate of the error.
 
     Parameters
     ----------
     system
     x0
-        (d,).
+        (d,) initial state.
     t0
+        Initial time.
     """
 
     exact = False
@@ -48,7 +53,7 @@ class TaylorSolution:
 
     @property
     def error(self) -> float:
-        """Largest difference in the state (and, of crossings, in the time) of all that was asked for so far."""
+        """Largest difference of the two runs, in states and in times of crossings, of all that was asked for so far."""
         return self._error
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
@@ -81,14 +86,14 @@ class TaylorSolution:
 
 
 class _Snapshot(NamedTuple):
-    """A run at a time; what has happened before."""
+    """A copy of a run in progress, at the time it has reached."""
 
     t: float
     runner: Runner
 
 
 class _Path:
-    """One run, kept at some times so that it can be taken up again from any of them."""
+    """One run, with snapshots from which it can be continued to any time."""
 
     def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, tolerance: float) -> None:
         settings = Settings(np.inf, tolerance, max_steps=_MAX_STEPS)
@@ -97,7 +102,7 @@ class _Path:
         self._stride = float(np.linalg.norm(x0)) / (float(np.linalg.norm(system.field(1, t0, x0))) or 1.0) or 1.0
 
     def begin(self) -> None:
-        """Take the first stride; ValueError where the start is on the surface and has no side to leave it to."""
+        """Take the first stride; ValueError where the start is on the surface and cannot leave it to one side."""
         self._extend("its first step")
 
     def crossings(self, k: int) -> Crossings:
@@ -126,7 +131,7 @@ class _Path:
         return runner
 
     def _extend(self, wanted: str) -> None:
-        """Go on by a stride; ValueError where the run has stopped."""
+        """Advance by a stride; ValueError where the run has stopped before what is `wanted`."""
         runner, before = self._runner, self._runner.steps
         if self._ended or runner.advance(runner.t + self._stride) is not Status.COMPLETED:
             self._ended = True

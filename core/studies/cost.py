@@ -340,7 +340,7 @@ def _target(
     """Where the solution is at the end, and the crossings it has until then."""
     t0, end = span
     if end is None:
-        end = _usual_end(exact, t0)
+        end = _default_end(exact, t0)
     try:
         x = exact.state(end)
     except ValueError as why:
@@ -356,7 +356,7 @@ def _target(
     return _Target(t0, end, x, len(times), times[-1] if times else math.nan, floor)
 
 
-def _usual_end(exact: Solution, t0: float) -> float:
+def _default_end(exact: Solution, t0: float) -> float:
     """Away from the surface, after ten crossings or what there are."""
     times = [t0, *_crossing_times(exact, math.inf, _CROSSINGS + 1)]
     return (times[-2] + times[-1]) / 2 if len(times) > 1 else t0 + _LENGTH

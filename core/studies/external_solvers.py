@@ -28,7 +28,7 @@ _EPS = 2.0**-52
 _OFF_SURFACE = 1e-9  #: |g| after a jump above this part of what it was on the way there: the jump leads off the surface
 #: What is added to g for heyoka, far below round-off: where g is 0 to the last bit, as after a jump, it sees no root
 #: that comes later in the step.
-_NOT_ZERO = 2.0**-100
+_ROOT_SHIFT = 2.0**-100
 _STEPS_AT_ONCE = 4096  #: of heyoka, between looks at the clock
 
 
@@ -76,7 +76,7 @@ class Arrival(NamedTuple):
     evaluations: float
 
 
-class March(Protocol):
+class Prepared(Protocol):
     """One integrator, ready to be run again and again."""
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
@@ -94,11 +94,11 @@ class ExternalSolver(NamedTuple):
     """The least tolerance it takes."""
     tolerances: tuple[float, ...]
     """To try, where nothing else is asked for."""
-    prepare: Callable[[Numbers, float, float], March]
-    """(system as functions of numbers, tolerance, size of the state) -> integrator; `Stopped` if not installed."""
+    prepare: Callable[[ScalarFunctions, float, float], Prepared]
+    """(system as functions of functions, tolerance, size of the state) -> integrator; `Stopped` if not installed."""
 
 
-class Numbers:
+class ScalarFunctions:
     """A system as functions of plain numbers, which cost half a microsecond a call, less than a compiled one does."""
 
     def __init__(self, system: PiecewiseSystem) -> None:
@@ -159,13 +159,19 @@ class Numbers:
 
 
 def external_arcs(
-    numbers: Numbers, march: March, t0: float, end: float, x0: Floats, most: int, check: Callable[[], None]
+    functions: ScalarFunctions,
+    prepared: Prepared,
+    t0: float,
+    end: float,
+    x0: Floats,
+    max_crossings: int,
+    check: Callable[[], None],
 ) -> Arcs:
     """Integrate from crossing to crossing.
 
     Parameters
     ----------
-    most
+    max_crossings
         Number of crossings beyond which the run is given up.
     check
         Called now and then; it raises `Stopped` where the run is to be given up.
@@ -176,32 +182,32 @@ def external_arcs(
         Where the run does not get to the end.
     """
     arcs = Arcs(evaluations=0.0)
-    t, x, side = t0, x0, numbers.first_side(t0, x0)
+    t, x, side = t0, x0, functions.first_side(t0, x0)
     while True:
         arcs.side.append(side)
         arcs.entered.append((t, x))
         since = t
-        t, x, on_surface, evaluations = march.arc(side, t, x, end, check)
+        t, x, on_surface, evaluations = prepared.arc(side, t, x, end, check)
         arcs.left.append((t, x))
         arcs.evaluations += evaluations
         if not on_surface:
             return arcs
-        if arcs.crossings > most:
-            raise Stopped(f"more than {most} crossings, up to t = {t:.6g}")
-        side, x = numbers.landing(t, x, side, since)
+        if arcs.crossings > max_crossings:
+            raise Stopped(f"more than {max_crossings} crossings, up to t = {t:.6g}")
+        side, x = functions.landing(t, x, side, since)
 
 
-class _ScipyMarch:
+class _PreparedScipy:
     """SciPy's `solve_ivp` with DOP853 and one terminal event for each side, which fires only when leaving the side."""
 
-    def __init__(self, numbers: Numbers, tolerance: float, size: float) -> None:
-        self._field = numbers.field
+    def __init__(self, functions: ScalarFunctions, tolerance: float, size: float) -> None:
+        self._field = functions.field
         self._options: dict[str, Any] = {"method": "DOP853", "rtol": tolerance, "atol": tolerance * size}
         self._check: Callable[[], None]
-        self._events = {side: self._leaving(numbers, side) for side in (-1, 1)}
+        self._events = {side: self._leaving(functions, side) for side in (-1, 1)}
 
-    def _leaving(self, numbers: Numbers, side: int) -> Any:
-        height = numbers.height
+    def _leaving(self, functions: ScalarFunctions, side: int) -> Any:
+        height = functions.height
 
         def event(t: float, x: Floats) -> float:  # once a step: here the clock is looked at
             self._check()
@@ -219,20 +225,20 @@ class _ScipyMarch:
         return Arrival(float(run.t[-1]), np.ascontiguousarray(run.y[:, -1]), run.status == 1, run.nfev)
 
 
-class _HeyokaMarch:
+class _PreparedHeyoka:
     """heyoka: one Taylor integrator for each side, with a terminal event which fires only when leaving the side.
 
     Some four microseconds a crossing are spent on going from one to the other. Where the sides differ in a number only,
     one integrator whose event changes that number does without, and takes half the time where crossings are many.
     """
 
-    def __init__(self, numbers: Numbers, tolerance: float, size: float) -> None:
+    def __init__(self, functions: ScalarFunctions, tolerance: float, size: float) -> None:
         try:
             import heyoka
         except ImportError:
             raise Stopped("heyoka is not installed") from None
         self._outcomes = heyoka.taylor_outcome
-        self._integrators = {side: _heyoka_integrator(heyoka, numbers.system, side, tolerance) for side in (-1, 1)}
+        self._integrators = {side: _heyoka_integrator(heyoka, functions.system, side, tolerance) for side in (-1, 1)}
         self._states = {side: one.state for side, one in self._integrators.items()}  # looked up once: a look takes long
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
@@ -254,7 +260,7 @@ def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: f
     used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # it takes no others
     names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}
     *rates, height = (hy.from_sympy(e, names) for e in wanted)
-    height += side * _NOT_ZERO
+    height += side * _ROOT_SHIFT
     way = hy.event_direction.negative if side > 0 else hy.event_direction.positive
     return hy.taylor_adaptive(
         list(zip(variables, rates, strict=True)), [0.0] * d, tol=tolerance,
@@ -263,7 +269,7 @@ def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: f
 
 
 def _in_floats(expression: Expr) -> Expr:
-    """The expression with ratios and constants as floating-point numbers: heyoka takes no other."""
+    """The expression with ratios and constants as floating-point functions: heyoka takes no other."""
     exact = {q for q in expression.atoms(sympy.Rational, sympy.NumberSymbol) if not q.is_Integer}
     return expression.xreplace({q: sympy.Float(q, 17) for q in exact})
 
@@ -276,7 +282,7 @@ def _tolerances(*digits: int) -> tuple[float, ...]:
 EXTERNAL_SOLVERS: Mapping[str, ExternalSolver] = MappingProxyType({
     solver.name: solver
     for solver in (
-        ExternalSolver("scipy", "SciPy DOP853", 100 * _EPS, _tolerances(3, 5, 7, 9, 11, 12, 13), _ScipyMarch),
-        ExternalSolver("heyoka", "heyoka", _EPS, _tolerances(3, 5, 7, 9, 11, 13, 15), _HeyokaMarch),
+        ExternalSolver("scipy", "SciPy DOP853", 100 * _EPS, _tolerances(3, 5, 7, 9, 11, 12, 13), _PreparedScipy),
+        ExternalSolver("heyoka", "heyoka", _EPS, _tolerances(3, 5, 7, 9, 11, 13, 15), _PreparedHeyoka),
     )
 })  # fmt: skip

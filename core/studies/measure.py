@@ -15,14 +15,14 @@ from core.integrate import integrate
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
-from core.studies.external_solvers import EXTERNAL_SOLVERS, Arcs, Numbers, Stopped, external_arcs
+from core.studies.external_solvers import EXTERNAL_SOLVERS, Arcs, ScalarFunctions, Stopped, external_arcs
 from core.system import PiecewiseSystem
 
 __all__ = ["Measured", "Problem", "measure"]
 
 #: Held while one integrator is measured: threads that wait for each other's turn with the interpreter spend processor
 #: time on that, of which a run of a tenth of a millisecond would be mostly made.
-_turn = threading.Lock()
+_one_at_a_time = threading.Lock()
 
 
 class Problem(NamedTuple):
@@ -32,7 +32,7 @@ class Problem(NamedTuple):
     t0: float
     end: float
     x0: tuple[float, ...]
-    most: int
+    max_crossings: int
     """Number of crossings beyond which an external solver's run is given up."""
     repeats: int
     budget: float
@@ -88,14 +88,14 @@ def measure(problem: Problem, name: str, setting: float) -> Measured:
     setting
         Step size, or tolerance.
     """
-    with _turn:
+    with _one_at_a_time:
         return _measure(problem, name, setting)
 
 
 def _measure(problem: Problem, name: str, setting: float) -> Measured:
     started = time.thread_time()
     try:
-        explore, again = (_own if name in METHODS else _external)(problem, name, setting)
+        explore, again = (_own_method if name in METHODS else _external)(problem, name, setting)
     except Stopped as why:
         return Measured(str(why), time.thread_time() - started)
     compiling = time.thread_time() - started
@@ -112,7 +112,7 @@ def _measure(problem: Problem, name: str, setting: float) -> Measured:
     return Measured("", compiling, seconds, arcs.evaluations, x, arcs.crossings, last, error)
 
 
-def _own(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
+def _own_method(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
     """A method of ours: as a run that keeps its crossings, and as one that keeps the end only, as fast as can be."""
     key = "tolerance" if METHODS[name].adaptive else "tau"
     options: dict[str, Any] = {key: setting, "method": name}
@@ -137,16 +137,16 @@ def _arcs(run: Trajectory) -> Arcs:
 
 def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
     """An external solver, and again the same."""
-    start, numbers = np.array(problem.x0), Numbers(problem.system)
-    march = EXTERNAL_SOLVERS[name].prepare(numbers, setting, float(np.abs(start).max()) or 1.0)
+    start, functions = np.array(problem.x0), ScalarFunctions(problem.system)
+    prepared = EXTERNAL_SOLVERS[name].prepare(functions, setting, float(np.abs(start).max()) or 1.0)
 
     def run(check: Callable[[], None]) -> Arcs:
-        return external_arcs(numbers, march, problem.t0, problem.end, start, problem.most, check)
+        return external_arcs(functions, prepared, problem.t0, problem.end, start, problem.max_crossings, check)
 
     def explore(clock: _Clock) -> Arcs:
         return run(clock.check)
 
-    return explore, lambda: run(_nothing)
+    return explore, lambda: run(_no_check)
 
 
 def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
@@ -165,5 +165,5 @@ def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
     return min(times)
 
 
-def _nothing() -> None:
+def _no_check() -> None:
     pass

@@ -67,7 +67,7 @@ def _completed(
     under_way: dict[Future[Result], int] = {}
     try:
         while not (cancel is not None and cancel()):
-            _hand_over(call, waiting, executor, under_way)
+            _submit(call, waiting, executor, under_way)
             if not under_way:
                 return
             done, _ = wait(under_way, None if cancel is None else _POLL, FIRST_COMPLETED)
@@ -78,7 +78,7 @@ def _completed(
             future.cancel()
 
 
-def _hand_over(
+def _submit(
     call: Callable[..., Result],
     waiting: Iterator[tuple[int, Any]],
     executor: Executor,

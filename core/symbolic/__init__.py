@@ -1,4 +1,4 @@
-"""Expressions: the whitelist parser, proofs that they vanish, laws, the discrete gradient and multiplier."""
+"""Expressions: the whitelist parser, tests whether one is zero, laws, the discrete gradient and multiplier."""
 
 from core.symbolic.declaration import SIDES, Declaration, Problem, Verdict, miscounted
 from core.symbolic.expressions import TIME, parse, quoted, to_text

@@ -1,4 +1,4 @@
-"""A declaration of a system as text: what of it can be read, and everything that is wrong with it, field by field."""
+"""The declaration of a system as text: its expressions, and everything that is wrong with it, field by field."""
 
 from __future__ import annotations
 
@@ -19,11 +19,14 @@ from core.symbolic.zero_testing import Domain, counterexample, has_values, indep
 
 __all__ = ["MAX_DIMENSION", "SIDES", "Declaration", "Problem", "Verdict", "accepted", "miscounted"]
 
+#: Largest number of variables.
 MAX_DIMENSION = 24
-_SHOWN = 400  #: characters of a field that is wrong as a whole
-_SHOWN_NODES = 200  #: of the time derivative of what is not conserved
+#: Most characters that a message quotes of a field that is wrong as a whole.
+_SHOWN = 400
+#: Most nodes of an expression tree of dψ/dt that a message shows.
+_SHOWN_NODES = 200
 
-#: The sides of the surface, and what their fields are called by.
+#: Sign of g -> the word for that side in the names of fields.
 SIDES: Mapping[int, str] = MappingProxyType({-1: "minus", 1: "plus"})
 
 
@@ -31,39 +34,39 @@ class Problem(NamedTuple):
     """Something that is wrong with a declaration."""
 
     field: str
-    """The field that it stands in."""
+    """Field of the declaration in which it is."""
     message: str
-    """What is wrong and what would do, without a full stop."""
+    """What is wrong and how to mend it, without a full stop."""
     entry: int | None = None
-    """Number of the expression by whose name the message begins; None where it is about the field as a whole."""
+    """Index of the expression that the message names first; None where the message is about the whole field."""
 
 
 class Verdict(NamedTuple):
-    """What is found out about a quantity along the field of its side."""
+    """Whether the field of a side conserves a quantity ψ."""
 
     objection: str
-    """Why it is not conserved, and what would do; nothing if it is."""
+    """Why ψ is not conserved, and how to mend it; empty if it is conserved."""
     left_over: Expr | None = None
-    """Its time derivative where that vanishes nowhere, unless it is too long to be shown."""
+    """dψ/dt where ψ is conserved nowhere; None also where dψ/dt is too long to show."""
 
 
 def _as_declared(field: str, entry: int | None) -> str:
-    """Call the parts of a declaration what a program calls them."""
+    """Name of a field or of one of its entries, as in Python: ``f_plus[1]``."""
     return field if entry is None or field == "g" else f"{field}[{entry}]"
 
 
 @dataclass(frozen=True)
 class Declaration:
-    """The texts of a system, which need not make one: fields as in `PiecewiseSystem`, each a tuple, () for none.
+    """The texts of a system, valid or not: fields as in `PiecewiseSystem`, each a tuple, () for none.
 
     Parameters
     ----------
     bounds
         Least and greatest value of each parameter; None where it has none.
     called
-        Returns what messages call a field, or the entry of it that has a number.
+        (field, index or None) -> the name that messages give to the field or to that entry of it.
     longest
-        Most nodes of the trees of all first derivatives of one expression; None for any number.
+        Most nodes in the trees of all first derivatives of one expression; None for no limit.
     """
 
     variables: tuple[str, ...]
@@ -80,16 +83,16 @@ class Declaration:
 
     @cached_property
     def problems(self) -> tuple[Problem, ...]:
-        """Everything that is wrong: with the names, then with each expression, then with what is to be conserved."""
+        """Everything that is wrong: with the names, then with each expression, then with the conserved quantities."""
         return (*self._faults, *self._of_quantities())
 
     def expressions(self, field: str) -> dict[int, Expr]:
-        """The expressions of a field that can be read, by their numbers."""
+        """Index -> expression, for those of a field that can be parsed."""
         return {k: found for k, found in enumerate(self._read[field]) if not isinstance(found, Problem)}
 
     @cached_property
     def verdicts(self) -> Mapping[int, tuple[Verdict, ...]]:
-        """Side (−1 or +1) -> what is found out about its quantities; () where something else has to be mended first."""
+        """Side (−1 or +1) -> a verdict on each of its ψ; () where something else has to be mended first."""
         wrong = {problem.field for problem in self._faults}
         judged: dict[int, tuple[Verdict, ...]] = dict.fromkeys(SIDES, ())
         for sign, word in SIDES.items():
@@ -100,16 +103,17 @@ class Declaration:
 
     @cached_property
     def laws(self) -> Laws:
-        """The mathematics of a declaration that has no problems, shared by all that differ in `bounds` only."""
+        """The laws of a declaration without problems, shared by all declarations that differ in `bounds` only."""
         law = {field: tuple(self.expressions(field).values()) for field in self._read}
         x, p, (g,) = self._x, tuple(map(Symbol, self.parameters)), law["g"]
         fields, quantities = (law["f_minus"], law["f_plus"]), (law["psi_minus"], law["psi_plus"])
         return derive(x, p, g, fields, quantities, law["jump"] or None)
 
     def completed(self) -> Declaration:
-        """Give each side of a plane that has no ψ the one that its field has for being divergence-free.
+        """Add a stream function as ψ to each side that has none, where the system is planar and f divergence-free.
 
-        There must be no problems. See `stream_function` for what is found; what could not be declared is left out.
+        The declaration must have no problems. See `stream_function` for what is found; a ψ that a declaration would
+        refuse is left out.
         """
         found: dict[str, Any] = {}
         for sign, word in SIDES.items():
@@ -124,7 +128,7 @@ class Declaration:
 
     @cached_property
     def _faults(self) -> tuple[Problem, ...]:
-        """What is wrong before it can be asked what is conserved."""
+        """What is wrong with names, counts and expressions; only without these is conservation tested."""
         unreadable = [found for entries in self._read.values() for found in entries if isinstance(found, Problem)]
         return (*self._of_names(), *self._of_counts(), *unreadable)
 
@@ -156,7 +160,7 @@ class Declaration:
 
     @cached_property
     def _read(self) -> dict[str, list[Expr | Problem]]:
-        """Each expression, or what is wrong with it; no more of a field than there may be."""
+        """Field -> each expression, or what is wrong with it; only as many as the field may have."""
         d = len(self.variables)
         most = {"f_minus": d, "f_plus": d, "g": 1, "psi_minus": d - 1, "psi_plus": d - 1, "jump": d}
         most = most if 1 <= d <= MAX_DIMENSION else dict.fromkeys(most, 0)
@@ -176,7 +180,7 @@ class Declaration:
         return Problem(field, self._entry(field, k) + words, k)
 
     def _entry(self, field: str, k: int) -> str:
-        """What an expression is called, and its text."""
+        """The name and the text of an expression, for a message."""
         return f"{self.called(field, k)} = {quoted(getattr(self, field)[k])}"
 
     # Conserved quantities --------------------------------------------------------------------------------------------
@@ -220,9 +224,9 @@ class Declaration:
         return [u.diff(v) for v in (*self._x, TIME)]
 
     def _domain(self, sign: int) -> Domain:
-        """Where the law of a side is used: on its side of the surface, for every value its parameters may take.
+        """Where the law of a side holds: on its side of the surface, for every value its parameters may take.
 
-        As long as g cannot be read that is everywhere.
+        Everywhere if g cannot be parsed.
         """
         ranges = {Symbol(name): ends for name, ends in zip(self.parameters, self.bounds, strict=True) if ends}
         g = self.expressions("g").get(0)
@@ -231,7 +235,7 @@ class Declaration:
 
 @lru_cache(maxsize=256)
 def accepted(declaration: Declaration) -> Declaration:
-    """The declaration with the conserved quantities that are found for it; checked once, not again for every x0.
+    """Check a declaration, and add the ψ that are found for it; cached, so a new x0 does not repeat it.
 
     Raises
     ------
@@ -247,7 +251,7 @@ def accepted(declaration: Declaration) -> Declaration:
 
 
 def miscounted(given: Sequence[object], noun: str, variables: Sequence[str]) -> str:
-    """Say how many there are where one is needed for each variable; nothing if that is so."""
+    """Message that the number of entries is not the number of variables; empty if it is."""
     if len(given) == len(variables):
         return ""
     return f"{_count(len(given), noun)} here, {len(variables)} are needed: one for each of {', '.join(variables)}"

@@ -1,4 +1,4 @@
-"""Text to sympy through a whitelist of syntax. Nothing a user writes is ever evaluated as code."""
+"""Parse text to sympy through a whitelist of syntax. Nothing a user writes is ever evaluated as code."""
 
 from __future__ import annotations
 
@@ -33,18 +33,31 @@ FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], Callable[[float], float]]]
 _CONSTANTS = {"pi": (sympy.pi, math.pi), "e": (sympy.E, math.e)}
 _RESERVED = {"t", "nan", "inf", "oo", *_CONSTANTS, *FUNCTIONS}
 
-MAX_LENGTH = 1000  #: characters of one expression
-MAX_DEPTH = 40  #: nested operations
-MAX_NODES = 400  #: operations and names
-MAX_EXPONENT = 64  #: size of a number used as an exponent
-MAX_DIGITS = 40  #: digits of one number
-MAX_BITS = 8000  #: of an exact constant on the way
-MAX_ROOT_BITS = 1100  #: of what stands under a root; more is no float
-_SHOWN = 78  #: characters of a text in a message
-_SMALLEST, _LARGEST = 1e-300, 1e300
-_CANCELS = 1e-12  #: a sum of constants smaller than this part of its terms is round-off
+#: Most characters of one expression.
+MAX_LENGTH = 1000
+#: Most operations nested in each other: parser and sympy recurse into them.
+MAX_DEPTH = 40
+#: Most operations and names of one expression.
+MAX_NODES = 400
+#: Largest size of a number used as an exponent.
+MAX_EXPONENT = 64
+#: Most digits of one number.
+MAX_DIGITS = 40
+#: Most bits of the numerator or denominator of an exact constant, intermediate ones included.
+MAX_BITS = 8000
+#: Most bits of an integer under a root; a longer one exceeds the range of a double.
+MAX_ROOT_BITS = 1100
+#: Most characters that a message quotes of a text.
+_SHOWN = 78
+#: Least size of a constant other than 0: a margin to the least double.
+_SMALLEST = 1e-300
+#: Largest size of a constant: a margin to the largest double.
+_LARGEST = 1e300
+#: A sum of constants smaller than this part of the sizes of its terms is round-off.
+_CANCELS = 1e-12
 
-Root = tuple[sympy.Rational, sympy.Rational]  #: a number and its fractional exponent
+#: A number and its fractional exponent.
+Root = tuple[sympy.Rational, sympy.Rational]
 
 _NOT_REAL = "it contains a constant that is not a finite real number"
 _ALLOWED = "numbers, the system's variables and parameters, t, pi, e, + - * / **, and " + " ".join(FUNCTIONS)
@@ -101,7 +114,7 @@ def parse(text: str | float | sympy.Expr, names: Iterable[str], what: str = "exp
 
 
 def quoted(text: str) -> str:
-    """The text in quotes, for a message; of a long one the start."""
+    """The text in quotes, for a message; a long one is cut."""
     return repr(text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…")
 
 
@@ -111,7 +124,7 @@ def to_text(expression: sympy.Expr) -> str:
 
 
 class _Text(StrPrinter):
-    """Numbers as `parse` reads them: floats to the last digit, no row of zeros longer than it takes."""
+    """Print numbers as `parse` reads them: floats to the last digit, long integers with an exponent for final zeros."""
 
     def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 - the name is sympy's
         return repr(float(expr))
@@ -220,7 +233,7 @@ class _Reader:
         operation: tuple[Callable[..., sympy.Expr], Callable[..., float]],
         *operands: tuple[sympy.Expr, float | None],
     ) -> tuple[sympy.Expr, float | None]:
-        """Apply `operation`; where every operand is a number, in floating point first, so that none can explode."""
+        """Apply `operation`; to constants in floating point first, so that no exact result grows beyond bounds."""
         exact, real = operation
         if exact is _power:
             self.check_power(*operands)
@@ -230,7 +243,7 @@ class _Reader:
         expression = exact(*(e for e, _ in operands))
         if expression.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo, sympy.I):
             raise self.fail(_NOT_REAL)
-        # sympy rewrites tan(pi/2 - x) as cot(x), which is no function of ours.
+        # sympy rewrites tan(pi/2 - x) as cot(x), which is not in the whitelist.
         expression = expression.replace(sympy.cot, lambda u: 1 / sympy.tan(u))
         for term in sympy.Add.make_args(expression):
             if _bits(term) > MAX_BITS:
@@ -242,7 +255,7 @@ class _Reader:
         return expression, value
 
     def check_power(self, base: tuple[sympy.Expr, float | None], exponent: tuple[sympy.Expr, float | None]) -> None:
-        """Refuse large powers before sympy works them out: 1.000000001**64, and so on, nested."""
+        """Refuse large powers before sympy computes them: nested ones such as (1.000000001**64)**64."""
         if exponent[1] is None:
             if base[1] is not None and base[1] <= 0:
                 raise self.fail("the base of a power is negative or zero where its exponent is no number")
@@ -250,13 +263,13 @@ class _Reader:
         if abs(exponent[1]) > MAX_EXPONENT and (base[1] is None or base[0].is_Rational):
             raise self.fail(f"the exponent {exponent[1]:g} is beyond ±{MAX_EXPONENT}")
         if not exponent[0].is_Rational and abs(exponent[1] - round(exponent[1])) < _CANCELS:
-            # sympy would look for the minimal polynomial of their difference, to tell its sign
+            # sympy would compute the minimal polynomial of their difference to find its sign
             raise self.fail(f"an exponent cannot be told from {round(exponent[1])}; write {round(exponent[1])}")
         if abs(exponent[1]) * _bits(base[0]) > MAX_BITS:
             raise self.fail("it contains a constant with too many digits")
 
     def check_roots(self, roots: Sequence[Root]) -> None:
-        """Refuse long roots before sympy works them out: of 12**0.7123457 it makes (2**4246914*3**7123457)**1e-7."""
+        """Refuse long roots before sympy computes them: it turns 12**0.7123457 into (2**4246914*3**7123457)**1e-7."""
         if any(bits > MAX_ROOT_BITS for bits in _root_bits(roots)):
             raise self.fail(
                 "a number to a fractional power is too long to work out exactly; write its value as a decimal number, "
@@ -271,7 +284,7 @@ class _Reader:
             raise self.fail(f"it contains a constant smaller than {_SMALLEST:g}, or lost in round-off")
 
     def check_whole(self, expression: sympy.Expr) -> None:
-        """Refuse what sympy gathered from several places: ((x**9)**9)**9, x*1e200*1e200, exp(600)*x*exp(600)."""
+        """Refuse what sympy combined from several places: ((x**9)**9)**9, x*1e200*1e200, exp(600)*x*exp(600)."""
         nodes = sympy.preorder_traversal(expression)
         for node in nodes:
             if not node.free_symbols:
@@ -294,7 +307,7 @@ def _nesting(text: str) -> int:
 
 
 def _attempt(real: Callable[..., float], *values: Any) -> float:
-    """`real` of the values, nan where it has none."""
+    """`real(*values)`; nan where it is undefined or complex."""
     try:
         value = real(*values)
     except (ArithmeticError, ValueError):
@@ -303,7 +316,7 @@ def _attempt(real: Callable[..., float], *values: Any) -> float:
 
 
 def _value(constant: sympy.Expr) -> float:
-    """Value of an expression without symbols; nan where it has none, or where a sum cancels but for round-off."""
+    """Value of an expression without symbols; nan where it is undefined, or where a sum cancels to round-off."""
     if constant.is_Rational:
         return _attempt(lambda: constant.p / constant.q)
     if constant.is_NumberSymbol:
@@ -320,13 +333,13 @@ def _value(constant: sympy.Expr) -> float:
 
 
 def _bits(term: sympy.Expr) -> int:
-    """Length of a term's rational factor."""
+    """Bits of the longer of numerator and denominator of a term's rational factor."""
     factor = term.as_coeff_Mul()[0]
     return max(factor.p.bit_length(), factor.q.bit_length()) if factor.is_Rational else 0
 
 
 def _roots_made(exact: Callable[..., sympy.Expr], *operands: sympy.Expr) -> list[Root]:
-    """Powers of numbers that come together in an operation: u**r, exp(r*log(u)), u*v."""
+    """Fractional powers of numbers that sympy would combine in an operation: in u**r, exp(r*log(u)), u*v."""
     if exact is _power and operands[0] is not sympy.E:
         return _roots(*operands) if operands[1].is_Rational else []
     if exact is sympy.sqrt:
@@ -336,7 +349,7 @@ def _roots_made(exact: Callable[..., sympy.Expr], *operands: sympy.Expr) -> list
         return [root for factor, rest in terms if rest.func is sympy.log for root in _roots(rest.args[0], factor)]
     if exact in (_times, _over):
         left, right = (_roots(u, sympy.Integer(1)) for u in operands)
-        both = left and right  # else nothing is new
+        both = left and right  # with one alone nothing is combined
         return [*left, *((base, -e if exact is _over else e) for base, e in right)] if both else []
     return []
 
@@ -350,9 +363,9 @@ def _roots(u: sympy.Expr, exponent: sympy.Rational) -> list[Root]:
 
 
 def _root_bits(roots: Sequence[Root]) -> Iterator[int]:
-    """Bound the bits of integers that sympy puts under roots, and factors, for numbers to fractional powers."""
+    """Bounds on the bits of the integers that sympy puts under a root, and factors, for the given powers."""
     numbers = {base for base, _ in roots}
-    if len(numbers) > 1:  # common factors are taken out, and equal exponents brought together
+    if len(numbers) > 1:  # sympy extracts common factors, and merges powers of equal exponent
         longest = max(exponent.q for _, exponent in roots)
         yield longest * sum(max(n.p.bit_length(), n.q.bit_length()) for n in numbers) // 4
         return
@@ -362,7 +375,7 @@ def _root_bits(roots: Sequence[Root]) -> Iterator[int]:
 
 
 def _bits_under(number: int, p: int, q: int) -> int:
-    """Bits under the root of number**(p/q) once all that can be is before it: 2**(2p mod q)*3**p of 12."""
+    """Bits under the root of number**(p/q) after whole powers are extracted: of 2**(2p mod q)*3**p for 12."""
     powers = {prime: k * p % q for prime, k in sympy.Integer(number).factors(limit=2**15).items()}
     common = math.gcd(*powers.values()) or 1
     return sum(power // common * prime.bit_length() for prime, power in powers.items())

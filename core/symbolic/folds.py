@@ -1,9 +1,8 @@
-"""Where a real expression may become another function: its folds, and points on both sides of them.
+"""Where a real expression may change from one analytic function to another: its folds, and points beside them.
 
-A real expression is analytic but where what stands under a root, in a logarithm or under a real power is zero: on
-either side of such a *fold* it may be another function. And functions such as tanh(1000 x) or exp(−1000 (x − 7)²) say
-all they have to say near the zeros of their arguments. So these places are sought, along straight lines, and both sides
-of them sampled.
+A real expression is analytic except where the argument of a root, a logarithm or a real power is zero: on either side
+of such a *fold* it may be another analytic function. Functions such as tanh(1000 x) or exp(−1000 (x − 7)²) vary only
+near the zeros of their arguments. These zeros are sought along straight lines, and both sides of them are sampled.
 """
 
 from __future__ import annotations
@@ -21,15 +20,24 @@ __all__ = ["folds", "near_folds", "signs_at_folds"]
 
 Array = NDArray[np.float64]
 
-_LINES, _PLACES = 48, 25  #: lines along which folds are sought, and places on each of them
-_MOST_FOLDS, _MOST_MINIMA = 16, 12  #: folds that are sought, and places on each of them that are kept
-_HALVINGS = 26  #: golden sections of a bracket: to 4e-6 of its length
+#: Number of straight lines along which folds are sought.
+_LINES = 48
+#: Number of equally spaced points on each line.
+_PLACES = 25
+#: Most folds that are sought, in the order of `folds`.
+_MOST_FOLDS = 16
+#: Most local minima of |u| that are kept for each fold u, over all lines.
+_MOST_MINIMA = 12
+#: Golden sections of a bracket: they narrow it to 4e-6 of its length.
+_SECTIONS = 26
+#: Part of a bracket that one golden section keeps.
 _GOLDEN = (5**0.5 - 1) / 2
-_OFFSETS = (0.0, 1e-4, -1e-4, 1e-2, -1e-2, 0.3, -0.3)  #: from a fold, in lengths of the bracket
+#: Points sampled at a fold and on both sides of it, as distances in units of the spacing of points on a line.
+_OFFSETS = (0.0, 1e-4, -1e-4, 1e-2, -1e-2, 0.3, -0.3)
 
 
 def folds(tape: Tape) -> list[Expr]:
-    """What stands under roots and real powers and in logarithms; then the arguments of functions that level off."""
+    """Arguments of roots, real powers and logarithms; then those of exponentials and hyperbolic functions."""
     kinks = dict.fromkeys(u for node in tape.nodes if node.free_symbols for u in _kinks(node))
     steps = dict.fromkeys(u for node in tape.nodes if node.free_symbols for u in _steps(node))
     return list(kinks | steps)[:_MOST_FOLDS]
@@ -50,7 +58,7 @@ def _steps(node: Expr) -> Iterator[Expr]:
 
 
 def signs_at_folds(found: Iterable[Expr]) -> list[Expr]:
-    """Expressions whose signs tell the sides of folds apart: of (x − 1)² y that are x − 1 and y."""
+    """Expressions whose signs tell the sides of folds apart: x − 1 and y for (x − 1)² y."""
     return list(dict.fromkeys(v for u in found for v in _factors(u)))
 
 
@@ -65,13 +73,26 @@ def _factors(u: Expr) -> Iterator[Expr]:
 
 
 def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, rng: np.random.Generator) -> Array:
-    """Points on lines between given ones, at and beside the places where one of `found` is least in size.
+    """Points on lines between given ones, at and on both sides of the local minima of |u| for each u in `found`.
 
-    That is so at its zeros, whether it changes its sign there or only touches zero, as (x − 1)² does.
+    These include the zeros of u, whether its sign changes there or not, as with (x − 1)².
+
+    Parameters
+    ----------
+    found
+        Folds, as from `folds`.
+    symbols
+        n symbols, in the order of the coordinates.
+    points
+        (m, n) points; the lines lead from any of them to those far from zero.
+
+    Returns
+    -------
+    (k, n) points.
     """
     tape = Tape(found)
     places = [tape.place[u] for u in found]
-    far = np.argsort(np.abs(points).max(axis=1))[len(points) // 2 :]  # a line is to lead past what is not near zero
+    far = np.argsort(np.abs(points).max(axis=1))[len(points) // 2 :]  # so that a line passes folds that are not near 0
     start, end = points[rng.integers(len(points), size=_LINES)], points[rng.choice(far, size=_LINES)]
 
     def sizes(origin: Array, step: Array) -> list[Array]:
@@ -103,7 +124,7 @@ def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, 
 
 
 def _minima(sizes: Array) -> list[tuple[int, int]]:
-    """Where, (line, place), a size is less than at both neighbours; not all of them."""
+    """Indices (line, place) of local minima, evenly thinned to `_MOST_MINIMA`."""
     left, middle, right = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
     lines, places = np.nonzero((middle <= left) & (middle <= right) & np.isfinite(left + right))
     every = max(1, len(lines) // _MOST_MINIMA)
@@ -111,10 +132,10 @@ def _minima(sizes: Array) -> list[tuple[int, int]]:
 
 
 def _least(size: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Where a function is least between bounds, by golden sections, for many at once."""
+    """Minima of many functions at once between bounds, by golden section search."""
     first, second = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
     at_first, at_second = size(first), size(second)
-    for _ in range(_HALVINGS):
+    for _ in range(_SECTIONS):
         left = at_first <= at_second
         low, high = np.where(left, low, first), np.where(left, second, high)
         new = np.where(left, high - _GOLDEN * (high - low), low + _GOLDEN * (high - low))

@@ -1,4 +1,4 @@
-"""Does a jump leave the state on the surface? Decided from the declaration, not from a rounded value of g."""
+"""Test whether a jump leaves the state on the surface: from the declaration, not from a rounded value of g."""
 
 from __future__ import annotations
 
@@ -11,10 +11,16 @@ from sympy import Expr, Symbol
 
 __all__ = ["stays_on_surface"]
 
+#: Decimal digits of the arithmetic.
 _DIGITS = 40
-_POINTS, _ATTEMPTS = 4, 60
-_RANGE = 3.0  #: size of the random coordinates, parameters and times between which a point of the surface is sought
-_ZERO = mpmath.mpf(10) ** -25  #: of the size of its terms: beyond the digits that a root found to 40 of them can lose
+#: Number of points on the surface at which g after the jump is tested.
+_POINTS = 4
+#: Most random starts from which such points are sought.
+_ATTEMPTS = 60
+#: Largest size of the random coordinates, parameters and times of these starts.
+_RANGE = 3.0
+#: |g| below this part of the sizes of its terms is zero: a root in 40 digits may lose some 15 of them.
+_ZERO = mpmath.mpf(10) ** -25
 
 Point = dict[Symbol, mpmath.mpf]
 
@@ -22,8 +28,8 @@ Point = dict[Symbol, mpmath.mpf]
 def stays_on_surface(g: Expr, x: Sequence[Symbol], jump: Sequence[Expr]) -> bool:
     """Whether g(t, jump(t, x)) = 0 wherever g(t, x) = 0.
 
-    True where g after the jump is g before it, or is zero at all of some random points of the surface, to 25 of 40
-    digits. False also where no point of the surface is found.
+    True if g after the jump is the expression g itself, or vanishes to 25 of 40 digits at up to four random points of
+    the surface. False also if no point of the surface is found.
     """
     after = g.xreplace(dict(zip(x, jump, strict=True)))
     if after == g:
@@ -33,7 +39,7 @@ def stays_on_surface(g: Expr, x: Sequence[Symbol], jump: Sequence[Expr]) -> bool
 
 
 def _points_on(g: Expr, x: Sequence[Symbol], others: Sequence[Symbol]) -> Iterator[Point]:
-    """A few random points at which g vanishes: one coordinate after another is solved for."""
+    """A few random points at which g vanishes; the coordinates take turns in being solved for."""
     generator = random.Random(20261122)  # noqa: S311 - test points, not secrets
     names = sorted(g.free_symbols | set(others), key=str)
     solvable = [v for v in x if v in g.free_symbols]
@@ -45,7 +51,7 @@ def _points_on(g: Expr, x: Sequence[Symbol], others: Sequence[Symbol]) -> Iterat
             along = sympy.lambdify([v], g.xreplace({s: _number(u) for s, u in point.items() if s != v}), "mpmath")
             try:
                 point[v] = mpmath.findroot(along, point[v])
-            except (ArithmeticError, ValueError, TypeError):  # no root near by, or no value
+            except (ArithmeticError, ValueError, TypeError):  # no root found, or g has no value
                 continue
             if mpmath.im(point[v]) == 0:
                 yield point

@@ -1,6 +1,6 @@
 r"""Conserved quantities → discrete gradient → discrete vector field: the Discrete Multiplier Method (DMM).
 
-The discrete gradient is made by *slopes*. Every expression u of (x, t) is carried with slopes sᵢ such that
+The discrete gradient is made of *slopes*. Each expression u of (x, t) has slopes sᵢ such that
 
     u(t₁, x₁) − u(t₀, x₀) = Σ sᵢ Δxᵢ + s_t Δt      exactly, and symmetric under 0 ↔ 1:
 
@@ -37,20 +37,22 @@ class DividedDifference(sympy.Function):
 
     @classmethod
     def eval(cls, a: Expr, b: Expr) -> Expr | None:
-        """At equal ends it is the derivative."""
+        """The derivative where both ends are equal, else None: leave unevaluated."""
         if a == b:
             u = sympy.Dummy()
             return cls.phi(u).diff(u).subs(u, a)
         return None
 
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Differentiate in one end: φ[a, b, b], and by symmetry φ[b, a, a]."""
+        """Derivative with respect to one end: φ[a, b, b], or by symmetry φ[b, a, a]."""
         a, b = self.args if argindex == 2 else reversed(self.args)
         return SECOND[type(self)](a, b)
 
     def _latex(self, printer: Any) -> str:
         ends = dict(zip("AB", map(printer.doprint, self.args), strict=True))
-        return re.sub("[AB]", lambda found: ends[found[0]], self.template)  # at once: the ends may hold these letters
+        return re.sub(
+            "[AB]", lambda found: ends[found[0]], self.template
+        )  # in one pass: the ends may contain these letters
 
 
 class SecondDifference(sympy.Function):
@@ -77,8 +79,9 @@ def _differences() -> dict[Any, type[DividedDifference]]:
     }
 
 
-#: φ → the class of φ[a, b], and the class of φ[a, b] → the class of φ[a, b, b].
+#: φ -> the class of φ[a, b].
 DIFFERENCES = _differences()
+#: The class of φ[a, b] -> the class of φ[a, b, b].
 SECOND = {cls: type(f"{cls.__name__}_b", (SecondDifference,), {}) for cls in DIFFERENCES.values()}
 
 
@@ -93,7 +96,7 @@ class Endpoints:
 
     @classmethod
     def of(cls, variables: Sequence[Symbol], taken: set[str]) -> Endpoints:
-        """Name the ends ``x_0, x_1, t_0, t_1``, out of the way of the names already taken."""
+        """Name the ends ``x_0, x_1, t_0, t_1``, with underscores added where such a name is taken."""
         tail = ""
         while any(f"{v}{tail}_{k}" in taken for v in (*variables, TIME) for k in "01"):
             tail += "_"
@@ -112,7 +115,7 @@ class Endpoints:
 
     @property
     def at_middle(self) -> dict[Symbol, Expr]:
-        """Means of the two ends: symmetric, hence of second order."""
+        """Variables and time -> the mean of their values at both ends: symmetric, hence of second order."""
         end = self.at_end
         return {v: (a + end[v]) / 2 for v, a in self.at_start.items()}
 
@@ -128,7 +131,7 @@ def slopes(expression: Expr, ends: Endpoints) -> tuple[Expr, ...]:
 
 
 class _Slopes:
-    """The recursion of `slopes`, which meets every shared subexpression once."""
+    """The recursion of `slopes`, which treats every shared subexpression once."""
 
     def __init__(self, ends: Endpoints) -> None:
         self.start: Mapping[Symbol, Expr] = ends.at_start
@@ -171,7 +174,7 @@ class _Slopes:
         return tuple(outer * s for s in self.of(u))
 
     def power(self, base: Expr, exponent: Expr) -> tuple[Expr, ...]:
-        """Slope of uᵖ: sums of products for a small rational p, exp(p log u) for every other."""
+        """Slopes of uᵖ: a sum of products if p is a small rational, those of exp(p log u) otherwise."""
         if exponent.is_Rational and abs(exponent.p) <= 64 and exponent.q <= 12:
             a, b = self.ends_of(base)
             outer = _power_slope(a, b, exponent)
@@ -195,7 +198,7 @@ def _integer_power_slope(a: Expr, b: Expr, n: int) -> Expr:
 
 
 def _factored_power_slope(a: Expr, b: Expr, n: int) -> Expr:
-    """The same with (aⁿ − bⁿ) = (a^(n/2) + b^(n/2)) (a^(n/2) − b^(n/2)): few operations where n is even."""
+    """The same by (aⁿ − bⁿ) = (a^(n/2) + b^(n/2)) (a^(n/2) − b^(n/2)), which saves operations where n is even."""
     if n % 2 or n < 4:
         return _integer_power_slope(a, b, n)
     return (a ** (n // 2) + b ** (n // 2)) * _factored_power_slope(a, b, n // 2)
@@ -203,7 +206,7 @@ def _factored_power_slope(a: Expr, b: Expr, n: int) -> Expr:
 
 @dataclass(frozen=True)
 class DiscreteField:
-    """The DMM of one side: what is conserved, its discrete gradient, and the discrete field fᵗ.
+    """The DMM of one mode: the discrete gradient of its ψ, and the discrete field fᵗ.
 
     Parameters
     ----------
@@ -230,7 +233,7 @@ class DiscreteField:
 
     @property
     def time_slope(self) -> sympy.Matrix:
-        """s_t, (m, 1): zero where ψ does not name t."""
+        """s_t, (m, 1): zero where ψ does not depend on t."""
         return sympy.Matrix(len(self.conserved), 1, [row[-1] for row in self._all_slopes])
 
     @property
@@ -264,8 +267,8 @@ class DiscreteField:
         if not self.conserved:
             return self.mean_field
         rows = self.gradient
-        excess = rows * self.mean_field + self.time_slope
-        return self.mean_field - rows.T * _inverse(rows * rows.T) * excess
+        residual = rows * self.mean_field + self.time_slope
+        return self.mean_field - rows.T * _inverse(rows * rows.T) * residual
 
 
 def generalised_cross(rows: sympy.Matrix) -> sympy.Matrix:
@@ -279,7 +282,7 @@ def generalised_cross(rows: sympy.Matrix) -> sympy.Matrix:
 
 
 def _inverse(matrix: sympy.Matrix) -> sympy.Matrix:
-    """Inverse by cofactors of placeholders, so that sympy never tries to simplify the entries."""
+    """Inverse by cofactors, of placeholders, so that sympy does not try to simplify the entries."""
     m = matrix.rows
     blank = sympy.Matrix(m, m, sympy.symbols(f"n:{m * m}"))
     inverse = blank.adjugate() / blank.det(method="berkowitz")
@@ -287,5 +290,5 @@ def _inverse(matrix: sympy.Matrix) -> sympy.Matrix:
 
 
 def _ratio(f: Expr, n: Expr) -> Expr:
-    """f/n with common factors cancelled, functions of the variables taken as new variables."""
+    """f/n with common factors cancelled; sympy treats functions of the variables as further variables."""
     return sympy.cancel(sympy.together(f / n))

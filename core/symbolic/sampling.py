@@ -1,4 +1,4 @@
-"""Points at which expressions are looked at: in every orthant, near zero and far out, on both sides of every fold."""
+"""Points at which expressions are evaluated: in every orthant, near zero and far out, on both sides of every fold."""
 
 from __future__ import annotations
 
@@ -20,38 +20,62 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Point = dict[Symbol, float]
 
-#: Sizes of a coordinate, each as a range in which its logarithm is drawn.
-_ORDINARY, _NEAR, _FAR, _FARTHEST = (0.3, 2.0), (1e-6, 0.3), (2.0, 50.0), (50.0, 1e6)
+#: Range of the size of an ordinary coordinate; in this and the following ranges its logarithm is uniform.
+_ORDINARY = (0.3, 2.0)
+#: Range of the size of a coordinate near 0.
+_NEAR = (1e-6, 0.3)
+#: Range of the size of a coordinate far from 0.
+_FAR = (2.0, 50.0)
+#: Range of the size of a coordinate very far from 0.
+_FARTHEST = (50.0, 1e6)
+#: Logarithms of these ranges, (4, 2).
 _SIZES = np.log([_ORDINARY, _NEAR, _FAR, _FARTHEST])
-_SHARES = (0.5, 0.25, 0.2, 0.05)  #: of these sizes in points whose coordinates are of different ones
+#: Probabilities of the four ranges for a coordinate of a point of mixed sizes.
+_SHARES = (0.5, 0.25, 0.2, 0.05)
 
+#: Decimal digits in which an expression is evaluated.
+_DIGITS = 120
+#: Decimal digits in which a value is confirmed: a difference between the two is round-off.
+_MORE_DIGITS = 480
+#: Size of the arguments of exp, tanh, … up to which the points are preferred: there 1 − tanh(u) keeps digits.
+_TELLING = 60.0
+#: Largest size of such arguments where no preferred point has a value: beyond it evaluation takes too long.
+_LARGEST = 1e6
 
-#: Decimal digits of a value, and of the one that confirms it: only what both agree on is no round-off.
-_DIGITS, _MORE_DIGITS = 120, 480
-#: Arguments of exp, tanh, … up to which 1 − tanh(u) is more than round-off; where there is no such point, larger ones.
-_TELLING, _LARGEST = 60.0, 1e6
-
-_SHAKE = 2.0**-46  #: relative to a coordinate: 64 roundings
-_DRAWN, _ROUNDS = 384, 4  #: points drawn at a time, and how many times at most
-_ENOUGH = 24  #: points with values, after which no more are drawn
-_FEW, _MOST = 6, 40  #: points at which many digits are worked out
-_EACH = 2  #: such points in each piece
-_EFFORT = 20_000  #: operations in many digits: a bound on the points that are taken of long expressions
-_LEAST = 3  #: points of the longest
-_ATTEMPTS = 40  #: where floating point has no value at all
-_LONG = 2000  #: operations of an expression whose folds are not sought
+#: Relative perturbation of a coordinate, 64 roundings: values that change much by it are round-off.
+_PERTURBATION = 2.0**-46
+#: Number of points drawn at a time.
+_DRAWN = 384
+#: Most times that points are drawn.
+_ROUNDS = 4
+#: Number of points with finite values after which no more are drawn.
+_ENOUGH = 24
+#: Least number of points that are evaluated in many digits, where long expressions allow it.
+_FEW = 6
+#: Largest number of such points.
+_MOST = 40
+#: Number of such points wanted in each piece of the domain.
+_EACH = 2
+#: Most operations in many digits: it bounds the number of such points for a long expression.
+_EFFORT = 20_000
+#: Number of such points for the longest expressions.
+_LEAST = 3
+#: Number of points tried in many digits where no point has a value in floating point.
+_ATTEMPTS = 40
+#: Number of operations beyond which the folds of an expression are not sought, to save time.
+_LONG = 2000
 
 
 @dataclass(frozen=True)
 class Domain:
-    """Where something has to hold: everywhere, but for what is said here."""
+    """The set of points at which something has to hold: all that satisfy the conditions below."""
 
     ranges: Mapping[Symbol, tuple[float, float]] = field(default_factory=dict)
-    """Bounds of the symbols that have any."""
+    """Bounds of the symbols that have them."""
     positive: Expr | None = None
-    """An expression that is positive there: −g or g, on a side of the surface."""
+    """An expression that is positive in the domain: −g or g, on a side of the surface."""
     defined: tuple[Expr, ...] = ()
-    """Expressions that have real, finite values there."""
+    """Expressions that have real, finite values in the domain."""
 
     def __hash__(self) -> int:
         return hash((frozenset(self.ranges.items()), self.positive, self.defined))
@@ -62,21 +86,21 @@ class Domain:
 
 
 class Samples:
-    """Points of a domain where some expressions have values.
+    """Points of a domain at which some expressions have real, finite values.
 
     Parameters
     ----------
     thorough
-        Whether both sides of folds are sought; else only where there are few points without them.
+        Whether to sample both sides of folds in any case; otherwise only if few points are found without.
 
     Attributes
     ----------
     points
-        (n, number of symbols): where all values are finite in floating point.
+        (n, number of symbols) points at which all values are finite in floating point.
     nodes
-        Values there of all nodes of the tape, (n,) each.
+        Values of all nodes of the tape at the points, (n,) each.
     inside
-        How many points of the domain itself were found on the way.
+        How many of the points tried lie in the domain.
     unreal
         At how many of these an expression has no real value, as log(−1).
     """
@@ -116,7 +140,7 @@ class Samples:
         return drawn(_DRAWN, self.symbols, self.domain.ranges, self._rng)
 
     def _with_values(self, points: Array) -> tuple[Array, list[Array]]:
-        """The points in the domain where there are values, with those of all nodes."""
+        """Those of the points that lie in the domain and have finite values, and the values of all nodes there."""
         with np.errstate(all="ignore"):
             found = self.tape.run(Floats(), dict(zip(self.symbols, points.T, strict=True)))
         nodes = [np.broadcast_to(v, len(points)) for v in found]
@@ -136,7 +160,7 @@ class Samples:
         return np.concatenate([a[0], b[0]]), [np.concatenate(pair) for pair in zip(a[1], b[1], strict=True)]
 
     def signs(self) -> dict[Expr, Array]:
-        """The signs, at the points, of the symbols and of what tells the sides of folds apart."""
+        """Signs, at the points, of the symbols and of the expressions that tell the sides of folds apart."""
         apart = signs_at_folds(self.folds)
         tape = Tape(apart)
         with np.errstate(all="ignore"):
@@ -145,7 +169,7 @@ class Samples:
         return {u: np.sign(np.broadcast_to(v, len(self.points))) for u, v in columns.items()}
 
     def _arguments(self) -> Array:
-        """The largest size of an argument of a growing function at each point."""
+        """At each point, the largest size of an argument of exp, sinh, cosh or tanh."""
         found = [np.zeros(len(self.points))]
         with np.errstate(all="ignore"):
             for u in self.tape.nodes:
@@ -156,7 +180,7 @@ class Samples:
         return largest
 
     def _pieces(self) -> Rows:
-        """The number of the piece each point is in: pieces differ in signs at folds, and of the symbols there."""
+        """Number of the piece in which each point lies: pieces differ in signs of folds, or of symbols in these."""
         apart = signs_at_folds(self.folds)
         names = {s for u in apart for s in u.free_symbols}
         columns = [sign for u, sign in self.signs().items() if u in apart or u in names]
@@ -167,14 +191,14 @@ class Samples:
     # In many digits --------------------------------------------------------------------------------------------------
 
     def point(self, row: int) -> Point:
-        """A point as a mapping."""
+        """Symbol -> coordinate, for the point in a row of `points`."""
         return self._mapping(self.points[row])
 
     def _mapping(self, numbers: Array) -> Point:
         return dict(zip(self.symbols, numbers.tolist(), strict=True))
 
     def in_digits(self, point: Point, more: bool = False, largest: float = _LARGEST) -> list[Any] | None:
-        """Values of all nodes of the tape at a point, None where one has none."""
+        """Values of all nodes of the tape at a point, in many digits; None where one is undefined."""
         arithmetic = digits(_MORE_DIGITS if more else _DIGITS, largest)
         at = {s: arithmetic.context.mpf(v) for s, v in point.items()}
         try:
@@ -186,12 +210,12 @@ class Samples:
         return values
 
     def chosen(self, first: Rows) -> Iterator[tuple[Point, list[Any]]]:
-        """A few points, of every piece in turn, with their values in many digits.
+        """Yield a few points, from every piece in turn, with the values of all nodes there in many digits.
 
         Parameters
         ----------
         first
-            Rows of points to begin with.
+            Rows of `points` to begin with.
         """
         pieces = self._pieces()
         telling = self._arguments() <= _TELLING
@@ -212,22 +236,22 @@ class Samples:
                 return
 
     def _with_digits(self, points: Sequence[Point], largest: float) -> Iterator[tuple[Point, list[Any]]]:
-        """Those of some points that have values in many digits."""
+        """Yield those of the points that have values in many digits, with these values."""
         for point in points:
             values = self.in_digits(point, largest=largest)
             if values is not None:
                 yield point, values
 
-    def shaken(self) -> list[Array]:
-        """Values of all nodes a few roundings beside the points: where they differ much, they are round-off."""
+    def perturbed(self) -> list[Array]:
+        """Values of all nodes at slightly perturbed points: `nodes` that differ much from them are round-off."""
         with np.errstate(all="ignore"):
-            beside = (self.points * (1.0 + _SHAKE)).T
+            beside = (self.points * (1.0 + _PERTURBATION)).T
             found = self.tape.run(Floats(), dict(zip(self.symbols, beside, strict=True)))
         return [np.broadcast_to(v, len(self.points)) for v in found]
 
 
 def _alternating(first: Rows, second: Rows) -> Rows:
-    """The entries of two arrays in turn, then what is left of the longer."""
+    """The entries of two arrays in turn, then the rest of the longer."""
     both = min(len(first), len(second))
     return np.concatenate([np.stack([first[:both], second[:both]], axis=1).reshape(-1), first[both:], second[both:]])
 
@@ -237,13 +261,13 @@ def drawn(
 ) -> Array:
     """Random points (count, len(symbols)) of six kinds in turn.
 
-    Their coordinates are: ordinary and positive, of mixed sizes, near 0, far, ordinary, ordinary but for one that is
-    far.
+    The sizes of their coordinates are: ordinary, with positive signs; mixed; near 0; far; ordinary; ordinary except one
+    that is far.
 
     Parameters
     ----------
     ranges
-        Bounds of the symbols that have any.
+        Bounds of the symbols that have them.
     """
     kinds = np.arange(count) % 6
     sizes = rng.choice(len(_SIZES), p=_SHARES, size=(count, len(symbols)))
@@ -258,12 +282,12 @@ def drawn(
     points *= np.where(kinds[:, None] == 0, 1.0, rng.choice([-1.0, 1.0], size=sizes.shape))
     for k, symbol in enumerate(symbols):
         if symbol in ranges:
-            _bring_within(points[:, k], *ranges[symbol], rng)
+            _redraw_outside(points[:, k], *ranges[symbol], rng)
     return points
 
 
-def _bring_within(values: Array, low: float, high: float, rng: np.random.Generator) -> None:
-    """Draw anew what is out of bounds: evenly, or every other one evenly in its logarithm."""
+def _redraw_outside(values: Array, low: float, high: float, rng: np.random.Generator) -> None:
+    """Draw anew, in place, the values out of bounds: uniform, every other one uniform in its logarithm."""
     out = (values < low) | (values > high)
     parts = rng.random(values.size)
     even = low + (high - low) * parts

@@ -14,9 +14,15 @@ from core.symbolic.zero_testing import EVERYWHERE, Domain, has_values_throughout
 
 __all__ = ["stream_function"]
 
-#: Operations of one term that sympy is asked to integrate: what is larger could take it for ever.
+#: Most operations of one term that sympy is asked to integrate: a larger one could take minutes.
 _MAX_OPERATIONS = 24
-_SOUGHT_TERMS, _SOUGHT_FACTORS, _SOUGHT_POWER = 60, 3, 8  #: of a field whose antiderivatives sympy is asked for
+#: Most terms of an expanded component of a field whose antiderivatives sympy is asked for.
+_MAX_TERMS = 60
+#: Most factors, over all terms, that are not powers of the variable of integration.
+_MAX_FACTORS = 3
+#: Largest exponent in a term that has such a factor.
+_MAX_POWER = 8
+#: sympy functions that an antiderivative may contain.
 _WHITELIST = tuple(exact for name, (exact, _) in FUNCTIONS.items() if name != "sqrt")
 
 
@@ -26,15 +32,15 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: 
     Parameters
     ----------
     field
-        2 expressions in the variables; None is returned for any other number of them, and where they name t.
+        2 expressions in the variables; for any other number of them, or where they depend on t, None is returned.
     variables
         (x, y).
     domain
-        Where it has to hold.
+        Where ψ has to be real and these equations have to hold.
     """
     if len(variables) != 2 or any(f.has(TIME) for f in field):
         return None
-    if not _is_soon_integrated(field, variables):
+    if not _is_easily_integrated(field, variables):
         return None
     (x, y), (u, v) = variables, field
     domain = replace(domain, defined=(u, v))
@@ -56,13 +62,13 @@ def stream_function(field: Sequence[Expr], variables: Sequence[Symbol], domain: 
 
 
 def _real_throughout(psi: Expr, domain: Domain) -> Expr | None:
-    """ψ, or else ψ with log(u²)/2 for log(u), if it is real all over the domain: on both sides of a pole of f, too."""
+    """ψ, or ψ with log(u²)/2 for log(u), if real throughout the domain (on both sides of a pole of f), else None."""
     even = psi.replace(sympy.log, lambda u: sympy.log(u**2) / 2)
     return next((found for found in dict.fromkeys((psi, even)) if has_values_throughout(found, domain)), None)
 
 
 def _integral(expression: Expr, variable: Symbol) -> Expr | None:
-    """An antiderivative, term by term, in functions of the whitelist."""
+    """An antiderivative, term by term; None where one needs functions outside the whitelist."""
     total = sympy.Integer(0)
     for term in sympy.Add.make_args(sympy.expand(expression)):
         factor, rest = term.as_independent(variable, as_Add=False)
@@ -76,33 +82,33 @@ def _integral(expression: Expr, variable: Symbol) -> Expr | None:
 
 
 def _is_plain(expression: Expr) -> bool:
-    """Whether an expression holds nothing but numbers, symbols, sums, products, powers and functions we know."""
+    """Whether an expression consists of numbers, symbols, sums, products, powers and functions of the whitelist."""
     return all(
         node.is_Symbol or node.is_number or node.is_Add or node.is_Mul or node.is_Pow or node.func in _WHITELIST
         for node in sympy.preorder_traversal(expression)
     )
 
 
-def _is_soon_integrated(field: Sequence[Expr], variables: Sequence[Symbol]) -> bool:
+def _is_easily_integrated(field: Sequence[Expr], variables: Sequence[Symbol]) -> bool:
     """Whether sympy finds the antiderivatives of a planar field, or gives up, in a fraction of a second.
 
     It can spend minutes on a product of a few functions, or on high powers of one.
     """
-    if any(size_expanded(f) > _SOUGHT_TERMS for f in field):
+    if any(size_expanded(f) > _MAX_TERMS for f in field):
         return False
     terms = [
         (term, v)
         for f, v in zip(field, reversed(variables), strict=True)
         for term in sympy.Add.make_args(sympy.expand(f))
     ]
-    return sum(_effort(*term) for term in terms) <= _SOUGHT_FACTORS
+    return sum(_effort(*term) for term in terms) <= _MAX_FACTORS
 
 
 def _effort(term: Expr, variable: Symbol) -> float:
-    """Count the factors of a term that are no power of the variable, each as often as it stands there."""
+    """Number of factors of a term, with multiplicity, that are not powers of the variable; inf if too hard."""
     powers = [part.as_base_exp() for part in sympy.Mul.make_args(term) if part.has(variable)]
     others = [p for p in powers if p[0] != variable or not p[1].is_Integer]
-    if others and any(abs(exponent) > _SOUGHT_POWER for _, exponent in powers if exponent.is_Rational):
+    if others and any(abs(exponent) > _MAX_POWER for _, exponent in powers if exponent.is_Rational):
         return math.inf
     return sum(_effort_of_power(base, exponent, variable) for base, exponent in others)
 

@@ -1,4 +1,4 @@
-"""Expressions taken apart once, then worked out at many points: in floating point, or in as many digits as one likes.
+"""Expressions taken apart once, then evaluated at many points: in floating point, or in any number of digits.
 
 Only real values count: a root, logarithm or real power of a negative number is undefined, as it is to compiled code.
 """
@@ -20,13 +20,14 @@ from core.symbolic.expressions import FUNCTIONS
 __all__ = ["Arithmetic", "Digits", "Floats", "Tape", "digits", "growing_argument"]
 
 _HALF = sympy.Rational(1, 2)
+#: Functions whose values, or whose distance from a limit, vary exponentially with the argument.
 _GROWING = ("exp", "sinh", "cosh", "tanh")
-#: Of sin, cos and tan: for larger arguments mpmath needs a digit of π for each of their digits.
+#: Largest argument of sin, cos and tan: to reduce a larger one, mpmath needs as many digits of π as it has.
 _LARGEST_ANGLE = 1e6
 
 
 class Arithmetic(Protocol):
-    """How the operations of a tape are worked out."""
+    """The arithmetic in which a tape is evaluated."""
 
     @property
     def functions(self) -> Mapping[str, Callable[[Any], Any]]:
@@ -59,10 +60,10 @@ class Floats:
 
 
 class Digits:
-    """A given number of decimal digits, at one point: ArithmeticError where there is no real value.
+    """A given number of decimal digits, at one point; ArithmeticError where there is no real value.
 
-    So it is, too, where an argument of a growing function is beyond ±`largest`: of 1 − tanh(1000) no digits are left,
-    and exp(exp(100)) would take for ever.
+    An argument of exp, sinh, cosh or tanh beyond ±`largest` raises it too: 1 − tanh(1000) has no digits left, and
+    exp(exp(100)) would take for ever.
     """
 
     def __init__(self, digits: int, largest: float) -> None:
@@ -110,12 +111,12 @@ class Digits:
 
 @lru_cache(maxsize=8)
 def digits(count: int, largest: float) -> Digits:
-    """An arithmetic of so many digits, made once."""
+    """The arithmetic of `count` decimal digits, cached."""
     return Digits(count, largest)
 
 
 class Tape:
-    """The operations of expressions, each once, operands first.
+    """The operations of some expressions, each once, operands before what uses them.
 
     Attributes
     ----------
@@ -131,7 +132,7 @@ class Tape:
             self.add(u)
 
     def add(self, u: Expr) -> int:
-        """Put an expression on the tape, if it is not; returns its place."""
+        """Put an expression on the tape if it is not there; return its place."""
         known = self.place.get(u)
         if known is not None:
             return known
@@ -159,7 +160,7 @@ class Tape:
         return values
 
     def size(self, u: Expr, values: Sequence[Any]) -> Any:
-        """What |u| would be if nothing cancelled in its sums: round-off is measured by it."""
+        """|u| if nothing cancelled in its sums: the scale of its round-off."""
         if u.is_Add:
             return sum(self.size(a, values) for a in u.args)
         if u.is_Mul:
@@ -170,7 +171,7 @@ class Tape:
 
 
 def growing_argument(u: Expr) -> tuple[Expr, ...] | None:
-    """The argument v of exp(v) and the like, (v, b) of b**v; None of any other operation."""
+    """(v,) for exp(v), sinh(v), cosh(v) and tanh(v), (v, b) for b**v; None for any other operation."""
     if type(u).__name__ in _GROWING:
         return (u.args[0],)
     return (u.exp, u.base) if u.is_Pow and len(_operands(u)) == 2 else None
@@ -181,7 +182,7 @@ def _is_leaf(u: Expr) -> bool:
 
 
 def _operands(u: Expr) -> tuple[Expr, ...]:
-    """The parts of an operation; a whole exponent is none, nor is that of a square root."""
+    """The operands of an operation; an integer exponent, or that of a square root, does not count as one."""
     return (u.base,) if u.is_Pow and (u.exp.is_Integer or u.exp == _HALF) else u.args
 
 

@@ -1,8 +1,8 @@
-"""Is an expression identically zero? Decided by values, in high precision, at points of every kind.
+"""Test whether an expression is identically zero: by its values, in high precision, at points of every kind.
 
-An expression that is analytic, and vanishes at a random point, is zero with a probability that no user will live to see
-fail (Schwartz-Zippel); unlike symbolic simplification this takes bounded time. What roots, logarithms and real powers
-join together is analytic in pieces only, so points are taken in all of them (`sampling`).
+An analytic expression that vanishes at a random point is zero, with a probability of error that can be neglected
+(Schwartz-Zippel); unlike symbolic simplification, the test takes bounded time. Expressions with roots, logarithms or
+real powers are only piecewise analytic, so points are taken in every piece (`sampling`).
 """
 
 from __future__ import annotations
@@ -27,23 +27,26 @@ __all__ = [
     "is_larger", "is_zero", "size_expanded", "tidied",
 ]  # fmt: skip
 
-_TIDIED_TERMS = 40  #: of a sum that is multiplied out
-_TIDIED_NODES = 600
-
 Array = NDArray[np.float64]
 
-#: Of a value in 120 digits that is zero, in units of its terms: 70 of them may be lost on the way.
+#: Most terms of an expanded sum that `tidied` multiplies out.
+_TIDIED_TERMS = 40
+#: Most nodes of the tree of an expression that `tidied` multiplies out.
+_TIDIED_NODES = 600
+#: A value in 120 digits below this part of the sizes of its terms may be round-off: 70 digits may be lost on the way.
 _ROUND_OFF = 1e-50
-#: Two values that agree to this part of them are no round-off.
+#: Values in 120 and in 480 digits whose relative difference is below this are not round-off.
 _AGREE = 1e-3
-#: Relative to what its terms add up to without their signs, a value in floating point is round-off below the first of
-#: these, and no round-off above the second.
-_NOTHING, _SOMETHING = 1e-10, 1e-6
-#: A value that changes by less than this part of it over some roundings of the point is no round-off.
+#: A value in floating point below this part of the sizes of its terms is round-off.
+_NOTHING = 1e-10
+#: A value in floating point above this part of the sizes of its terms is not round-off.
+_SOMETHING = 1e-6
+#: A value whose relative change by a perturbation of some roundings is below this is not round-off.
 _STEADY = 0.1
-#: The part of a row that stands out of the others, relative to the row: of what is dependent, in 120 digits and in 480.
+#: A row is dependent on others if its part orthogonal to them is below this part of the row: in 120 digits, in 480.
 _DEPENDENT = (1e-40, 1e-160)
-_PLAIN = 12  #: points that are tried for one that can be written in three digits
+#: Number of points tried for a counterexample whose coordinates have three digits.
+_PLAIN = 12
 
 EVERYWHERE = Domain()
 
@@ -55,9 +58,9 @@ class Counterexample:
     point: Mapping[Symbol, float]
     value: float
     partly: bool
-    """Whether it vanishes in other places."""
+    """Whether the expression vanishes elsewhere."""
     where: str | None
-    """The inequality that tells these places apart, if a simple one does: ``x > 0``."""
+    """The inequality that holds exactly where it vanishes, if a simple one is found: ``x > 0``."""
 
     @property
     def scope(self) -> str:
@@ -71,9 +74,9 @@ class Counterexample:
 
 @lru_cache(maxsize=256)
 def is_zero(expression: Expr, domain: Domain = EVERYWHERE) -> bool:
-    """Whether `expression` vanishes wherever in a domain it has a real value.
+    """Whether `expression` vanishes wherever it has a real value in a domain.
 
-    Where no such place is found only a symbolic zero counts.
+    Where no such point is found, only a symbolic zero counts.
     """
     if expression == 0:
         return True
@@ -82,27 +85,27 @@ def is_zero(expression: Expr, domain: Domain = EVERYWHERE) -> bool:
     return first is not None and not first[1] and not any(fails for _, fails in verdicts)
 
 
-@lru_cache(maxsize=256)  # the page asks, and then the system it makes
+@lru_cache(maxsize=256)  # the page asks first, and then the system that it makes
 def counterexample(expression: Expr, domain: Domain = EVERYWHERE) -> Counterexample | None:
     """A point of a domain at which `expression` does not vanish; None where none is found."""
     return None if expression == 0 else _Residual(expression, domain).counterexample()
 
 
 def has_values(expressions: Sequence[Expr], domain: Domain = EVERYWHERE) -> bool:
-    """Whether expressions have real, finite values somewhere in a domain, if anything has."""
+    """Whether expressions have real, finite values somewhere in a domain; True if no point of the domain is found."""
     samples = Samples(expressions, domain, thorough=False)
     return bool(len(samples.points)) or not samples.inside or next(samples.chosen(_NO_ROWS), None) is not None
 
 
 def has_values_throughout(expression: Expr, domain: Domain = EVERYWHERE) -> bool:
-    """Whether an expression is real wherever it was looked for in a domain."""
+    """Whether an expression is real at all points sampled in a domain."""
     return Samples((expression,), domain, thorough=False).unreal == 0
 
 
 def independent(rows: sympy.Matrix, domain: Domain = EVERYWHERE) -> bool:
     """Whether the rows of a matrix of expressions are linearly independent in every piece of a domain."""
     samples = Samples(tuple(rows), domain)
-    part = _standing_out(_scaled(rows, samples.tape, samples.nodes).astype(float))
+    part = _least_singular_values(_scaled(rows, samples.tape, samples.nodes).astype(float))
     order = np.argsort(part, kind="stable")
 
     def dependent(values: Sequence[Any] | None, limit: float) -> bool:
@@ -118,9 +121,9 @@ _NO_ROWS: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 
 
 def _scaled(rows: sympy.Matrix, tape: Tape, values: Sequence[Any]) -> NDArray[Any]:
-    """The values of a matrix, (points, rows, columns) or (rows, columns), rows in units of their terms.
+    """The values of a matrix, (points, rows, columns) or (rows, columns), each row divided by the size of its terms.
 
-    What is nothing but round-off is small then; what has no terms is zero.
+    A row of round-off is then small; a row without terms is zero.
     """
     with np.errstate(all="ignore"):
         entries = [[values[tape.place[u]] for u in rows.row(i)] for i in range(rows.rows)]
@@ -129,8 +132,8 @@ def _scaled(rows: sympy.Matrix, tape: Tape, values: Sequence[Any]) -> NDArray[An
         return np.moveaxis(np.array(scaled), (0, 1), (-2, -1))
 
 
-def _standing_out(matrices: Array) -> Array:
-    """The least singular value of each matrix; 0 where it has none."""
+def _least_singular_values(matrices: Array) -> Array:
+    """The least singular value of each matrix; 0 where it has entries that are not finite."""
     known = np.isfinite(matrices).all(axis=(-2, -1))
     out = np.zeros(len(matrices))
     out[known] = np.linalg.svd(matrices[known], compute_uv=False)[:, -1]
@@ -138,11 +141,11 @@ def _standing_out(matrices: Array) -> Array:
 
 
 def _rank_is_lost(rows: list[list[Any]], limit: float) -> bool:
-    """Whether Gram and Schmidt leave less than the limit of one of the rows."""
+    """Whether Gram-Schmidt orthogonalisation leaves a row shorter than the limit; rows are of size about 1."""
     kept: list[list[Any]] = []
     for row in rows:
         rest = row
-        for _ in range(2):  # twice is enough
+        for _ in range(2):  # reorthogonalised once: "twice is enough" (Kahan, in Parlett 1980)
             for unit in kept:
                 along = sum(a * b for a, b in zip(rest, unit, strict=True))
                 rest = [a - along * b for a, b in zip(rest, unit, strict=True)]
@@ -154,7 +157,7 @@ def _rank_is_lost(rows: list[list[Any]], limit: float) -> bool:
 
 
 class _Residual:
-    """An expression that ought to vanish, at the points of a domain."""
+    """An expression that should vanish, and its values at the points of a domain."""
 
     def __init__(self, expression: Expr, domain: Domain) -> None:
         self.expression = expression
@@ -162,26 +165,26 @@ class _Residual:
         self.place = self.samples.tape.place[expression]
 
     @cached_property
-    def part(self) -> Array:
-        """Its size at the points in floating point, relative to what its terms add up to without their signs.
+    def relative_size(self) -> Array:
+        """|expression| at the points in floating point, relative to the sum of the sizes of its terms.
 
-        nan where the value is nothing but round-off.
+        nan where the value may be round-off: it is neither steady nor very small.
         """
-        value, beside = self.samples.nodes[self.place], self.samples.shaken()[self.place]
+        value, beside = self.samples.nodes[self.place], self.samples.perturbed()[self.place]
         with np.errstate(all="ignore"):
             part = np.abs(value) / self.samples.tape.size(self.expression, self.samples.nodes)
             steady = np.abs(beside - value) <= _STEADY * np.abs(value)
         return np.where(value == 0, 0.0, np.where(steady | (part < _NOTHING), part, np.nan))
 
     def verdicts(self) -> Iterator[tuple[dict[Symbol, float], bool]]:
-        """Points, the doubtful first, and whether the expression fails to vanish there."""
-        doubt = np.nan_to_num(self.part)
+        """Yield points, the largest residuals first, and whether the expression fails to vanish there."""
+        doubt = np.nan_to_num(self.relative_size)
         order = np.argsort(-doubt, kind="stable")
         for point, values in self.samples.chosen(order[doubt[order] > _NOTHING]):
             yield point, self.fails(point, values)
 
     def fails(self, point: dict[Symbol, float], values: Sequence[Any]) -> bool:
-        """Whether the value is no round-off: beyond its bounds, and the same in more digits."""
+        """Whether the value is not round-off: beyond the bound on that, and the same in more digits."""
         value = values[self.place]
         if abs(value) <= _ROUND_OFF * self.samples.tape.size(self.expression, values):
             return False
@@ -194,7 +197,7 @@ class _Residual:
         failing = [point for point, fails in self.verdicts() if fails]
         if not failing:
             return None
-        partly = bool((self.part < _NOTHING).any())
+        partly = bool((self.relative_size < _NOTHING).any())
         where = self.separation() if partly else None
         for point in (*self.plain_points(), *failing):
             values = self.samples.in_digits(point)
@@ -203,10 +206,10 @@ class _Residual:
         return None
 
     def plain_points(self) -> Iterator[dict[Symbol, float]]:
-        """Points at which the expression is clearly not zero, of moderate size and in three digits."""
-        rows = np.flatnonzero(self.part > _SOMETHING)
+        """Yield points of moderate size, in three digits, near which the expression is clearly not zero."""
+        rows = np.flatnonzero(self.relative_size > _SOMETHING)
         with np.errstate(all="ignore"):
-            far = np.abs(np.log(np.abs(self.samples.points[rows]))).sum(axis=1) - np.log(self.part[rows])
+            far = np.abs(np.log(np.abs(self.samples.points[rows]))).sum(axis=1) - np.log(self.relative_size[rows])
         for row in rows[np.argsort(far, kind="stable")[:_PLAIN]]:
             point = {symbol: float(f"{value:.3g}") for symbol, value in self.samples.point(row).items()}
             if self.samples.domain.contains(point):
@@ -214,7 +217,7 @@ class _Residual:
 
     def separation(self) -> str | None:
         """The inequality between where the expression vanishes and where it does not."""
-        good, bad = self.part < _NOTHING, self.part > _SOMETHING
+        good, bad = self.relative_size < _NOTHING, self.relative_size > _SOMETHING
         for u, sign in self.samples.signs().items():
             for relation, s in ((">", 1.0), ("<", -1.0)):
                 if good.any() and bad.any() and (sign[good] == s).all() and (sign[bad] != s).all():
@@ -223,7 +226,7 @@ class _Residual:
 
 
 def tidied(expression: sympy.Expr) -> sympy.Expr:
-    """Return `expression` multiplied out where that makes it shorter; what is large is returned as it is.
+    """Return `expression`, multiplied out where that makes it shorter; a large one is returned as it is.
 
     This is not `sympy.simplify`, which can take minutes for a line of text.
     """
@@ -234,7 +237,7 @@ def tidied(expression: sympy.Expr) -> sympy.Expr:
 
 
 def is_larger(expression: sympy.Basic, nodes: int) -> bool:
-    """Whether the tree of an expression has more nodes than that; found without walking through all of it."""
+    """Whether the tree of an expression has more than `nodes` nodes; the rest of it is not visited."""
     return next(islice(sympy.preorder_traversal(expression), nodes, None), None) is not None
 
 

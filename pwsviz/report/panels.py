@@ -75,7 +75,7 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     frame = view.show_orbits(scene.declaration, pictures, starts, scene.selected)
     ground = inputs.selected[0].ground
     view.show_backdrop(results.backdrop(ground, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
-    _let_lie(view.figure, HEIGHT["portrait"])
+    _make_static(view.figure, HEIGHT["portrait"])
     return view.figure, *_measured((*inputs.selected, *inputs.others), results)
 
 
@@ -83,7 +83,7 @@ def _conserved(scene: Scene, results: Results) -> Drawn:
     inputs = run_inputs(scene)
     view = ConservedView()
     view.show(results.error_curves(inputs))
-    _let_lie(view.figure, HEIGHT["plot"])
+    _make_static(view.figure, HEIGHT["plot"])
     return view.figure, *_measured(inputs, results)
 
 
@@ -103,7 +103,7 @@ def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable
         view.show(study.taus, curves, study.floor, order)
         slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in curves)
         describe(view.figure, f"{error[0].upper()}{error[1:]} of {study.method} against the step size: {slopes}.")
-        _let_lie(view.figure, HEIGHT["plot"])
+        _make_static(view.figure, HEIGHT["plot"])
         return view.figure, slope_numbers(study, curves), order_table(study)
 
     return draw
@@ -116,7 +116,7 @@ _DRAW: Mapping[str, Callable[[Scene, Results], Drawn]] = {
 }
 
 
-def _let_lie(plot: figure, height: int) -> None:
+def _make_static(plot: figure, height: int) -> None:
     """Make of a figure of the page one of fixed height that is not to be edited.
 
     What a hand does to a star on the page would ask the server for another trajectory.

@@ -96,7 +96,7 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
          plan.methods, plan.tau)
         for place in places
     ]  # fmt: skip
-    for k, (horizon, expected, rows) in as_completed(_beside, tasks, executor, cancel):
+    for k, (horizon, expected, rows) in as_completed(_runs_from, tasks, executor, cancel):
         side, n = places[k]
         found.horizon[side, n], found.expected[side, n] = horizon, expected
         found.crossings[:, side, n], found.error[:, side, n], found.status[:, side, n] = zip(*rows, strict=True)
@@ -124,7 +124,7 @@ def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
     )
 
 
-def _beside(
+def _runs_from(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, horizons: Floats, methods: tuple[str, ...], tau: float
 ) -> tuple[float, int, list[tuple[int, float, int]]]:
     """Until when a start was run, how many crossings it has till then, and (crossings, error, status) per method."""

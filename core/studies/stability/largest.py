@@ -22,7 +22,7 @@ from core.system import PiecewiseSystem
 __all__ = ["LargestTau", "count", "run"]
 
 _KEPT = 1e-10  #: of the size of ψ: what a conservative method may make of it and still be said to keep it
-_SHARP = 1.01  #: the limit is known to lie within this factor
+_BRACKET = 1.01  #: the limit is known to lie within this factor
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,7 +98,7 @@ def _largest(
             beyond = float(tau)
             break
         works = float(tau)
-    while beyond > _SHARP * works:
+    while beyond > _BRACKET * works:
         middle = math.sqrt(works * beyond)
         if why := trouble(middle):
             beyond, reason = middle, why

@@ -22,7 +22,7 @@ MAX_STEPS = 50_000
 
 _T_SPAN = (0.0, 20.0)
 _TAUS, _FINEST, _COARSEST = 25, 20_000.0, 10.0  # of the step sizes: how many, and in how many steps to the end
-_USUAL = 1_000.0  # the same, of the step size of the long run and of the runs beside a tangency
+_DEFAULT_STEPS = 1_000.0  # the same, of the step size of the long run and of the runs beside a tangency
 _VALUES = 25
 _MOST = 400  # step sizes, or values
 _MOST_STEPS = 10**9
@@ -60,10 +60,10 @@ def checked_plan(
     names, length = _methods(system, methods), span[1] - span[0]
     ladder = np.geomspace(length / _FINEST, length / _COARSEST, _TAUS) if taus is None else _increasing(taus, "taus")
     chosen = [checked_method(system, name) for name in names]
-    for one in (*ladder, length / _USUAL if tau is None else tau):
+    for one in (*ladder, length / _DEFAULT_STEPS if tau is None else tau):
         step = checked_settings(chosen[0], one).tau
     index = _coordinate(system, coordinate)
-    wanted = _usual_values(system, start, span, index) if values is None else _increasing(values, "values")
+    wanted = _default_values(system, start, span, index) if values is None else _increasing(values, "values")
     return Plan(system, span, start, names, ladder, index, wanted, step, count(steps, "steps", _MOST_STEPS))
 
 
@@ -106,7 +106,7 @@ def _coordinate(system: PiecewiseSystem, coordinate: int | str) -> int:
     return int(coordinate)
 
 
-def _usual_values(
+def _default_values(
     system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], coordinate: int
 ) -> Floats:
     """Values about as far as the trajectory from x₀ goes, and a little farther: what a portrait of it shows."""

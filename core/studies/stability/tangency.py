@@ -62,7 +62,7 @@ def find_tangency(plan: Plan, cancel: Cancel | None) -> Tangency | None:
         if cancel is not None and cancel():
             return None
         if tangency is not None:
-            return _sharpened(plan, tangency, cancel)
+            return _refined(plan, tangency, cancel)
     return None
 
 
@@ -155,7 +155,7 @@ def _is_touch(plan: Plan, run: Trajectory, k: int) -> bool:
     return bool(off and flat and speed > _FLAT * speeds.max())
 
 
-def _sharpened(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
+def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
     """Return the tangency of the exact solution, where there is one: the integrator's is off by its round-off."""
 
     def crossings(value: float) -> int:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import core
-from core.studies.external_solvers import EXTERNAL_SOLVERS, Arcs, Numbers, Stopped, external_arcs
+from core.studies.external_solvers import EXTERNAL_SOLVERS, Arcs, ScalarFunctions, Stopped, external_arcs
 
 HARMONIC, BALL = core.CATALOGUE["harmonic_oscillator"], core.CATALOGUE["bouncing_ball"]
 
@@ -20,8 +20,8 @@ def solver(request):
 
 
 def solve(solver, system, end, x0=None, t0=0.0, tolerance=1e-12, most=1000, check=lambda: None):
-    start, numbers = np.array(system.x0 if x0 is None else x0, dtype=float), Numbers(system)
-    return external_arcs(numbers, solver.prepare(numbers, tolerance, 1.0), t0, end, start, most, check)
+    start, functions = np.array(system.x0 if x0 is None else x0, dtype=float), ScalarFunctions(system)
+    return external_arcs(functions, solver.prepare(functions, tolerance, 1.0), t0, end, start, most, check)
 
 
 def test_each_side_turns_at_its_own_rate(solver):
@@ -125,7 +125,7 @@ def test_trial_steps_out_of_the_domain_are_taken_back(root):
 def test_without_heyoka_the_reason_is_said(monkeypatch):
     monkeypatch.setitem(sys.modules, "heyoka", None)
     with pytest.raises(Stopped, match="heyoka is not installed"):
-        EXTERNAL_SOLVERS["heyoka"].prepare(Numbers(HARMONIC), 1e-9, 1.0)
+        EXTERNAL_SOLVERS["heyoka"].prepare(ScalarFunctions(HARMONIC), 1e-9, 1.0)
 
 
 def test_the_conserved_error_is_the_worst_of_all_visits_and_forgets_jumps_between_them():
