@@ -79,11 +79,11 @@ class ConservedView:
 
     def _ground(self) -> None:
         plot = self.figure
-        self.visits, self.bands = {}, {}
+        self.segments, self.bands = {}, {}
         for side, colour in SIDES.items():
-            self.visits[side] = ColumnDataSource({"start": [], "end": []})
+            self.segments[side] = ColumnDataSource({"start": [], "end": []})
             look: dict[str, Any] = {"fill_color": colour, "fill_alpha": 0.16, "line_width": 0}
-            self.bands[side] = plot.vstrip("start", "end", source=self.visits[side], **look)
+            self.bands[side] = plot.vstrip("start", "end", source=self.segments[side], **look)
         self.levels = mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, or 0", NOWHERE: "round-off"})
 
     def _curve_glyphs(self) -> None:
@@ -139,7 +139,7 @@ class ConservedView:
             "colour": [line.colour for line in lines],
             "dash": [list(line.dash) for line in lines],
         }
-        self._show_visits(errors[0])
+        self._show_segments(errors[0])
         self._show_ticks(errors[0], landmarks)
         self._show_round_off(float("nan") if landmarks is None else landmarks.round_off)
         top = max(float(np.nanmax(y, initial=1e-14)) for y in heights)
@@ -147,10 +147,10 @@ class ConservedView:
         assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
         describe(self.figure, f"{SUMMARY}. {conserved_text(errors)}")
 
-    def _show_visits(self, first: ErrorCurve) -> None:
+    def _show_segments(self, first: ErrorCurve) -> None:
         few = len(first.crossings) <= MOST_BANDS
         bounds = np.concatenate([[0.0], first.crossings, [first.t_end]])
-        for side, source in self.visits.items():
+        for side, source in self.segments.items():
             there = np.flatnonzero(first.sides == side) if few else np.empty(0, dtype=int)
             assign(source, start=bounds[there], end=bounds[there + 1])
             self.entries[side].visible = bool(len(there))

@@ -18,7 +18,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 
 __all__ = ["CostView", "cost_rows", "cost_text"]
 
-PEER_LINES = {
+EXTERNAL_LINES = {
     "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
     "heyoka": Line("#B4B4B4", (20, 6), "cross", 1.6),
 }
@@ -90,7 +90,7 @@ class _Drawn:
 
     def __init__(self, curve: CostCurve, across: Across, up: Up) -> None:
         self.curve, self._across = curve, across
-        self.line = line_of(curve.name) if not curve.peer else PEER_LINES[curve.name]
+        self.line = line_of(curve.name) if not curve.peer else EXTERNAL_LINES[curve.name]
         self.error = error_of(curve, up)
         cost = cost_of(curve, across)
         self.there = np.isfinite(cost) & np.isfinite(self.error) & (cost > 0)

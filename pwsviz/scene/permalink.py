@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import quote, unquote
 
 import core
-from pwsviz.scene.scene import MAX_STARTS, PEERS, Scene, Start
+from pwsviz.scene.scene import EXTERNAL_SOLVERS, MAX_STARTS, Scene, Start
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 
@@ -37,7 +37,7 @@ _LAST = (
     "stability_coordinate",
 )  # fmt: skip
 _SETTINGS = (*_FIRST, "starts", "tau", "t_end", *_LAST)
-_LISTS = {"methods": core.METHODS, "peers": PEERS}
+_LISTS = {"methods": core.METHODS, "peers": EXTERNAL_SOLVERS}
 
 logger = logging.getLogger(__name__)
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")

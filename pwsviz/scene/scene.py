@@ -6,7 +6,7 @@ a value over or raises a ValueError whose text can stand beside the field; a sce
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -16,7 +16,7 @@ import core
 from core.integrate import checked_method, checked_start
 from pwsviz.geometry.projection import PLANE
 from pwsviz.scene.names import short_name
-from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
+from pwsviz.scene.validation import MAX_STEPS, number, one_of, require_few_steps
 from pwsviz.scene.views import VIEWS
 
 MAX_COORDINATE = 1e6
@@ -26,7 +26,7 @@ MAX_STARTS = 12
 OWN = "own"
 """Key of the system that the person typed."""
 
-PEERS = {"scipy": "SciPy", "heyoka": "heyoka"}
+EXTERNAL_SOLVERS = {"scipy": "SciPy", "heyoka": "heyoka"}
 COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
 COST_UP = {"state": "state error", "time": "crossing time error", "invariant": "error of ψ"}
 STABILITY_PARTS = {"map": "Map", "drift": "Long run", "grazing": "Near grazing"}
@@ -43,6 +43,13 @@ PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
 _TIMES = {"tau": "The step size", "t_end": "The end time"}
 
 Start = tuple[float, ...]
+
+
+class _ViewKey(param.Parameter):  # type: ignore[type-arg]
+    """A key of `VIEWS`, read when a value is set: a `Selector` would keep the keys that there were at import."""
+
+    def _validate_value(self, val: object, allow_None: bool) -> None:  # noqa: N803  (param's name)
+        one_of(VIEWS, val)
 
 
 class Scene(param.Parameterized):
@@ -65,11 +72,11 @@ class Scene(param.Parameterized):
         default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the disturbance c·τᵖ of crossing times."
     )
     perturbation_scale = param.Number(default=1.0, bounds=(-10.0, 10.0), doc="Its factor c.")
-    view: Any = param.String(default="conserved", doc="The view beside the portrait: a key of `VIEWS`.")
+    view: Any = _ViewKey(default="conserved", doc="The view beside the portrait: a key of `VIEWS`.")
     study_method: Any = param.Selector(
         default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator shows."
     )
-    peers = param.ListSelector(default=["scipy"], objects=list(PEERS), doc="Other people's integrators in Cost.")
+    peers = param.ListSelector(default=["scipy"], objects=list(EXTERNAL_SOLVERS), doc="External solvers in Cost.")
     cost_across: Any = param.Selector(default="seconds", objects=list(COST_ACROSS))
     cost_up: Any = param.Selector(default="state", objects=list(COST_UP))
     stability_part: Any = param.Selector(default="map", objects=list(STABILITY_PARTS))
@@ -264,7 +271,7 @@ class Scene(param.Parameterized):
             "locate": self._checked_switch,
             "stability_coordinate": self._checked_coordinate,
             "system": self._checked_system,
-            "view": self._checked_view,
+            "view": lambda _, value: one_of(VIEWS, value),
         }
         check = checks.get(name)
         if check is None and not (name in self.param and isinstance(self.param[name], param.Selector)):
@@ -313,19 +320,16 @@ class Scene(param.Parameterized):
     def _checked_peers(self, _: str, value: object) -> list[str]:
         if not isinstance(value, list):
             raise ValueError(f"“{value}” is no list of integrators.")
-        _require_known(value, PEERS, "an integrator to compare with")
-        return [name for name in PEERS if name in value]
+        _require_known(value, EXTERNAL_SOLVERS, "an integrator to compare with")
+        return [name for name in EXTERNAL_SOLVERS if name in value]
 
     def _checked_system(self, _: str, value: object) -> str:
         if value == OWN and self.own is None:
             raise ValueError("There is no system of one's own yet.")
         return str(self._checked_choice("system", value))
 
-    def _checked_view(self, _: str, value: object) -> object:
-        return _one_of(VIEWS, value)
-
     def _checked_choice(self, name: str, value: object) -> object:
-        return _one_of(self.param[name].objects, value)
+        return one_of(self.param[name].objects, value)
 
     def _checked_switch(self, _: str, value: object) -> bool:
         if not isinstance(value, bool):
@@ -379,13 +383,6 @@ def _can_use(system: core.PiecewiseSystem, method: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _one_of(choices: Iterable[Any], value: object) -> object:
-    known = list(choices)
-    if not any(value == one and type(value) is type(one) for one in known):
-        raise ValueError(f"“{value}” is none of {', '.join(str(one or 'none') for one in known)}.")
-    return value
 
 
 def _require_known(names: list[Any], known: Mapping[str, Any], what: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 MAX_STEPS = 2_000_000
 """The most steps the page asks of one run, so that a slip of the keyboard cannot keep it busy."""
@@ -25,6 +26,20 @@ def number(value: object, subject: str, low: float, high: float) -> float:
     if not low <= result <= high:
         raise ValueError(f"{subject} has to lie between {low:g} and {high:g}.")
     return result
+
+
+def one_of(choices: Iterable[object], value: object) -> object:
+    """Return a value that is one of the choices, of the same type: True is not 1.
+
+    Raises
+    ------
+    ValueError
+        Naming the value and the choices.
+    """
+    known = list(choices)
+    if not any(value == one and type(value) is type(one) for one in known):
+        raise ValueError(f"“{value}” is none of {', '.join(str(one or 'none') for one in known)}.")
+    return value
 
 
 def require_few_steps(t_end: float, tau: float) -> None:

@@ -12,7 +12,7 @@ from pwsviz.export.script import cost_program
 from pwsviz.export.tables import Table
 from pwsviz.figures.cost import CostView, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
-from pwsviz.scene.scene import COST_ACROSS, COST_UP, PEERS
+from pwsviz.scene.scene import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS
 from pwsviz.tabs.base import LongTab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.widgets.setting_buttons import choice
@@ -41,8 +41,8 @@ class CostTab(LongTab):
         across = choice(self.scene, "cost_across", lambda: {words: key for key, words in COST_ACROSS.items()})
         up = choice(self.scene, "cost_up", lambda: {words: key for key, words in COST_UP.items()})
         peers = pmui.CheckBoxGroup(
-            label="External solvers", options={words: key for key, words in PEERS.items()}, value=self.scene.peers,
-            inline=True, size="small", margin=(6, 0),
+            label="External solvers", options={words: key for key, words in EXTERNAL_SOLVERS.items()},
+            value=self.scene.peers, inline=True, size="small", margin=(6, 0),
         )  # fmt: skip
         peers.param.watch(lambda event: self.scene.accept("peers", list(event.new)), "value")
         self.scene.param.watch(lambda event: peers.param.update(value=event.new), "peers")

@@ -42,7 +42,7 @@ def test_zero_is_drawn_at_the_floor_and_overflow_not_at_all():
 @pytest.mark.parametrize("side", [-1, 1])
 def test_bands_are_the_visits_to_a_side(side):
     view, _, run = shown()
-    middles = (np.array(view.visits[side].data["start"]) + np.array(view.visits[side].data["end"])) / 2
+    middles = (np.array(view.segments[side].data["start"]) + np.array(view.segments[side].data["end"])) / 2
     assert len(middles) == np.sum(run.crossings.side == side) + (run.side[0] == side)
     assert all(run.side[np.searchsorted(run.t, t) - 1] == side for t in middles)
     assert view.entries[side].visible
@@ -50,20 +50,20 @@ def test_bands_are_the_visits_to_a_side(side):
 
 def test_bands_of_both_sides_cover_the_run_once():
     view, _, run = shown()
-    lengths = [np.subtract(source.data["end"], source.data["start"]).sum() for source in view.visits.values()]
+    lengths = [np.subtract(source.data["end"], source.data["start"]).sum() for source in view.segments.values()]
     assert sum(lengths) == pytest.approx(run.t[-1])
 
 
 def test_sides_are_those_of_the_run_where_it_comes_back_to_the_same():
     view, _, _ = shown(system="bouncing_ball")
-    assert len(view.visits[-1].data["start"]) == 0, "the ball is never below the ground"
+    assert len(view.segments[-1].data["start"]) == 0, "the ball is never below the ground"
     assert not view.entries[-1].visible, "nor does the legend name it"
     assert len(view.instants.data["t"]) > 10
 
 
 def test_a_run_with_very_many_crossings_has_no_bands():
     view, _, _ = shown(t_end=2000.0, tau=0.05)
-    assert all(len(source.data["start"]) == 0 for source in view.visits.values())
+    assert all(len(source.data["start"]) == 0 for source in view.segments.values())
     assert len(view.instants.data["t"]) == 0
 
 

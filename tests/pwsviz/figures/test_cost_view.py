@@ -7,7 +7,7 @@ import pytest
 
 import core
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
-from pwsviz.figures.cost import PEER_LINES, CostView, cost_rows, cost_text
+from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_rows, cost_text
 from pwsviz.figures.style import line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
@@ -18,8 +18,8 @@ def curve(name, seconds, state, **changes):
     given = {
         "name": name,
         "title": {"scipy": "SciPy DOP853"}.get(name, name),
-        "peer": name in PEER_LINES,
-        "setting_name": "tolerance" if name in (*PEER_LINES, "taylor") else "tau",
+        "peer": name in EXTERNAL_LINES,
+        "setting_name": "tolerance" if name in (*EXTERNAL_LINES, "taylor") else "tau",
         "setting": np.geomspace(0.1, 0.01, m),
         "seconds": np.array(seconds),
         "evaluations": 1e6 * np.array(seconds),
@@ -73,8 +73,8 @@ def test_integrators_look_as_everywhere_and_peers_like_none_of_them():
     view = CostView()
     view.show(BOTH, "seconds", "state")
     assert view.curves.data["colour"][0] == line_of("dmm2").colour
-    assert view.curves.data["dash"] == [list(line_of("dmm2").dash), list(PEER_LINES["scipy"].dash)]
-    looks = [*map(line_of, core.METHODS), *PEER_LINES.values()]
+    assert view.curves.data["dash"] == [list(line_of("dmm2").dash), list(EXTERNAL_LINES["scipy"].dash)]
+    looks = [*map(line_of, core.METHODS), *EXTERNAL_LINES.values()]
     assert len({line.dash for line in looks}) == len({line.marker for line in looks}) == len(looks)
     assert len({line.colour for line in looks}) == len(looks)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import core
 from pwsviz.scene.permalink import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt, query, read
-from pwsviz.scene.scene import MAX_STARTS, OWN, PEERS, PERTURBATION_ORDERS, Scene
+from pwsviz.scene.scene import EXTERNAL_SOLVERS, MAX_STARTS, OWN, PERTURBATION_ORDERS, Scene
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 from pwsviz.scene.views import VIEWS
 
@@ -37,7 +37,7 @@ CHOICES = {
     "perturbation_order": st.sampled_from(PERTURBATION_ORDERS),
     "locate": st.booleans(),
     "view": st.sampled_from(list(VIEWS)),
-    "peers": st.lists(st.sampled_from(list(PEERS)), unique=True),
+    "peers": st.lists(st.sampled_from(list(EXTERNAL_SOLVERS)), unique=True),
     "study_method": st.sampled_from(list(core.METHODS)),
     "selected": st.integers(0, MAX_STARTS - 1),
     "axes": st.permutations(range(4)).map(lambda order: tuple(order[:2])),

@@ -10,6 +10,7 @@ import core
 from pwsviz.scene.names import short_name
 from pwsviz.scene.scene import MAX_STARTS, Scene
 from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
+from pwsviz.scene.views import VIEWS
 
 
 def test_starts_with_the_defaults_of_its_system():
@@ -218,6 +219,25 @@ def test_what_is_no_choice_is_refused_in_words(field, value, words):
     with pytest.raises(ValueError, match=words):
         scene.accept(field, value)
     assert scene.settings() == before
+
+
+@pytest.mark.parametrize("key", ["energy", "", None, 1, ["conserved"]])
+def test_a_view_that_is_set_directly_is_checked_too(key):
+    scene = Scene()
+    with pytest.raises(ValueError, match="is none of conserved, order,"):
+        scene.view = key
+    with pytest.raises(ValueError, match="is none of"):
+        scene.param.update(view=key)
+    with pytest.raises(ValueError, match="is none of"):
+        Scene(view=key)
+    assert scene.view == "conserved"
+
+
+def test_a_view_can_be_chosen_from_when_it_is_declared(monkeypatch):
+    scene = Scene()
+    monkeypatch.setitem(VIEWS, "step", "Step size")
+    scene.view = "step"
+    assert scene.view == "step"
 
 
 def test_settings_bring_the_very_scene_back():
