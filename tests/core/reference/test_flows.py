@@ -6,11 +6,12 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from core.reference.flows import Flow, LinearFlow, PendulumFlow, RigidBodyFlow, WeierstrassFlow
 from core.reference.recognition import recognise
+from tests.levels import tries
 
 mp.mp.dps = 50
 X, Y, Z, T = sympy.symbols("x y z t")
@@ -83,7 +84,7 @@ def roots_of(c: Sequence[float], start: Sequence[float]) -> tuple[mp.mpf, mp.mpf
     st.integers(1, 4).flatmap(lambda d: st.lists(st.floats(-2, 2), min_size=d * (d + 2), max_size=d * (d + 2))),
     st.floats(-5, 5),
 )
-@settings(max_examples=30)
+@tries(30)
 def test_affine_flow_is_the_matrix_exponential_for_any_matrix(numbers: list[float], t: float) -> None:
     d = int(np.sqrt(len(numbers) + 1)) - 1
     values = np.round(np.array(numbers), 3)  # singular and defective matrices among them
@@ -112,7 +113,7 @@ def test_ten_thousand_radians_of_oscillation_lose_no_digit_of_double() -> None:
 
 
 @given(PARAMETER, COORDINATE, COORDINATE, st.floats(-0.95, 0.95))
-@settings(max_examples=30)
+@tries(30)
 def test_elliptic_states_agree_with_power_series_on_oval_and_unbounded_branch(
     a: float, x: float, y: float, part: float
 ) -> None:
@@ -126,7 +127,7 @@ def test_elliptic_states_agree_with_power_series_on_oval_and_unbounded_branch(
     st.floats(0.05, 3), st.sampled_from([1, -1]), st.sampled_from([1e-2, -1e-4, 1e-6, -1e-8, 0.0]),
     st.sampled_from([0.0, 1e-3, -1e-7]),
 )  # fmt: skip
-@settings(max_examples=30)
+@tries(30)
 def test_states_near_saddle_and_centre_are_right_to_their_condition(
     alpha: float, beta: float, gamma: float, depth: float, sign: int, du: float, dv: float
 ) -> None:
@@ -153,7 +154,7 @@ def test_elliptic_state_agrees_with_mpmath_odefun() -> None:
 
 
 @given(PARAMETER, COORDINATE, COORDINATE, st.floats(0.05, 0.9), st.floats(0.05, 0.9))
-@settings(max_examples=30)
+@tries(30)
 def test_flow_is_a_group(a: float, x: float, y: float, part: float, split: float) -> None:
     flow = cubic(2, 3, 0, a)
     t = part * min(flow.lifetime((x, y)), 4.0)
@@ -168,7 +169,7 @@ def test_flow_is_a_group(a: float, x: float, y: float, part: float, split: float
 
 
 @given(PARAMETER, COORDINATE, COORDINATE)
-@settings(max_examples=30)
+@tries(30)
 def test_elliptic_invariant_is_kept_within_an_ulp_of_its_terms(a: float, x: float, y: float) -> None:
     flow = cubic(2, 3, 0, a)
     states = flow([x, y], np.linspace(0, 0.9 * min(flow.lifetime((x, y)), 10.0), 50))
@@ -178,7 +179,7 @@ def test_elliptic_invariant_is_kept_within_an_ulp_of_its_terms(a: float, x: floa
 
 
 @given(PARAMETER, COORDINATE, COORDINATE)
-@settings(max_examples=30)
+@tries(30)
 def test_time_to_the_pole_and_period_are_carlson_integrals(a: float, x: float, y: float) -> None:
     big_x, big_y, e = roots_of((2, 3, 0, a), (x, y))
     tied = min(abs(e[0] - e[1]), abs(big_x - e[0]) + abs(big_y)) < 1e-6  # near a separatrix: tested below

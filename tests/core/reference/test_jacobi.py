@@ -6,12 +6,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from core.reference.flows import Flow
 from core.reference.jacobi import jacobi_functions, quarter_period
 from core.reference.recognition import recognise
+from tests.levels import tries
 
 mp.mp.dps = 40
 X, Y, Z = sympy.symbols("x y z")
@@ -145,7 +146,7 @@ def test_rigid_body_follows_the_jacobi_functions() -> None:
     st.permutations([1, 1, -1]), st.sampled_from([1, -1]), st.tuples(*[CONSTANT] * 3),
     st.tuples(*[COORDINATE] * 3), TIME,
 )  # fmt: skip
-@settings(max_examples=12)
+@tries(12)
 def test_rigid_body_agrees_with_power_series_for_any_constants(
     signs: list[int], sign: int, sizes: Sequence[float], start: Sequence[float], t: float
 ) -> None:
@@ -201,7 +202,7 @@ def test_rigid_body_comes_back_after_a_million_periods() -> None:
 @given(
     *[st.tuples(CONSTANT, st.sampled_from([1, -1])).map(lambda v: v[0] * v[1])] * 3, st.floats(-3, 3), COORDINATE, TIME
 )
-@settings(max_examples=12)
+@tries(12)
 def test_pendulum_agrees_with_power_series_swinging_or_turning_over(
     a: float, b: float, c: float, u: float, v: float, t: float
 ) -> None:
