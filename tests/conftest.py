@@ -19,6 +19,9 @@ settings.register_profile("fixed", derandomize=True, **_COMMON)
 settings.register_profile("drawn", print_blob=True, **_COMMON)  # for --hypothesis-profile, with --hypothesis-seed
 settings.load_profile("fixed")
 
+#: Folders whose files take longest.
+LONGEST = ("tests/browser/", "tests/pwsviz/page/", "tests/core/compilation/", "tests/pwsviz/bench/", "tests/families/")
+
 FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
     "--disable-sync", "--no-first-run",
@@ -45,6 +48,31 @@ def pytest_terminal_summary(terminalreporter, config):
     option = config.option
     number = f"--draws {option.draws} " if option.draws else ""
     terminalreporter.write_line(f"random cases: {number}--seed {option.seed}")
+
+
+def pytest_collection_modifyitems(items):
+    """Begin with what takes longest, so that at the end no process waits for another."""
+
+    def place(item):
+        return next((k for k, folder in enumerate(LONGEST) if item.nodeid.startswith(folder)), len(LONGEST))
+
+    items.sort(key=place)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give out whole files, in the order of collection, and those of the browser as one: they share a server."""
+    if config.option.dist != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByFile(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            file = super()._split_scope(nodeid)
+            return LONGEST[0] if file.startswith(LONGEST[0]) else file
+
+    config.option.loadscopereorder = False
+    return ByFile(config, log)
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ from collections.abc import Hashable, Iterable
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 
 def deep_but(quick: Iterable[Hashable], cases: Iterable[Any]) -> list[Any]:
@@ -20,3 +21,8 @@ def deep_but(quick: Iterable[Hashable], cases: Iterable[Any]) -> list[Any]:
 #: One method of each kind: a conservative one that is implicit, a plain one, a conservative one that is explicit, and
 #: the one that chooses its steps.
 QUICK_METHODS = ("dmm2", "rk4", "prk8", "taylor")
+
+
+def tries(count: int) -> settings:
+    """Settings of a property that takes long: a third of so many examples, and with --draws N, N times as many."""
+    return settings(max_examples=-(-count * settings.default.max_examples // 300))

@@ -39,7 +39,7 @@ def write_sample(run, x, samples):
         for k in range(run.samples):
             for i in range(samples.shape[1]):
                 samples[k, i] = samples[2 * k, i]
-    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.mode, 0.0
+    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.sign, 0.0
     for i in range(x.size):
         samples[run.samples, 3 + i] = x[i]
     run.samples += 1

@@ -131,6 +131,7 @@ def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_b
     await_painted(page, "conserved quantity")
 
 
+@pytest.mark.deep
 def test_a_picture_in_more_dimensions_says_that_it_is_projected_and_is_not_left_faded(visit):
     page = visit()
     before = await_painted(page, "Phase portrait").bounding_box()["height"]

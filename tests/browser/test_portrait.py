@@ -106,6 +106,7 @@ def test_a_click_on_empty_ground_places_one_more_and_looks_into_it(page):
     assert "2 trajectories; number 2" in seen["words"]
 
 
+@pytest.mark.deep
 def test_a_click_on_a_star_selects_it_and_places_nothing(page):
     seen = place_second(page)
     page.mouse.click(*seen["stars"][0])
@@ -143,6 +144,7 @@ def test_a_star_follows_the_pointer_the_view_stays_and_the_trajectory_follows(pa
     await_that(page, PORTRAIT, lambda seen: f"starts at ({x}" in seen["words"] and y in seen["words"])
 
 
+@pytest.mark.deep
 def test_dragging_elsewhere_pans(page):
     before = page.evaluate(PORTRAIT)
     drag(page, inside(before, 0.9, 0.9), (-50, 30))

@@ -17,6 +17,7 @@ from tests.families.flights import accelerated, real
 from tests.families.oracles import Hybrid, silent
 from tests.families.test_fast_surfaces import Case, rotation, straight
 from tests.families.test_fast_surfaces import judged as judged_at
+from tests.levels import QUICK_METHODS, deep_but
 
 _FIXED = ("dmm2", "dmm4", "dmm6", "dmm8", "rk2", "rk4", "rk8", "prk8")
 
@@ -45,7 +46,7 @@ def stroboscopic(rng: np.random.Generator) -> tuple[Case, float]:
     return Case(_periodic_system().with_parameters(**p), exact, (0.0, speed), 20.3 * tau, rate), tau
 
 
-@pytest.mark.parametrize("method", _FIXED)
+@pytest.mark.parametrize("method", deep_but(QUICK_METHODS, _FIXED))
 def test_steps_in_time_with_a_wave_do_not_pass_its_crossings_in_silence(draws, method):
     for rng in draws(6):
         case, tau = stroboscopic(rng)
@@ -60,7 +61,7 @@ COARSE: dict[str, tuple[Callable[[np.random.Generator], Case], str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", COARSE)
+@pytest.mark.parametrize("name", deep_but(["polynomial", "wave", "moving", "rotation"], COARSE))
 def test_crossings_that_fall_in_pairs_between_looks_are_found_or_spoken_of(draws, name):
     family, method = COARSE[name]
     for rng in draws(8):
@@ -211,14 +212,14 @@ BRANCHES = [("elliptic", "dmm2"), ("elliptic", "dmm4"), ("elliptic", "dmm8"), ("
             ("pendulum", "dmm2"), ("pendulum", "dmm4"), ("harmonic", "dmm2")]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "method"), BRANCHES)
+@pytest.mark.parametrize(("name", "method"), deep_but([("elliptic", "dmm2"), ("pendulum", "dmm4")], BRANCHES))
 def test_a_step_is_the_one_continuous_from_no_step_or_the_run_says_why_not(draws, name, method):
     for rng in draws(40):
         found, run = off_branch(name, method, *branch_case(rng, name))
         assert not (found and silent(run)), found
 
 
-@pytest.mark.parametrize(("name", "method"), BRANCHES)
+@pytest.mark.parametrize(("name", "method"), deep_but([("elliptic", "dmm2"), ("pendulum", "dmm4")], BRANCHES))
 def test_small_steps_are_taken(draws, name, method):
     for rng in draws(10):
         p, start, h = branch_case(rng, name)

@@ -101,7 +101,7 @@ def test_a_surface_with_exponentials_is_written(g):
 
 
 def test_whatever_is_declared_is_written_for_every_method_in_names_that_are_known(draws):
-    for k, rng in enumerate(draws(3 * len(core.METHODS))):
+    for k, rng in enumerate(draws(len(core.METHODS))):
         given = drawn_declaration(rng, depth=int(rng.integers(1, 4)))
         given["jump"] = tuple(drawn_expression(rng, given["variables"], 2) for _ in given["variables"])
         given["g"] += f" - {given['variables'][0]}/7"

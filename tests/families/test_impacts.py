@@ -13,6 +13,7 @@ import pytest
 import core
 from core import Status
 from tests.families.oracles import Array, Hybrid, Real, contradiction, mistake, trusted
+from tests.levels import deep_but
 
 _TABLE = " + ".join(f"a{k}*sin(w{k}*t + p{k})" for k in range(3))
 _SPEED = " + ".join(f"a{k}*w{k}*cos(w{k}*t + p{k})" for k in range(3))
@@ -249,7 +250,7 @@ FAMILIES = [
 ]
 
 
-@pytest.mark.parametrize(("family", "methods"), FAMILIES, ids=[f.__name__ for f, _ in FAMILIES])
+@pytest.mark.parametrize(("family", "methods"), deep_but([moving_table, wavy_floor, elliptic_wall], FAMILIES))
 def test_every_impact_is_where_the_exact_motion_has_it_and_runs_go_on_as_long(draws, family, methods):
     for k, rng in enumerate(draws(9 * len(methods))):
         found, early, _ = judged(family(rng), methods[k % len(methods)])

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import core
+from tests.levels import deep_but
 
 _COLUMNS = 7
 _DIGITS = 40
@@ -113,6 +114,13 @@ METHODS = {
     "oscillators": ("dmm2", "dmm8", "rk2", "rk4", "rk8", "prk8", "taylor"), "quartic": ("dmm2", "rk4", "prk8"),
     "damped": ("dmm2", "rk4"),
 }  # fmt: skip
+QUICK = [
+    ("oscillators", "dmm2"),
+    ("oscillators", "rk4"),
+    ("oscillators", "taylor"),
+    ("quartic", "prk8"),
+    ("damped", "rk4"),
+]
 CASES = [(name, method) for name, methods in METHODS.items() for method in methods]
 
 
@@ -121,7 +129,7 @@ def _run(rng: np.random.Generator, name: str, method: str, **how: Any) -> core.T
     return core.integrate(system, (0.0, t_end), x0, tau, method, max_crossings=200, **how)
 
 
-@pytest.mark.parametrize(("name", "method"), CASES)
+@pytest.mark.parametrize(("name", "method"), deep_but(QUICK, CASES))
 @pytest.mark.parametrize("record", ["steps", "crossings"])
 def test_what_psi_lost_on_the_way_into_a_crossing_is_reported(draws, name, method, record):
     for rng in draws(6):
@@ -130,7 +138,7 @@ def test_what_psi_lost_on_the_way_into_a_crossing_is_reported(draws, name, metho
         assert not found, found
 
 
-@pytest.mark.parametrize(("name", "method"), CASES)
+@pytest.mark.parametrize(("name", "method"), deep_but(QUICK, CASES))
 def test_the_envelope_holds_what_psi_lost_on_the_way_into_a_crossing(draws, name, method):
     for rng in draws(6):
         run = _run(rng, name, method, record="crossings", envelope=_COLUMNS)

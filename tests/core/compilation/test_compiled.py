@@ -5,11 +5,13 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 import core
 from core.compilation import compiled
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import STEP
+from tests.levels import QUICK_METHODS
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 
@@ -33,10 +35,11 @@ def test_changing_parameters_compiles_nothing():
     assert compiled.compile_run.cache_info().misses == before
 
 
-def test_one_loop_serves_every_system_and_method():
+@pytest.mark.parametrize("methods", [QUICK_METHODS, pytest.param(core.METHODS, marks=pytest.mark.deep)], ids=len)
+def test_one_loop_serves_every_system_and_method(methods):
     for name in ("harmonic_oscillator", "rigid_body"):
         system = core.CATALOGUE[name]
-        for method in core.METHODS:
+        for method in methods:
             core.integrate(system, (0.0, 1.0), method=method)
     assert len(compiled_march().signatures) == 1
 

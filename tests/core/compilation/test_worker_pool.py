@@ -50,6 +50,7 @@ def test_what_cannot_be_made_is_told_and_the_rest_is_made(workshop, tmp_path):
     assert (tmp_path / "other").exists()
 
 
+@pytest.mark.deep
 def test_one_that_dies_is_followed_by_another(workshop, tmp_path):
     assert made(workshop, "die") == [False]
     assert made(workshop, "die", tmp_path / "file") == [False, True]
@@ -70,6 +71,7 @@ def test_a_program_that_fails_leaves_the_work_to_others(tmp_path, capfd):
     workshop.close()
 
 
+@pytest.mark.deep
 def test_after_a_rest_they_end(tmp_path):
     workshop = Workshop(PROGRAM, {}, 1, idle=0.5)
     workshop.ready.wait(60)

@@ -29,6 +29,7 @@ from core.kernels.doubledouble.arithmetic import (
     two_product,
 )
 from tests.core.doubles import DIGITS, Pair, error, exact, pairs, relative_error, sized
+from tests.levels import deep_but
 
 ROOT = Path(__file__).parents[3]
 wide = pairs(sized(-200, 200))
@@ -108,7 +109,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("processor", ["host", "generic"])
+@pytest.mark.parametrize("processor", deep_but(["generic"], ["host", "generic"]))
 def test_fma_is_inlined_into_cached_functions_with_and_without_the_instruction(tmp_path: Path, processor: str) -> None:
     script = tmp_path / "inlined.py"
     script.write_text(_SCRIPT, encoding="utf-8")

@@ -6,10 +6,11 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from core.reference import ExactSolution, ReferenceSolution, exact_solution, external_solution
+from tests.levels import tries
 
 mp.mp.dps = 50
 X, Y, Z, T = VARIABLES = sympy.symbols("x y z t")
@@ -101,7 +102,7 @@ def test_elliptic_gaps_agree_with_carlson_integrals() -> None:
     st.floats(0.1, 2),
     st.integers(1, 12),
 )
-@settings(max_examples=25)
+@tries(25)
 def test_oscillator_crossings_are_exact_for_any_parameters(
     minus: float, plus: float, x: float, y: float, k: int
 ) -> None:
@@ -135,7 +136,7 @@ def series(a: float, start: Sequence[mp.mpf], t: mp.mpf) -> tuple[mp.mpf, mp.mpf
 
 
 @given(st.floats(-3.5, -1), st.floats(-3.5, -1), st.floats(-1.2, 0), st.floats(-1, 1), st.floats(0.6, 1.2))
-@settings(max_examples=12)
+@tries(12)
 @example(-1.5, -1.0, 0.0, 0.0, 1.125)  # at rest to begin with: coefficient 40 vanishes
 def test_elliptic_arcs_agree_with_power_series_for_any_parameters(
     minus: float, plus: float, x: float, y: float, radius: float

@@ -29,6 +29,7 @@ def test_an_exception_on_the_cluster_is_raised_here(executor):
         list(as_completed(divmod, [(1, 1), (1, 0)], executor))
 
 
+@pytest.mark.deep
 def test_a_cancelled_study_leaves_the_cluster_usable(executor):
     told = []
     study = _work_precision(executor, progress=lambda *news: told.append(news), cancel=lambda: bool(told))
@@ -36,6 +37,7 @@ def test_a_cancelled_study_leaves_the_cluster_usable(executor):
     assert list(as_completed(abs, [-1], executor)) == [(0, 1)]
 
 
+@pytest.mark.deep
 def test_run_time_against_error_is_the_same_on_threads_and_on_a_cluster(executor):
     here, there = _work_precision(None), _work_precision(executor)
     assert there.complete

@@ -17,12 +17,13 @@ from core.symbolic.expressions import parse
 from core.symbolic.multiplier import DIFFERENCES, DiscreteField, Endpoints, slopes
 from tests.core.exact import EPS, FUNCTIONS, bounded
 from tests.core.sample_systems import ALL, DAMPED, ELLIPTIC, HARMONIC, KEPLER, RIGID_BODY
+from tests.levels import tries
 
 X, Y, A, T = sympy.symbols("x y a t")
 ENDS = Endpoints.of((X, Y), {"x", "y", "a"})
 STEP = tuple(zip((*ENDS.start, ENDS.times[0]), (*ENDS.end, ENDS.times[1]), strict=True))
 DIGITS = 50
-FIXED = settings(max_examples=60, suppress_health_check=list(HealthCheck))
+FIXED = settings(tries(60), suppress_health_check=list(HealthCheck))
 
 _leaves = st.sampled_from(["x", "y", "t", "a", "x*y", "2", "0.3", "pi"])
 _operations = ["({0}) + ({1})", "({0}) - ({1})", "({0})*({1})", "({0})/(2 + ({1})**2)", "({0})**2", "({0})**5"]
@@ -34,6 +35,7 @@ _texts = st.recursive(
     lambda inner: st.builds(lambda op, u, v: op.format(u, v), st.sampled_from(_operations), inner, inner),
     max_leaves=4,
 )
+
 _points = st.tuples(*[st.floats(0.2, 1.2)] * 3)
 _gaps = st.tuples(*[st.just(0.0) | st.floats(-16, -0.3).map(lambda k: 10.0**k) | st.floats(-0.15, 0.9)] * 3)
 

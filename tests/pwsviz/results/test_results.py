@@ -10,6 +10,7 @@ from pwsviz.results.requests import Scheme, other_inputs, run_inputs, study_inpu
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
+from tests.levels import deep_but
 
 
 @pytest.fixture
@@ -94,7 +95,11 @@ def test_a_run_given_up_is_not_taken_for_a_result(results):
     assert results.run(inputs).status is core.Status.COMPLETED
 
 
-@pytest.mark.parametrize("system", list(core.CATALOGUE))
+#: In two dimensions and in three, without ψ, with ψ that names time, with jumps, sliding.
+QUICK = ("elliptic_curve", "rigid_body", "gene_switch", "damped_oscillator", "bouncing_ball", "coulomb_friction")
+
+
+@pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
 @pytest.mark.parametrize("tau", [1e-4, 1e-2])
 def test_a_portrait_has_few_vertices_and_its_kinks_on_the_surface(results, system, tau):
     scene = Scene(system=system, tau=tau)
@@ -233,7 +238,7 @@ def test_a_study_without_crossings_is_refused_at_once(results, system, found):
         results.study(study_inputs(Scene(system=system)))
 
 
-@pytest.mark.parametrize("system", list(core.CATALOGUE))
+@pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
 def test_errors_of_every_system_are_known_where_it_has_a_conserved_quantity(results, system):
     scene = Scene(system=system, methods=["dmm2", "rk2"])
     known = bool(scene.build().psi_minus)
