@@ -158,9 +158,7 @@ class Runner:
     @property
     def samples(self) -> Floats:
         """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
-        samples = self._samples[: int(self._run["samples"][0])].copy()
-        samples[:, 1] = SIGNS[samples[:, 1].astype(np.int64)]
-        return samples
+        return self._samples[: int(self._run["samples"][0])]
 
     @property
     def longest(self) -> float:
