@@ -193,7 +193,7 @@ def dip(context, t, low, high, f_low, f_high, r_low, r_high):
 
 @internal
 def peak(context, t, high, r_low, r_high):
-    """Length in (0, high) with positive height, or where the rate vanishes, by regula falsi (Illinois) and bisection."""
+    """Length in (0, high) with positive height or zero rate, by regula falsi (Illinois) and bisection on the rate."""
     low, s, f, r = 0.0, high, 0.0, r_high
     for k in range(_MAX_TRIALS):
         part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
