@@ -34,13 +34,13 @@ class Crossing:
     t: float
     """Time t̂."""
     x: Floats
-    """(d,) state x̂ on the surface (beside it, if moved by a perturbation)."""
+    """(d,) state x̂ on the surface (off it, if displaced by a perturbation)."""
     x_after: Floats
     """(d,) state from which the run continued: x, or the state after the jump."""
     surface: Floats
     """(d,) state where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
     side: int
-    """Side entered, −1 or +1; 0 where the run could not go on."""
+    """Side entered, −1 or +1; 0 if the run stopped there."""
     g: float
     """Residual of the switching function at x."""
     kind: str
@@ -62,13 +62,13 @@ class Crossings:
     t: Floats
     """(k,) times t̂."""
     x: Floats
-    """(k, d) states x̂ on the surface (beside it, if moved by a perturbation)."""
+    """(k, d) states x̂ on the surface (off it, if displaced by a perturbation)."""
     x_after: Floats
     """(k, d) states from which the run continued: x, or the states after the jump."""
     surface: Floats
     """(k, d) states where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
     side: Integers
-    """(k,) side entered, −1 or +1; 0 where the run could not go on."""
+    """(k,) side entered, −1 or +1; 0 if the run stopped there."""
     g: Floats
     """(k,) residual of the switching function at x."""
     kind: NDArray[np.str_]
@@ -105,8 +105,8 @@ class Crossings:
     @property
     def passed(self) -> Crossings:
         """The crossings after which the run continued: where it stops on the surface it does not cross."""
-        went_on: NDArray[np.bool_] = self.side != 0
-        return self[went_on]
+        continued: NDArray[np.bool_] = self.side != 0
+        return self[continued]
 
     def first(self, count: int) -> Crossings:
         """The first `count` crossings."""
@@ -128,10 +128,10 @@ class Crossings:
         columns: dict[str, NDArray[Any]] = {"t": self.t}
         for part, ending in ((self.x, ""), (self.x_after, " after")):
             columns |= {f"{name}{ending}": part[:, i] for i, name in enumerate(names)}
-        return _beside(columns, {n: getattr(self, n) for n in ("side", "g", "kind", "rate_before", "rate_after")})
+        return _with_columns(columns, {n: getattr(self, n) for n in ("side", "g", "kind", "rate_before", "rate_after")})
 
 
-def _beside(columns: dict[str, NDArray[Any]], more: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+def _with_columns(columns: dict[str, NDArray[Any]], more: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Add columns; an underscore is appended to names that variables have taken."""
     for name, column in more.items():
         while name in columns:
@@ -244,14 +244,14 @@ class Trajectory:
         (s, m) for the entries of `entered_t`; the first row is 0.
         """
         met = self.crossings
-        beside = level_residual_along(
+        off_surface = level_residual_along(
             self.system, self.method, met.t, met.x_after, met.side, np.arange(len(met)), met.t, met.surface
         )
-        beside[met.kind == "jump"] = 0.0
-        lost = np.nan_to_num(self.exit_error()) + np.nan_to_num(beside)
-        total = np.zeros((len(self.entered_t), lost.shape[1]))
-        if len(lost):
-            total[1:] = np.cumsum(lost, axis=0)[: len(total) - 1]
+        off_surface[met.kind == "jump"] = 0.0
+        errors = np.nan_to_num(self.exit_error()) + np.nan_to_num(off_surface)
+        total = np.zeros((len(self.entered_t), errors.shape[1]))
+        if len(errors):
+            total[1:] = np.cumsum(errors, axis=0)[: len(total) - 1]
         return total
 
     def accumulated_error(self) -> Floats:
@@ -343,7 +343,7 @@ class Trajectory:
         columns |= {name: self.x[:, i] for i, name in enumerate(self.system.variables)}
         error = self.conserved_error()
         names = ["psi error"] if error.shape[1] == 1 else [f"psi error {j + 1}" for j in range(error.shape[1])]
-        return _beside(columns, {"side": self.side, **{name: error[:, j] for j, name in enumerate(names)}})
+        return _with_columns(columns, {"side": self.side, **{name: error[:, j] for j, name in enumerate(names)}})
 
     def _checked_times(self, times: Floats) -> Floats:
         ends = [float(t) for t in (self.t[0], *self.t[-2:])]

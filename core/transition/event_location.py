@@ -38,7 +38,7 @@ __all__ = [
     "TOUCH",
     "StepContext",
     "isolate_root_of_series",
-    "locate_beside_series",
+    "locate_by_scheme",
     "locate_crossing",
     "locate_near_root",
     "rate_at_end",
@@ -317,7 +317,7 @@ def locate_near_root(context, t, low, high):
 
 
 @inlined
-def locate_beside_series(context, t, h, f_end, r_end, kind, low, high):
+def locate_by_scheme(context, t, h, f_end, r_end, kind, low, high):
     """Locate the first crossing where the Taylor polynomial of the height does not decide.
 
     Returns SHORT if there is none up to run.hit and nothing is known beyond.
