@@ -118,13 +118,13 @@ class Operations:
         if m == n:
             inner = self.sums.product(self.row(a), self.row(a))
             n = self.add(("*", n, n), first, lambda _: f"fma(2.0*{a.start}, {a.newest}, {inner})")
-            return self.made_of(n, self.bag_of(m), self.bag_of(m), 1)
+            return self.with_factors(n, self.bag_of(m), self.bag_of(m), 1)
         inner = self.sums.product(self.row(a), self.row(b))
         ends = f"fma({a.start}, {b.newest}, fma({b.start}, {a.newest}, {inner}))"
         both = self.add(("*", *sorted((m, n))), first, lambda _: ends)
-        return self.made_of(both, self.bag_of(m), self.bag_of(n), 1)
+        return self.with_factors(both, self.bag_of(m), self.bag_of(n), 1)
 
-    def made_of(self, node: int, first: Bag, second: Bag, sign: int) -> int:
+    def with_factors(self, node: int, first: Bag, second: Bag, sign: int) -> int:
         """Note that a node is first·second^sign."""
         bag = Counter(first)
         for n, e in second.items():
@@ -143,7 +143,7 @@ class Operations:
 
         n = self.add(("/", *key_of(u), below), f"({self.start(u)})/{b.start}", recurrence)
         above = self.bag_of(next(iter(u.terms))) if u.terms else Counter()
-        return n if len(u.terms) > 1 else self.made_of(n, above, self.bag_of(below), -1)
+        return n if len(u.terms) > 1 else self.with_factors(n, above, self.bag_of(below), -1)
 
     def root(self, u: Linear) -> int:
         """The square root w of u: 2 w₀ wₖ + … = uₖ."""

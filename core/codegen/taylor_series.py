@@ -77,9 +77,7 @@ class _Writer(Operations):
 
     def share(self, symbol: Symbol, value: Expr) -> None:
         """Define the symbol of an expression that is used more than once."""
-        if _taken_apart(value)[1] < 0 and not self.is_constant(
-            value
-        ):  # to divide by it takes no longer than to multiply
+        if _base_and_exponent(value)[1] < 0 and not self.is_constant(value):  # a quotient costs as much as a product
             self.inverted[symbol] = value
             return
         series = self.of(value)
@@ -120,7 +118,7 @@ class _Writer(Operations):
         scale: Expr = Integer(1)
         bag: Bag = Counter()
         for factor in factors:
-            base, n = _taken_apart(self.inverted.get(factor, factor))
+            base, n = _base_and_exponent(self.inverted.get(factor, factor))
             series = self.of(base)
             if not series.terms:
                 scale *= series.constant**n
@@ -132,7 +130,7 @@ class _Writer(Operations):
                 bag[part] += times * int(whole)
             if n != whole:
                 bag[self.root(series)] += 1 if n > 0 else -1
-        return self.put_together(bag).scaled(scale)
+        return self.compose(bag).scaled(scale)
 
     def power_of(self, base: Expr, exponent: Expr) -> Linear:
         if self.is_constant(base) or not self.is_constant(exponent):
@@ -150,7 +148,7 @@ class _Writer(Operations):
 
     # Products and quotients of sums ----------------------------------------------------------------------------------
 
-    def put_together(self, bag: Bag) -> Linear:
+    def compose(self, bag: Bag) -> Linear:
         """The product of powers of nodes: of existing products that cover most factors, then of few new ones."""
         found: Bag = Counter()
         while known := {node: self.covered(bag, part) for node, part in self.bags.items()}:
@@ -235,7 +233,7 @@ class _Writer(Operations):
         return SeriesCode(lines, self.rows)
 
 
-def _taken_apart(u: Expr) -> tuple[Expr, sympy.Rational]:
+def _base_and_exponent(u: Expr) -> tuple[Expr, sympy.Rational]:
     """Base and exponent of a power with an integer or half-integer exponent; else u itself and 1."""
     return (u.base, u.exp) if u.is_Pow and u.exp.is_Rational and u.exp.q <= 2 else (u, Integer(1))
 

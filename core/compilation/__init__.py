@@ -1,1 +1,1 @@
-"""Laws and methods → compiled functions, in memory and on disk; processes that compile beside this one."""
+"""Compile laws and methods, with caches in memory and on disk; worker processes that compile."""

@@ -1,8 +1,8 @@
-"""Laws and methods → compiled functions, kept in memory and on disk.
+"""Compile laws and methods to functions, cached in memory and on disk.
 
-The text of a module is written to the user's cache folder under a name made of its contents, and imported from there:
-so numba can keep the machine code beside it, and a second process loads it instead of compiling. After
-`compile_beside`, other processes do the compiling, and this one always loads.
+The text of a module is written to the user's cache folder, under a name derived from its contents, and imported from
+there. Its machine code is kept in the same folder, so that another process loads it instead of compiling. After
+`compile_beside`, worker processes compile, and this one loads.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from core.codegen.functions import (
     project_to_surface_text,
 )
 from core.codegen.step import StepCode
-from core.compilation.worker_pool import Workshop, serve
+from core.compilation.worker_pool import WorkerPool, serve
 from core.interface.arguments import count, number
 from core.kernels.abi import FUNCTIONS
 from core.kernels.digest import imported_modules, source_digest
@@ -42,42 +42,42 @@ from core.symbolic.laws import Laws
 
 __all__ = ["Compiled", "compile_beside", "compile_run"]
 
-MAX_MODULES = 200  #: kept in memory
-MAX_FILES = 1000  #: kept on disk
-MAX_REGISTERED = 50  #: kept in `sys.modules`
+MAX_MODULES = 200  #: modules kept in memory
+MAX_FILES = 1000  #: modules kept on disk
+MAX_REGISTERED = 50  #: modules kept in `sys.modules`
 
-_PATIENCE = 120.0  #: seconds to wait for other processes; then what they have not compiled is compiled here
+_PATIENCE = 120.0  #: seconds to wait for worker processes; then this process compiles the rest
 
 _lock = threading.RLock()
 _registered: dict[str, None] = {}
-_workshop: Workshop | None = None
+_pool: WorkerPool | None = None
 
 
 class Compiled(NamedTuple):
     """The compiled functions of a system and method."""
 
     addresses: NDArray[np.int64]
-    """(modes, functions) in the order of `abi.FUNCTIONS`; 0 where a run has no use for one."""
+    """(modes, functions) in the order of `abi.FUNCTIONS`; 0 for functions that the run does not need."""
     modules: tuple[ModuleType, ...]
-    """What keeps their machine code alive."""
+    """The modules, which keep the machine code alive."""
 
 
 @lru_cache(maxsize=MAX_MODULES)
 def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
-    """Compile what a run of a method calls.
+    """Compile the functions that a run of a method calls.
 
     Parameters
     ----------
     levels
         Also compile ψ, so that a run that does not conserve it can be monitored.
     """
-    texts, given_out = [], []
+    texts, submitted = [], []
     with _lock:
         for modes, text in _texts(laws, method, levels):
             texts.append((modes, text))
-            if _workshop is not None and not _is_compiled(text):
-                given_out.append(_workshop.begin(text))
-    wait(filter(None, given_out), _PATIENCE)
+            if _pool is not None and not _is_compiled(text):
+                submitted.append(_pool.submit(text))
+    wait(filter(None, submitted), _PATIENCE)
     addresses, modules = np.zeros((len(laws.modes), len(FUNCTIONS)), dtype=np.int64), []
     for modes, text in texts:
         with _lock:
@@ -90,44 +90,44 @@ def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
 
 
 def compile_beside(size: int = 2, idle: float = 900.0) -> None:
-    """Have what is yet to be compiled compiled in other processes, from when they are ready on.
+    """Start worker processes, which compile all later systems once they are ready.
 
-    Two of them are done with a system of eight variables in two thirds of the time. They take 250 MB each, are ready
-    after some seconds, and end with this one.
+    Two workers compile a system of eight variables in two thirds of the time. They take 250 MB each, are ready after
+    some seconds, and end with this process.
 
     Parameters
     ----------
     size
-        How many of them; one more than there are processors has no use.
+        Number of workers, at most the number of processors.
     idle
-        Seconds without anything to compile after which they end, too; called once more, this begins others.
+        Seconds without work after which they end; another call of this function starts new ones.
 
     Raises
     ------
     ValueError
-        If there is no such number of processes, or of seconds.
+        If `size` is not a positive integer, or `idle` not a positive number.
     """
-    global _workshop
+    global _pool
     size, idle = count(size, "size"), number(idle, "idle")
     if not idle > 0:
         raise ValueError(f"idle = {idle!r}: a positive number of seconds is needed")
     with _lock:
-        if _workshop is not None and not _workshop.closed:
-            _workshop.keep()
+        if _pool is not None and not _pool.closed:
+            _pool.restart_timer()
         else:
             roots = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")]))
             environment = {"PWSVIZ_CACHE": str(_folder()), "PYTHONPATH": roots}
-            program = "from core.compilation.compiled import serve_workshop; serve_workshop()"
-            _workshop = Workshop(program, environment, min(size, os.cpu_count() or 1), idle)
+            program = "from core.compilation.compiled import serve_worker; serve_worker()"
+            _pool = WorkerPool(program, environment, min(size, os.cpu_count() or 1), idle)
 
 
-def serve_workshop() -> None:
-    """Compile what comes in, in a process of its own."""
+def serve_worker() -> None:
+    """Run a worker process: compile the texts that it receives."""
     serve(_load)
 
 
 def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int | list[int], str]]:
-    """Texts of modules, each with the mode or the modes that it is of; what takes longest to compile first."""
+    """Texts of modules, each with its mode or modes; those that take longest to compile come first."""
     sides = tuple(laws.modes.values())
     codes = [(side, StepCode(laws, side)) for side in sides]
     yield from enumerate(module_text([code.text(method.scheme.write(side, code))]) for side, code in codes)
@@ -140,7 +140,7 @@ def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int | lis
 
 
 def _is_compiled(text: str) -> bool:
-    """Whether machine code of all functions of a text is kept on disk."""
+    """Whether the machine code of all functions of a text is on disk."""
     path = _path(text)
     return len(list(path.parent.glob(f"__pycache__/{path.stem}.*.o"))) >= text.count("@native")
 
@@ -149,7 +149,7 @@ def _is_compiled(text: str) -> bool:
 def _load(text: str) -> ModuleType:
     """Import a module of generated text from the cache folder."""
     path = _path(text)
-    if not _stands(path, text):
+    if not _touch_if_current(path, text):
         partial = path.with_name(f"{path.name}.{os.getpid()}")
         partial.write_text(text, encoding="utf-8")
         partial.replace(path)
@@ -158,23 +158,23 @@ def _load(text: str) -> ModuleType:
 
 
 def _import(path: Path) -> ModuleType:
-    """Import a module of generated text; numba compiles it, or loads what it has kept."""
-    module = ModuleType(path.stem)  # without the file's name: it is none of those that a user works on
+    """Import a module of generated text; its functions are compiled, or loaded from the cache."""
+    module = ModuleType(path.stem)  # without __file__, so that tools do not take it for a user's source
     _register(module)
     SourceFileLoader(path.stem, str(path)).exec_module(module)
     return module
 
 
 def _path(text: str) -> Path:
-    sources = source_digest(*imported_modules(text))  # of what is inlined, and of what makes machine code
+    sources = source_digest(*imported_modules(text))  # of inlined functions, and of the compiler
     key = hashlib.sha256("\0".join((text, sources, numba.__version__, sys.version)).encode()).hexdigest()[:32]
     return _folder() / f"pws_{key}.py"
 
 
 def _register(module: ModuleType) -> None:
-    """Let numba find a module, where it looks for a cached function's globals, while it is being loaded.
+    """Add a module to `sys.modules`, where numba looks for the globals of a cached function while loading it.
 
-    The last ones stay: other threads that look through `sys.modules` meanwhile find nothing gone that was just there.
+    The latest modules stay, so that other threads which iterate over `sys.modules` do not find one gone.
     """
     sys.modules[module.__name__] = module
     _registered.pop(module.__name__, None)
@@ -185,8 +185,8 @@ def _register(module: ModuleType) -> None:
         sys.modules.pop(first, None)  # the functions keep it alive for as long as they are needed
 
 
-def _stands(path: Path, text: str) -> bool:
-    """Whether a file has this text; it is then the last that another process would drop."""
+def _touch_if_current(path: Path, text: str) -> bool:
+    """Whether a file has this text; marks it as just used, so that it is pruned last."""
     try:
         os.utime(path)
         return path.read_text(encoding="utf-8") == text
@@ -196,7 +196,7 @@ def _stands(path: Path, text: str) -> bool:
 
 @lru_cache(maxsize=1)
 def _folder() -> Path:
-    """A folder of ours for generated text: $PWSVIZ_CACHE, the user's cache, or else one for this process only."""
+    """Folder for generated text: $PWSVIZ_CACHE, the user's cache, or else a temporary one for this process."""
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(os.environ.get("PWSVIZ_CACHE") or Path(home) / "pwsviz")
     try:
@@ -206,12 +206,12 @@ def _folder() -> Path:
         if ours and os.access(folder, os.W_OK):
             return folder
     except OSError:
-        pass  # a read-only home: the folder below serves
+        pass  # a read-only home
     return Path(tempfile.mkdtemp(prefix="pwsviz-"))
 
 
 def _prune(folder: Path) -> None:
-    """Drop the modules not used for longest, and their machine code, beyond `MAX_FILES`."""
+    """Delete the least recently used modules beyond `MAX_FILES`, with their machine code."""
     modules = sorted(folder.glob("pws_*.py"), key=_last_used)
     for path in modules[:-MAX_FILES]:
         for file in (path, *folder.glob(f"__pycache__/{path.stem}.*")):
@@ -219,7 +219,7 @@ def _prune(folder: Path) -> None:
 
 
 def _last_used(path: Path) -> float:
-    """When a file was last used; long ago where another process has dropped it meanwhile."""
+    """Time at which a file was last used; 0 if another process has deleted it meanwhile."""
     try:
         return path.stat().st_mtime
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""The time loop, a run in progress and when it is over, the error of ψ along it, states between its steps."""
+"""The time loop, runs in progress and completed, the error of ψ along a run, and dense output."""
 
 from core.integration.time_loop import compiled_march
 

@@ -1,4 +1,4 @@
-"""What a run has made of ψ: at every recorded state, worked out in double-double by compiled functions."""
+"""The error of ψ at every recorded state of a run, evaluated in double-double by compiled functions."""
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 # numba takes the types from the signature below.
@@ -40,39 +40,39 @@ def level_residual_along(
     Parameters
     ----------
     method
-        Of the run; what is compiled for it already serves here.
+        Name of the run's method, whose compiled functions are used here.
     t, x, side, segment
         (n,), (n, d), (n,), (n,) as in `Trajectory`.
     entered_t, entered_x
-        (s,), (s, d) as there.
+        (s,), (s, d) as in `Trajectory`.
 
     Returns
     -------
     (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
     """
     d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
-    excess = np.full((len(t), m), np.nan)
+    residual = np.full((len(t), m), np.nan)
     if m and len(t):
         functions = compile_run(system.laws, METHODS[method], levels=True)
         w, scratch = Frame(d, m).empty(), np.empty((1, 1))
         rows = (np.ascontiguousarray(a) for a in (t, x, side, segment, entered_t, entered_x))
-        _compiled()(functions.addresses, system.parameter_array.copy(), w, scratch, d, *rows, excess)
-    return excess
+        _compiled()(functions.addresses, system.parameter_array.copy(), w, scratch, d, *rows, residual)
+    return residual
 
 
 def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floats:
-    """The error at each row, or that with which the side is left before the next row, where that is larger in size.
+    """Replace the error at the last row before a crossing by that at the crossing, where that is larger in size.
 
-    An exit from a segment without rows, between two crossings in one step, counts for the row that follows.
+    If a segment has no rows, being between two crossings in one step, its exit counts for the row that follows.
 
     Parameters
     ----------
     error
         (n, m) at the rows; changed in place.
     segment
-        (n,) which of the segments between crossings each row lies in.
+        (n,) index of the segment between crossings in which each row lies.
     exits
-        (k, m) where the k-th segment was left.
+        (k, m) errors at the end of the k-th segment.
     """
     numbers = np.arange(len(exits))
     after = np.searchsorted(segment, numbers, side="right")  # the first row that lies in a later segment
@@ -88,20 +88,20 @@ def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floa
 
 
 def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
-    """Size of the terms that ψ adds up, of which it may be a small difference: |ψ| + Σₖ |xₖ ∂ψ/∂xₖ|.
+    """Scale of the round-off of ψ, which may be a small difference of large terms: |ψ| + Σₖ |xₖ ∂ψ/∂xₖ|.
 
-    Rounding the state and ψ to doubles moves ψ by up to eps/2 times this.
+    Rounding the state and ψ to doubles changes ψ by up to eps/2 times this.
 
     Parameters
     ----------
     side
-        Whose ψ, −1 or +1.
+        Side whose ψ is taken, −1 or +1.
     t, x
         (...) times and (..., d) states.
 
     Returns
     -------
-    (...), of several conserved quantities the largest; 0 where none is known, or it has no finite size.
+    (...), the largest over the conserved quantities; 0 where none is known, or where it is not finite.
     """
     laws = system.laws
     sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.modes[side].conserved]
@@ -112,7 +112,7 @@ def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> 
 
 @lru_cache(maxsize=1)
 def _compiled() -> Callable[..., None]:
-    """Compile the loop over rows, or load it from numba's cache."""
+    """Compile the loop over the rows, or load it from numba's cache."""
     vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
     signature: Any = types.void(
         types.int64[:, ::1], vector, vector, matrix, types.int64, vector, matrix, whole, whole, vector, matrix, matrix
@@ -120,12 +120,12 @@ def _compiled() -> Callable[..., None]:
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(signature, cache=True, nogil=True, **OPTIONS)
-    def along(functions, p, w, scratch, d, t, x, side, segment, entered_t, entered_x, excess):
-        _ = sources  # which makes it a part of the key that numba caches under
-        place, found = w[head : head + d], w[w.size - excess.shape[1] :]
+    def along(functions, p, w, scratch, d, t, x, side, segment, entered_t, entered_x, residual):
+        _ = sources  # closed over, it enters the key of numba's cache
+        place, found = w[head : head + d], w[w.size - residual.shape[1] :]
         now = -1
         for row in range(t.size):
-            if side[row] == 0:  # it could not leave the surface it started on
+            if side[row] == 0:  # the run could not leave the surface on which it started
                 continue
             mode = mode_of(side[row])
             if segment[row] != now:
@@ -137,6 +137,6 @@ def _compiled() -> Callable[..., None]:
                 place[i] = x[row, i]
             call(functions[mode, LEVEL_RESIDUAL], t[row], 0.0, p, w, scratch)
             for j in range(found.size):
-                excess[row, j] = found[j]
+                residual[row, j] = found[j]
 
     return along  # type: ignore[no-any-return]

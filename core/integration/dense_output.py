@@ -1,8 +1,8 @@
-"""Dense output: states between those a run has recorded, by steps of its own method.
+"""Dense output: states between recorded ones, by steps of the run's own method.
 
-One step of the method leads to a time from the last state recorded before it, or from where the last crossing before it
-led: a step of any length will do (`abi`). So ψ is kept there as well as along the run, the order is that of the
-method, and no step reaches across a crossing.
+Each is reached by one step of the method (`abi` allows any length) from the last state recorded before it, or from the
+state after the last crossing before it. So ψ is kept as well as along the run, the order is that of the method, and no
+step reaches across a crossing.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -35,27 +35,27 @@ __all__ = ["Found", "Stepper", "Track"]
 
 Integers = NDArray[np.int64]
 
-#: A step that has no solution is made of up to 2**10 shorter ones; by then 2,000 have been tried.
+#: A step without solution is replaced by up to 2**_HALVINGS shorter ones, after about 2,000 trial steps in all.
 _HALVINGS = 10
 
 
 class Track(NamedTuple):
-    """What is known of a run: states at the ends of steps, and where it entered each segment between crossings."""
+    """Part of a run: states at the ends of steps, and where it entered each segment between crossings."""
 
     t: Floats
-    """(n,) in the order of the run, which may go back in time."""
+    """(n,) times in the order of the run, which may go back in time."""
     x: Floats
-    """(n, d)"""
+    """(n, d) states."""
     side: Integers
-    """(n,)"""
+    """(n,) side occupied."""
     segment: Integers
-    """(n,) which segment each lies in."""
+    """(n,) index of the segment in which each state lies."""
     entered_t: Floats
-    """(s,) when each segment was entered, from number `first` on."""
+    """(s,) times at which the segments from number `first` on were entered."""
     entered_x: Floats
-    """(s, d)"""
+    """(s, d) states there."""
     entered_side: Integers
-    """(s,)"""
+    """(s,) sides entered."""
     first: int = 0
 
 
@@ -63,17 +63,17 @@ class Found(NamedTuple):
     """States at k times."""
 
     x: Floats
-    """(k, d)"""
+    """(k, d) states."""
     side: Integers
     """(k,) side occupied."""
     segment: Integers
-    """(k,) which segment each lies in."""
+    """(k,) index of the segment in which each lies."""
     solved: int
-    """How many could be worked out: those after have no solution that can be found."""
+    """Number of states found; the step to the next one has no solution."""
 
 
 class Stepper:
-    """Steps of a method from states that a run has recorded."""
+    """Takes steps of a method from recorded states of a run."""
 
     def __init__(self, system: PiecewiseSystem, method: Method, tolerance: float) -> None:
         d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
@@ -85,9 +85,9 @@ class Stepper:
             self._scratch = np.empty((coefficient_rows(system.laws), STRIDE))
 
     def find(self, track: Track, times: Floats) -> Found:
-        """States at times within the track, in the order of the run.
+        """States at times within the track, which must be in the order of the run.
 
-        At the instant of a crossing it is the state that the run went on from.
+        At the time of a crossing this is the state after it, from which the run continued.
         """
         n = len(times)
         x, side, segment = np.empty((n, self._d)), np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
@@ -102,14 +102,14 @@ class Stepper:
 
 @internal
 def expand(functions, t, h, mode, p, w, scratch):
-    """Let a variable-step method expand the solution at the state in the frame."""
+    """Prepare a step of a variable-step method from the state in the frame."""
     w[LEVELS_SET] = 0.0  # its levels may have been set at another state
     call(functions[mode, PREPARE], t, h, p, w, scratch)
 
 
 @internal
 def try_step(functions, t, h, mode, p, w, scratch, increment):
-    """Try a step from the state in the frame; returns whether it leads anywhere."""
+    """Try a step from the state in the frame; returns whether it has a finite solution."""
     solved = call(functions[mode, STEP], t, h, p, w, scratch) >= 0
     for i in range(increment.size):
         solved = solved and abs(increment[i]) < math.inf
@@ -118,7 +118,7 @@ def try_step(functions, t, h, mode, p, w, scratch, increment):
 
 @internal
 def step_in_parts(functions, t, h, mode, adaptive, p, w, scratch, x, carry, increment, start):
-    """Go the way of a step in 2, 4, 8 … shorter ones; returns whether that leads anywhere, and then x has it."""
+    """Replace a step by 2, 4, 8 … shorter ones; returns whether that succeeds, with the state in x."""
     parts = 1
     for _ in range(_HALVINGS):
         parts *= 2
@@ -141,7 +141,7 @@ def step_in_parts(functions, t, h, mode, adaptive, p, w, scratch, x, carry, incr
 
 @internal
 def last_row(t, sign, row, time):
-    """The last row from `row` on that is not after a time."""
+    """Last row, from `row` on, that is not after a time: by exponential and binary search."""
     stride = 1
     while row + stride < t.size and sign * t[row + stride] <= sign * time:
         row += stride
@@ -175,7 +175,7 @@ def _compiled() -> Callable[..., int]:
         functions, p, w, scratch, d, adaptive, conservative, sign,
         t, x, side, segment, entered_t, entered_x, entered_side, first, times, found, sides, segments,
     ):  # fmt: skip
-        _ = sources  # which makes it a part of the key that numba caches under
+        _ = sources  # closed over, it enters the key of numba's cache
         place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
         row, now = -1, -1  # the row before, and the segment whose levels are set
         here, start, begin, mode, fresh = 0, x[0], t[0], 0, True
@@ -186,7 +186,7 @@ def _compiled() -> Callable[..., int]:
             if row != before:
                 here, start, begin, fresh = segment[row], x[row], t[row], True
                 mode = mode_of(side[row])
-            # A crossing that a perturbation has moved counts from its time on, and within its step.
+            # A crossing displaced by a perturbation counts from its displaced time on, but within its step.
             while row + 1 < t.size and here < segment[row + 1]:
                 entry = here + 1 - first
                 ahead = sign * (entered_t[entry] - time) > 0.0

@@ -1,42 +1,42 @@
-"""Why a run has failed: the solution itself runs away, or its field has no value where it leads."""
+"""Causes of a failed run: the solution itself grows beyond bounds, or its field is not defined ahead."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
-import scipy  # loads a subpackage when it is first used
+import scipy  # loads its subpackages on first use
 
 from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
 
 __all__ = ["GROWTH", "ends_beyond", "runs_away"]
 
-#: Growth of the state that is called running away: a pole, or an exponential that no run of use goes along.
+#: Growth of the largest coordinate that counts as running away: to a pole, or by an exponential of no practical use.
 GROWTH = 1e6
-_EVALUATIONS = 20_000  #: of the field at most: a quarter of a second
-_AHEAD = (1.0, 3.0, 10.0)  #: how far beyond a state, in parts of it, its field is looked at
-_TOLERANCE = 1e-4  #: relative: whether it grows is the question, and not how
+_EVALUATIONS = 20_000  #: largest number of evaluations of the field: a quarter of a second
+_AHEAD = (1.0, 3.0, 10.0)  #: distances ahead of a state, relative to it, at which the field is evaluated
+_TOLERANCE = 1e-4  #: relative tolerance, enough to see whether the solution grows
 
 
 def runs_away(system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: float, size: float) -> bool | None:
-    """Whether the solution with the field of a side grows beyond all bounds between two times.
+    """Whether the solution with the field of a side grows beyond `GROWTH` times its size between two times.
 
-    An implicit method of SciPy follows it, so that stiff fields cost no more than others.
+    It is integrated by an implicit method of SciPy, so that stiff fields cost no more than others.
 
     Parameters
     ----------
     t0, x0
-        Start time and state (d,).
+        Initial time and state (d,).
     t1
-        End time, of either direction.
+        End time, before or after t0.
     size
-        What is large: the largest coordinate that the run has begun with.
+        Largest |coordinate| of the initial value of the run.
 
     Returns
     -------
     bool or None
-        None where this cannot be told: the field has no value on the way, or the way is too long.
+        None where this cannot be decided: the field is not defined on the way, or needs too many evaluations.
     """
     size = max(size, float(np.abs(x0).max())) or 1.0
 
@@ -56,12 +56,12 @@ def runs_away(system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: flo
                 return True
     if solver.status == "finished":
         return False
-    # Steps have become shorter than time is resolved: at a pole, or where the field itself ends.
+    # The step size has reached the resolution of time: at a pole, or where the field ceases to be defined.
     return True if solver.status == "failed" and _pushes_outward(field, solver.t, solver.y) else None
 
 
 def _pushes_outward(field: Callable[[float, Floats], Floats], t: float, x: Floats) -> bool:
-    """Whether the field goes on growing in its own direction, up to ten times the state away."""
+    """Whether the field does not decrease along its own direction, up to ten times the size of the state ahead."""
     here = field(t, x)
     speed = float(np.abs(here).max())
     direction = here / speed
@@ -70,7 +70,7 @@ def _pushes_outward(field: Callable[[float, Floats], Floats], t: float, x: Float
 
 
 def ends_beyond(system: PiecewiseSystem, side: int, t: float, x: Floats, h: float) -> bool:
-    """Whether the field of a side has a value at a state, and none within a step of length h from there."""
+    """Whether the field of a side is defined at a state, but not everywhere within a step of length h from there."""
     here = system.field(side, t, x)
     ahead = x + h * np.linspace(0.125, 1.0, 8)[:, None] * here
     return bool(np.isfinite(here).all() and np.isnan(system.field(side, t, ahead)).any())

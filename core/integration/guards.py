@@ -1,4 +1,4 @@
-"""The table of guards and transitions of a system, as the time loop reads it."""
+"""The table of guards and transitions of a system for the time loop."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["guard_table"]
 
 @lru_cache(maxsize=256)
 def guard_table(laws: Laws) -> NDArray[Any]:
-    """Guards (modes,) of `records.GUARD`: the surface is that of both modes, and leads from each to the other."""
+    """Guards (modes,) of `records.GUARD`: both modes end at the same surface, where each is followed by the other."""
     table = np.zeros(len(SIGNS), dtype=GUARD)
     table["sign"], table["to"], table["jump"] = SIGNS, [1, 0], NO_JUMP
     if laws.jump is not None:

@@ -1,4 +1,4 @@
-"""The states of a run at times asked for, taken while it goes on: its steps are not kept."""
+"""Record the states of a run at given times while it advances; its steps are not kept."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ __all__ = ["Sampler"]
 
 
 class Sampler:
-    """Puts states at given times in the place of the rows that a run's loop has written.
+    """Replaces the rows that a run's loop has written by states at given times.
 
-    Kept are the last row, and the crossings since the segment that it lies in was entered.
+    Between calls it keeps the last row, and the crossings since the segment of that row was entered.
 
     Parameters
     ----------
@@ -26,9 +26,9 @@ class Sampler:
     Attributes
     ----------
     rows
-        States at the times that the run has passed.
+        States at the given times that the run has passed.
     entered
-        Number, time and state of entry of each segment in which one of them lies.
+        Number of each segment in which one of them lies, with the time and state at which it was entered.
     """
 
     def __init__(self, runner: Runner, method: Method, times: Floats) -> None:
@@ -40,19 +40,19 @@ class Sampler:
         self.entered: list[tuple[int, float, Floats]] = []
 
     def take(self, final: bool = False) -> None:
-        """Work out the states at times that the loop has passed; at the end also those up to where it stopped."""
+        """Evaluate the states at times that the loop has passed; if `final`, also those up to where it stopped."""
         runner, track = self._runner, self._go_on()
         if final:
             track = _joined(track, _point(runner.t, runner.x, runner.side, runner.segment))
         along = 1.0 if self._times[-1] >= self._track.t[0] else -1.0
-        # A crossing may follow at the very time of the last row: that time waits for the next call.
+        # A crossing may follow at exactly the time of the last row, so that time waits for the next call.
         end = int(np.searchsorted(along * self._times, along * track.t[-1], "right" if final else "left"))
         if end > self._done:
             self._put(track, self._times[self._done : end])
         self._track = _tail(track)
 
     def _go_on(self) -> Track:
-        """What is known of the run since the last row of the call before; the rows written since are taken away."""
+        """The part of the run since the last row of the previous call; removes the rows written since."""
         runner, known = self._runner, self._track
         if known.side[0] == 0:
             first = np.array([runner.first_side])
@@ -88,7 +88,7 @@ class Sampler:
 
 
 def _point(t: float, x: Floats, side: int, segment: int) -> Track:
-    """One state, where its segment is entered."""
+    """The track of one state at which its segment is entered."""
     times, states = np.array([t]), x[None].copy()
     sides, segments = np.array([side]), np.array([segment])
     return Track(times, states, sides, segments, times, states, sides, segment)
@@ -105,7 +105,7 @@ def _joined(track: Track, last: Track) -> Track:
 
 
 def _tail(track: Track) -> Track:
-    """The last row, and the entries from that of its segment on: copies, beside which the rest can be forgotten."""
+    """The last row, and the entries from that of its segment on; copies, so that the rest can be freed."""
     first = int(track.segment[-1])
     entry = first - track.first
     return Track(

@@ -1,4 +1,4 @@
-"""A run in progress: the compiled loop, called in chunks, with what it has written collected between them."""
+"""A run in progress: calls the compiled loop in chunks, and collects its rows and crossings between them."""
 
 from __future__ import annotations
 
@@ -33,34 +33,35 @@ from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
 
-#: Steps between two readings of the cancel flag: some milliseconds, beside which a call, a quarter of one, is little.
+#: Steps between two readings of the cancel flag: they take milliseconds, a call of the loop a quarter of one.
 _CHUNK = 131072
-#: Crossings that one call of the loop can keep.
-_HITS = 4096
-#: The same where crossings are not kept: few enough to stay in the processor's cache.
-_FEW = 1024
-#: Steps out of all of a run that `diagnostics.resolution` examines once the run is over.
+#: Crossings that one call of the loop can record if they are kept.
+_HITS_KEPT = 4096
+#: The same if crossings are not kept: few enough to stay in the processor's cache.
+_HITS_NOT_KEPT = 1024
+#: Largest number of steps sampled over the run, for `diagnostics.resolution`.
 _SAMPLES = 128
 _KINDS = np.array(CROSSING_KINDS)
-#: Where a start on the surface leads may be told by the second derivative of g where the first gives one of these.
+#: Results of a start on the surface by first derivatives of g, for which second derivatives are then examined.
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
-#: A pole of the solution may be misplaced by this part of the time that the run has followed it.
+#: A pole is searched beyond the end of the run by this part of the time since the mode was entered.
 _MARGIN = 0.1
-#: A solution that runs away does so within so many steps from one that fails.
+#: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
 _AHEAD = 16.0
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How to step, apart from the method."""
+    """Settings of a run other than its method."""
 
     tau: float
     """Step size; infinite where the method chooses it."""
     tolerance: float = math.nan
-    """Of a method that chooses its step size."""
+    """Tolerance of a method that chooses its step size; else nan."""
     transition: bool = True
+    """Whether crossings are located; else the surface is stepped over."""
     shift: float = 0.0
-    """What is added to every crossing time: c·τᵖ."""
+    """Perturbation c·τᵖ, added to every crossing time."""
     max_crossings: int = 5_000_000
     max_steps: int = 10**9
     cancel: Callable[[], bool] | None = None
@@ -68,7 +69,7 @@ class Settings:
 
 @dataclass
 class Rows:
-    """What the loop has written so far."""
+    """Recorded steps: chunks of times, states, sides, and indices of segments."""
 
     t: list[Floats]
     x: list[Floats]
@@ -77,19 +78,19 @@ class Rows:
 
 
 class Runner:
-    """Integrates one initial value; may be told to go on to later and later times.
+    """Integrates one initial value problem; may be advanced repeatedly.
 
     Attributes
     ----------
     status, t, x, side, first_side
-        Where the run is now, and the sides it is and was first on: 0 before the first step, and where it could not
-        leave the surface.
+        Current status, time, state and side, and the side on which the run began. A side is 0 before the first step,
+        and where the run could not leave the surface.
     rows
-        States recorded at every step, where asked for.
+        States recorded at every step, if requested.
     envelope
-        (columns, m, 2) least and greatest excess of ψ over its level in each part of the time.
+        (columns, m, 2) least and greatest level residual in each of equal parts of the time.
     seconds
-        Processor time of the compiled loop: what else the process does at the same time does not count.
+        Processor time of the thread in the compiled loop.
     """
 
     def __init__(
@@ -157,7 +158,7 @@ class Runner:
 
     @property
     def samples(self) -> Floats:
-        """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
+        """(k, 3 + d) time, side, length and state at the start of some steps; the length ends at a crossing."""
         return self._samples[: int(self._run["samples"][0])]
 
     @property
@@ -177,14 +178,14 @@ class Runner:
 
     @property
     def crossing_count(self) -> int:
-        """Crossings made, kept or not."""
+        """Number of crossings, kept or not."""
         return int(self._run["crossings"][0])
 
     @property
     def segment(self) -> int:
-        """Index of the segment between crossings that the run is in.
+        """Index of the segment between crossings in which the run is.
 
-        A crossing it stopped at opens no other, unless the state has jumped there: its ψ is not that from before.
+        A crossing at which the run stops begins no new segment, unless the state has jumped, and ψ with it.
         """
         stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING) and self.system.jump is None
         return max(self.crossing_count - stopped, 0)
@@ -192,7 +193,7 @@ class Runner:
     def advance(
         self, t_end: float, record: bool = False, keep_hits: bool = True, after: Callable[[], object] | None = None
     ) -> Status:
-        """Go on to `t_end`, or to where the run stops before it; `after` is called whenever the loop returns."""
+        """Integrate to `t_end`, or to where the run stops before; `after` is called after each call of the loop."""
         run = self._run
         sign = 1.0 if t_end >= self.t else -1.0
         run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
@@ -214,11 +215,11 @@ class Runner:
                 return self.advance(t_end, record, keep_hits, after)
             self.status = Status.REPELLING if sides else self.status
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
-            self.status = self._judged()
+            self.status = self._refined_status()
         return self.status
 
-    def twin(self) -> Runner:
-        """A copy that goes on by itself."""
+    def copy(self) -> Runner:
+        """An independent copy."""
         other = copy.copy(self)
         other._run, other._w = self._run.copy(), self._w.copy()
         frame = Frame(self.system.dimension, 0)
@@ -227,16 +228,16 @@ class Runner:
         other._coefficients, other._workspace = self._coefficients.copy(), tuple(a.copy() for a in self._workspace)
         return other
 
-    def glance(self, t: float) -> Floats | None:
-        """State at time t, of a copy that goes on to there: this run itself stays on its grid. None if it stops."""
-        ahead = self.twin()
+    def state_at(self, t: float) -> Floats | None:
+        """State at time t, or None if the run stops before; advances a copy, so that this run keeps its grid."""
+        ahead = self.copy()
         return ahead.x if ahead.advance(t) is Status.COMPLETED else None
 
     def entry(self) -> tuple[float, Floats]:
-        """Time and state at which the segment was entered that the run is in; of the crossings, the last two serve."""
+        """Time and state at which the current segment was entered; needs the last two crossings only."""
         if self.segment == 0:
             return self._t0, np.array(self._x0)
-        back = 1 + self.crossing_count - self.segment  # a crossing it stopped at has opened no segment
+        back = 1 + self.crossing_count - self.segment  # a crossing at which the run stops begins no segment
         hits, places = self._hit_chunks[-1]
         if back > len(hits):
             back -= len(hits)
@@ -252,9 +253,9 @@ class Runner:
 
     @property
     def advice(self) -> str:
-        """What to do about the status: that of the status, or where a field has no value, to write it otherwise."""
+        """Advice on the status; where a field is not defined ahead, to write it differently."""
         failed = self.status is Status.NO_CONVERGENCE and self.side != 0
-        if failed and ends_beyond(self.system, self.side, self.t, self.x, self._a_step()):
+        if failed and ends_beyond(self.system, self.side, self.t, self.x, self._step_length()):
             word = "f_minus" if self.side < 0 else "f_plus"
             return (
                 f"{word} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
@@ -262,13 +263,13 @@ class Runner:
             )
         return self.status.advice_without_tau if self._run["adaptive"][0] else self.status.advice
 
-    def _a_step(self) -> float:
-        """Length of a step, signed."""
+    def _step_length(self) -> float:
+        """Signed length of a step; for a variable-step method, of its longest."""
         length = self.settings.tau if math.isfinite(self.settings.tau) else self.longest
         return math.copysign(length, float(self._run["tau"][0]))
 
     def latest(self, count: int) -> Crossings:
-        """The last crossings, `count` of them: as many at most as there were since the loop was last called."""
+        """The last `count` crossings, at most those of the last call of the loop."""
         if not count:
             return no_crossings(self.system.dimension)
         hits, places = self._hit_chunks[-1]
@@ -276,9 +277,9 @@ class Runner:
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
-        size, d = (budget if record else 1), self.system.dimension  # without recording, a buffer never full
+        size, d = (budget if record else 1), self.system.dimension  # without recording, one row that is never written
         rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
-        crossings = _HITS if keep_hits else _FEW
+        crossings = _HITS_KEPT if keep_hits else _HITS_NOT_KEPT
         hits = (np.empty(crossings, dtype=HIT), np.empty((crossings, 3, d)))
         started = time.thread_time()
         status = self._march(
@@ -299,11 +300,11 @@ class Runner:
             self.rows.side.append(SIGNS[rows["mode"][:n]])
             self.rows.segment.append(rows["segment"][:n])
 
-    def _judged(self) -> Status:
-        """Tell a solution that runs away from a step that fails, and from a scheme that alone runs away.
+    def _refined_status(self) -> Status:
+        """Distinguish a solution that runs away from a step that fails, and from a scheme that alone runs away.
 
-        A scheme that has run away, or has failed on the way: did the solution from where the mode was entered? A step
-        that fails elsewhere: does the solution run away within some steps from here?
+        If the state has grown beyond bounds, the exact solution is followed from where the mode was entered. If a step
+        fails elsewhere, the solution is followed for some steps from here.
         """
         size = float(np.abs(self._x0).max())
         if self.side == 0:
@@ -312,7 +313,7 @@ class Runner:
             t, x = self.entry()
             away = runs_away(self.system, self.side, t, x, self.t + _MARGIN * (self.t - t), size)
             return self.status if away is None else Status.ESCAPED if away else Status.UNSTABLE
-        ahead = self.t + _AHEAD * self._a_step()
+        ahead = self.t + _AHEAD * self._step_length()
         away = ahead != self.t and runs_away(self.system, self.side, self.t, self.x, ahead, size)
         return Status.ESCAPED if away else self.status
 
@@ -326,5 +327,5 @@ def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
 
 @lru_cache(maxsize=MAX_DIMENSION)
 def no_crossings(d: int) -> Crossings:
-    """None, in d dimensions."""
+    """No crossings, in d dimensions."""
     return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, d)))

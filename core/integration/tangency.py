@@ -1,4 +1,4 @@
-"""Where a start on the surface leads whose field is tangent to it there: told by the second derivative of g."""
+"""Sides entered from a start on the surface with tangent fields: given by the second derivative of g."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from core.system import PiecewiseSystem
 __all__ = ["sides_entered"]
 
 _EPS = 2.0**-52
-_MARGIN = 16.0  #: of a first-order bound on rounding, within which a rate is taken for zero
+_MARGIN = 16.0  #: a rate below this many first-order bounds on its rounding counts as zero
 
 
 def sides_entered(system: PiecewiseSystem, t: float, x: Floats, direction: float) -> list[int]:
-    """Sides into which the motion from a place on the surface may lead.
+    """Sides into which the solutions from a point on the surface may lead.
 
-    A field leads into its side if g moves that way to first order, or, at a fold, where the rate of g vanishes, to
-    second order (Filippov, Differential Equations with Discontinuous Righthand Sides, §19).
+    A field leads into its side if the rate of g along the run has the sign of the side, or, at a fold, where the rate
+    vanishes, the second derivative of g has (Filippov, Differential Equations with Discontinuous Righthand Sides, §19).
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def sides_entered(system: PiecewiseSystem, t: float, x: Floats, direction: float
     Returns
     -------
     list of int
-        −1, +1, both (the motion is not unique), or neither.
+        −1, +1, both (the solution is not unique), or neither.
     """
     return [side for side in (-1, 1) if _leads_into(system, side, t, x, direction)]
 
@@ -44,4 +44,4 @@ def _leads_into(system: PiecewiseSystem, side: int, t: float, x: Floats, directi
     first, doubt, second = laws.evaluate(("fold", side), wanted, t, x, system.parameter_array)
     if abs(first) > _MARGIN * _EPS * doubt:
         return bool(side * first * direction > 0.0)
-    return bool(side * second > 0.0)  # in time that runs back, too
+    return bool(side * second > 0.0)  # the same in both directions of time

@@ -1,4 +1,4 @@
-"""The time loop: compiled once for all systems and methods, which it calls by their addresses."""
+"""The time loop, compiled once for all systems and methods: it calls their functions by address."""
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 # numba takes the types from the signature below.
@@ -26,13 +26,13 @@ __all__ = ["compiled_march"]
 
 _COMPLETED, _CONTRADICTION = int(Status.COMPLETED), int(Status.CONTRADICTION)
 
-#: The last step may be this much longer than τ (relatively), so that rounding leaves no sliver of a step at the end.
+#: Largest length of the last step in units of τ: rounding then leaves no tiny step at the end.
 _STRETCH = 1.0 + 1e-9
 
 
 @internal
 def write_sample(run, x, samples):
-    """Keep the start of a step; where there is no room, keep every second of those kept, and of those to come."""
+    """Sample the start of a step; if the samples are full, drop every second and double the stride."""
     if run.samples == samples.shape[0]:
         run.samples //= 2
         run.stride *= 2
@@ -48,11 +48,11 @@ def write_sample(run, x, samples):
 
 @internal
 def end_sample(run, t, samples):
-    """A crossing has been found in a step: of its sample, if there is one, the part up to there is kept."""
+    """End the sample of a step, if there is one, at the crossing found in it."""
     if run.samples == 0 or run.next_sample != run.steps + run.stride or samples[run.samples - 1, 2] != 0.0:
         return
     length = t - samples[run.samples - 1, 0]
-    if length == 0.0 or run.shift != 0.0 or run.follow == 0:  # nothing, or no step of the scheme that ends at g = 0
+    if length == 0.0 or run.shift != 0.0 or run.follow == 0:  # empty, or not a step of the scheme to g = 0
         run.samples -= 1
         run.next_sample = run.steps
     else:
@@ -87,8 +87,8 @@ def compiled_march() -> Callable[..., int]:
     -------
     march(functions, guards, run, p, w, d, scratch, nodes, pieces, budget,
           rows, rows_x, hits, places, envelope, samples) -> int
-        A Status. Advances up to `budget` times from the state it is given, and leaves that state ready to go on:
-        RUNNING means that the budget or a buffer is used up. See `abi` for functions (modes, functions), p, the frame
+        A Status. Takes up to `budget` steps or parts of steps, and leaves the records ready for the next call; RUNNING
+        means that the budget or a buffer is used up. See `abi` for functions (modes, functions), p, the frame
         w and scratch, `records` for the guards (modes,) and records.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
@@ -98,7 +98,7 @@ def compiled_march() -> Callable[..., int]:
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
         rows, rows_x, hits, places, envelope, samples,
     ):  # fmt: skip
-        _ = sources  # which makes it a part of the key that numba caches under
+        _ = sources  # closed over, it enters the key of numba's cache
         run = records[0]
         x, carry = w[head : head + d], w[head + d : head + 2 * d]
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
@@ -126,7 +126,7 @@ def compiled_march() -> Callable[..., int]:
                     run.final = 1
                 else:
                     h = run.tau
-            # Nearly every step is plain, and taken right here: passing so many arrays costs more than the step.
+            # Nearly every step is plain and taken here: passing so many arrays to `advance` costs more than the step.
             t, plain = run.t + run.t_carry, False
             if run.adaptive == 0:
                 count = call(functions[run.mode, STEP], t, h, p, w, scratch)

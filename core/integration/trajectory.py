@@ -1,4 +1,4 @@
-"""What a run returns: Trajectory, Crossings, Status."""
+"""The result of a run: Trajectory, Crossings, Status."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["CROSSING_KINDS", "Crossing", "Crossings", "Status", "Trajectory"]
 
 Integers = NDArray[np.int64]
 
-#: States in which the size of ψ is looked at.
+#: Number of recorded states at which the size of ψ is evaluated.
 _SAMPLE = 500
 
 
@@ -34,13 +34,13 @@ class Crossing:
     t: float
     """Time t̂."""
     x: Floats
-    """(d,) state x̂ on the surface (beside it, if moved by a perturbation)."""
+    """(d,) state x̂ on the surface (off it, if displaced by a perturbation)."""
     x_after: Floats
-    """(d,) state it went on from: x, or what the jump made of it."""
+    """(d,) state from which the run continued: x, or the state after the jump."""
     surface: Floats
     """(d,) state where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
     side: int
-    """Side entered, −1 or +1; 0 where the run could not go on."""
+    """Side entered, −1 or +1; 0 if the run stopped there."""
     g: float
     """Residual of the switching function at x."""
     kind: str
@@ -53,22 +53,22 @@ class Crossing:
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """Where a run met the switching surface: a sequence of `Crossing`, kept as one array a field.
+    """The crossings of a run: a sequence of `Crossing`, stored as one array for each field.
 
-    ``crossings[k]`` is the k-th from 0 (−1: the last), ``crossings[10:20]`` and ``crossings[crossings.side == 1]`` are
-    some of them; ``for crossing in crossings`` goes through all.
+    ``crossings[k]`` is the k-th, from 0 (−1: the last); ``crossings[10:20]`` and ``crossings[crossings.side == 1]`` are
+    selections; ``for crossing in crossings`` iterates over all.
     """
 
     t: Floats
     """(k,) times t̂."""
     x: Floats
-    """(k, d) states x̂ on the surface (beside it, if moved by a perturbation)."""
+    """(k, d) states x̂ on the surface (off it, if displaced by a perturbation)."""
     x_after: Floats
-    """(k, d) states it went on from: x, or what the jump made of it."""
+    """(k, d) states from which the run continued: x, or the states after the jump."""
     surface: Floats
     """(k, d) states where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
     side: Integers
-    """(k,) side entered, −1 or +1; 0 where the run could not go on."""
+    """(k,) side entered, −1 or +1; 0 if the run stopped there."""
     g: Floats
     """(k,) residual of the switching function at x."""
     kind: NDArray[np.str_]
@@ -104,12 +104,12 @@ class Crossings:
 
     @property
     def passed(self) -> Crossings:
-        """Those that the run went on from: where it stops on the surface it does not cross."""
-        went_on: NDArray[np.bool_] = self.side != 0
-        return self[went_on]
+        """The crossings after which the run continued: where it stops on the surface it does not cross."""
+        continued: NDArray[np.bool_] = self.side != 0
+        return self[continued]
 
     def first(self, count: int) -> Crossings:
-        """The first `count` of them."""
+        """The first `count` crossings."""
         return self[:count]
 
     def columns(self, variables: tuple[str, ...] | None = None) -> dict[str, NDArray[Any]]:
@@ -118,7 +118,7 @@ class Crossings:
         Parameters
         ----------
         variables
-            Names of the d coordinates; x0, x1, … where not given.
+            Names of the d coordinates; x0, x1, … by default.
         """
         d = self.x.shape[1]
         usual = [f"x{i}" for i in range(d)]
@@ -128,11 +128,11 @@ class Crossings:
         columns: dict[str, NDArray[Any]] = {"t": self.t}
         for part, ending in ((self.x, ""), (self.x_after, " after")):
             columns |= {f"{name}{ending}": part[:, i] for i, name in enumerate(names)}
-        return _beside(columns, {n: getattr(self, n) for n in ("side", "g", "kind", "rate_before", "rate_after")})
+        return _with_columns(columns, {n: getattr(self, n) for n in ("side", "g", "kind", "rate_before", "rate_after")})
 
 
-def _beside(columns: dict[str, NDArray[Any]], more: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Columns and more of them; where a variable has taken a name, an underscore is added."""
+def _with_columns(columns: dict[str, NDArray[Any]], more: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Add columns; an underscore is appended to names that variables have taken."""
     for name, column in more.items():
         while name in columns:
             name += "_"
@@ -146,7 +146,7 @@ def _nothing(_run: Trajectory) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """A run: what was recorded, where it crossed, how it ended."""
+    """A run: its recorded states, its crossings, and how it ended."""
 
     system: PiecewiseSystem
     method: str
@@ -159,14 +159,14 @@ class Trajectory:
     side: Integers
     """(n,) side occupied, −1 or +1 (0 if the run started on the surface and could not leave it)."""
     segment: Integers
-    """(n,) which segment between crossings each row lies in: an index into `entered_t`."""
+    """(n,) index, into `entered_t`, of the segment between crossings in which each row lies."""
     entered_t: Floats
-    """(s,) when each segment was entered: the start, then every crossing (of ``record="end"`` only the last)."""
+    """(s,) times at which segments were entered: the start, then every crossing (with ``record="end"`` the last)."""
     entered_x: Floats
     """(s, d) the states there."""
     crossings: Crossings
     crossing_count: int
-    """How many crossings there were; with ``record="end"`` they are counted but not kept."""
+    """Number of crossings; with ``record="end"`` they are counted but not kept."""
     status: Status
     outcome: str
     """Where it stopped, why, and what to do about it."""
@@ -177,16 +177,16 @@ class Trajectory:
     seconds: float
     """Processor time inside the compiled loop."""
     envelope: Floats | None = None
-    """(columns, m, 2) least and greatest error of ψ in equal parts of the time asked for, where `integrate` was asked
-    to keep it: ψ of the side occupied less its value where that side was entered, worked out in double-double."""
+    """(columns, m, 2) least and greatest error of ψ in equal parts of the time span, if `integrate` was asked for it:
+    ψ of the side occupied less its value where that side was entered, evaluated in double-double."""
     warn: Callable[[Trajectory], str] = field(default=_nothing, repr=False, compare=False)
-    """What the theory has to say against the step size of such a run, worked out when `message` is asked for."""
+    """Gives the warnings of the theory about the step size of a run, evaluated when `message` is read."""
     record: str = "steps"
-    """Which states are recorded: "steps", "crossings", "end", or "t_eval" for those at times asked for."""
+    """Which states are recorded: "steps", "crossings", "end", or "t_eval" for those at given times."""
     tolerance: float = math.nan
-    """Of a method that chooses its own step size; else nan."""
+    """Tolerance of a method that chooses its own step size; else nan."""
     samples: Floats | None = field(default=None, repr=False)
-    """(k, 3 + d) time, side, length and state at the start of some of the steps in which no crossing was found."""
+    """(k, 3 + d) time, side, length and state at the start of some steps; the length ends at a crossing."""
 
     def __repr__(self) -> str:
         step = f"tolerance = {self.tolerance:g}" if METHODS[self.method].adaptive else f"tau = {self.tau:g}"
@@ -201,13 +201,13 @@ class Trajectory:
         return f"{self.outcome} {self.warn(self)}".strip()
 
     def conserved_error(self, exits: bool = True) -> Floats:
-        """ψ of the side occupied, less its value where that side was entered, worked out in double-double.
+        """ψ of the side occupied, less its value where that side was entered, evaluated in double-double.
 
         Parameters
         ----------
         exits
-            Whether the last row before a crossing tells of the error with which its side is left there, where that is
-            larger (see `exit_error`).
+            Whether the last row before a crossing gives the error at the crossing, where that is larger in size (see
+            `exit_error`).
 
         Returns
         -------
@@ -223,39 +223,39 @@ class Trajectory:
 
         Returns
         -------
-        (k, m), nan where the side has fewer conserved quantities. With ``record="end"`` no crossing is kept: an
-        `envelope` sees them all the same.
+        (k, m), nan where the side has fewer conserved quantities. With ``record="end"`` no crossing is kept; an
+        `envelope` includes them all the same.
         """
         met = self.crossings
         left = np.concatenate([self.side[:1], met.side])[: len(met)]
-        visits = np.arange(len(met))
+        segments = np.arange(len(met))
         return level_residual_along(
-            self.system, self.method, met.t, met.x, left, visits, self.entered_t, self.entered_x
+            self.system, self.method, met.t, met.x, left, segments, self.entered_t, self.entered_x
         )
 
     def carried_error(self) -> Floats:
-        """Change of ψ that the integrator has made by the time each segment between crossings begins, in all.
+        """Total error of ψ that the integrator has made before each segment between crossings.
 
-        At a crossing ψ changes its meaning and its value, which is no error, and a jump is part of the system. What is
-        added up is what every visit to a side has lost by its end, and what going on from beside the surface loses.
+        At a crossing ψ becomes another function, and a jump is part of the system: these changes are not errors. The
+        errors added up are those at the end of every segment, and those of continuing from a state off the surface.
 
         Returns
         -------
-        (s, m) beside `entered_t`, the first row 0.
+        (s, m) for the entries of `entered_t`; the first row is 0.
         """
         met = self.crossings
-        beside = level_residual_along(
+        off_surface = level_residual_along(
             self.system, self.method, met.t, met.x_after, met.side, np.arange(len(met)), met.t, met.surface
         )
-        beside[met.kind == "jump"] = 0.0
-        lost = np.nan_to_num(self.exit_error()) + np.nan_to_num(beside)
-        total = np.zeros((len(self.entered_t), lost.shape[1]))
-        if len(lost):
-            total[1:] = np.cumsum(lost, axis=0)[: len(total) - 1]
+        off_surface[met.kind == "jump"] = 0.0
+        errors = np.nan_to_num(self.exit_error()) + np.nan_to_num(off_surface)
+        total = np.zeros((len(self.entered_t), errors.shape[1]))
+        if len(errors):
+            total[1:] = np.cumsum(errors, axis=0)[: len(total) - 1]
         return total
 
     def accumulated_error(self) -> Floats:
-        """Change of ψ that the integrator has made since the start: within the visit, and in those before.
+        """Total error of ψ that the integrator has made since the start: in the current segment and in those before.
 
         Returns
         -------
@@ -264,7 +264,7 @@ class Trajectory:
         return self.conserved_error(exits=False) + self.carried_error()[self.segment]
 
     def change_of_psi(self) -> Floats:
-        """|Δψ|: size of the accumulated error, of several conserved quantities the largest.
+        """|Δψ|: size of the accumulated error, the largest over the conserved quantities.
 
         Returns
         -------
@@ -272,12 +272,12 @@ class Trajectory:
         """
         error = self.accumulated_error()
         largest = np.full(len(error), np.nan)
-        for column in error.T:  # numpy's own reduction takes ten times as long over a short axis
+        for column in error.T:  # numpy's reduction over a short axis takes ten times as long
             np.fmax(largest, np.abs(column), out=largest)
         return largest
 
     def psi_size(self) -> float:
-        """Largest `psi_size` at up to 500 of the states recorded: rounding moves ψ by about eps times as much.
+        """Largest `psi_size` at about 500 of the recorded states: rounding changes ψ by about eps times this.
 
         Returns
         -------
@@ -295,30 +295,30 @@ class Trajectory:
     def at(self, t: ArrayLike, before: bool = False) -> Floats:
         """States at any times within the run (dense output).
 
-        Each is reached by one step of the method itself, from the last state recorded before it or from where the last
-        crossing before it led; for "taylor" that is its Taylor polynomial. So the order is that of the method, a
-        conservative method keeps ψ there to round-off, and a recorded time gives the state recorded.
+        Each is reached by one step of the method itself, from the last state recorded before it or from the state after
+        the last crossing before it; for "taylor" that is its Taylor polynomial. So the order is that of the method, a
+        conservative method keeps ψ there to round-off, and a recorded time gives the recorded state.
 
-        With a perturbation the times of crossings are those they were moved to, within the step in which they happened.
-        Without a transition the side changes at the ends of steps only, as in the run.
+        With a perturbation, crossings take place at their perturbed times, within their steps. Without a transition the
+        side changes at the ends of steps only, as in the run.
 
         Parameters
         ----------
         t
             Times of any shape and in any order, from the first to the last of the run.
         before
-            Which state to give at the very instant of a crossing: the one that arrived there; else the one after it
-            (after its jump, if there is one). They differ at jumps only.
+            Whether to give the state before a crossing at exactly its time, instead of the one after it. They differ at
+            jumps only.
 
         Returns
         -------
-        (..., d)
+        (..., d) states.
 
         Raises
         ------
         ValueError
-            Where a time is outside the run or no number; where the run has not recorded its steps, and a time is none
-            of those kept; where the equations of a step have no solution.
+            If a time is not a number or outside the run, if it was not recorded by a run that has not recorded its
+            steps, or if the equations of a step have no solution.
         """
         times = numbers(t, "t")
         flat = self._checked_times(times.ravel())
@@ -343,7 +343,7 @@ class Trajectory:
         columns |= {name: self.x[:, i] for i, name in enumerate(self.system.variables)}
         error = self.conserved_error()
         names = ["psi error"] if error.shape[1] == 1 else [f"psi error {j + 1}" for j in range(error.shape[1])]
-        return _beside(columns, {"side": self.side, **{name: error[:, j] for j, name in enumerate(names)}})
+        return _with_columns(columns, {"side": self.side, **{name: error[:, j] for j, name in enumerate(names)}})
 
     def _checked_times(self, times: Floats) -> Floats:
         ends = [float(t) for t in (self.t[0], *self.t[-2:])]
@@ -363,7 +363,7 @@ class Trajectory:
     def _between(self, times: Floats) -> Floats:
         """States at times between recorded steps, nan where there is no solution."""
         entered = np.concatenate([self.side[:1], self.crossings.side])
-        # A crossing at which a run has stopped may have been moved back beyond the last step.
+        # A perturbation may have moved the crossing at which the run stopped back beyond the last step.
         back = len(self.t) > 2 and (self.t[-1] - self.t[-2]) * (self.t[-2] - self.t[0]) < 0.0
         n = len(self.t) - back
         rows = self.t[:n], self.x[:n], self.side[:n], self.segment[:n]
@@ -386,13 +386,13 @@ class Trajectory:
         if self.record == "steps":
             return f"t = {t!r}: the equations of the step to there have no real solution; take a smaller step size tau"
         return (
-            f"t = {t!r}: the run has not recorded its steps (record={self.record!r}), so it has none between those it "
-            'has kept; integrate with record="steps", or with t_eval at the times wanted'
+            f"t = {t!r}: the run has not recorded its steps (record={self.record!r}), so only the times it "
+            'has kept are available; integrate with record="steps", or with t_eval at the times wanted'
         )
 
 
 def _matches(known: Floats, times: Floats, first: bool = False) -> tuple[NDArray[np.bool_], Integers]:
-    """Which times are among known ones, and where those stand there: the last of equal ones, or the first."""
+    """Which times are among known ones, and their indices there: the last of equal ones, or the first."""
     order = np.argsort(known, kind="stable")
     ordered = known[order]
     k = np.searchsorted(ordered, times, "left") if first else np.searchsorted(ordered, times, "right") - 1

@@ -1,6 +1,6 @@
 """Divided differences φ[a, b] = (φ(b) − φ(a)) / (b − a) of the elementary functions, to round-off at any distance.
 
-None is worked out as a quotient of small differences, but by an identity that stays accurate as b → a, where
+None is evaluated as a quotient of small differences, but by an identity that stays accurate as b → a, where
 φ[a, a] = φ'(a). Each comes with its derivative in b, φ[a, b, b], which Newton's method needs and which may be less
 accurate. Generated code calls them by these names: ``sin_slope``, ``sin_slope_b``, and so on.
 """

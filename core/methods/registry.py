@@ -24,7 +24,7 @@ def method_named(method: str | Method) -> Method:
     Raises
     ------
     ValueError
-        If there is none.
+        If there is no such method.
     """
     name = method.name if isinstance(method, Method) else method
     found = METHODS.get(name) if isinstance(name, str) else None

@@ -98,7 +98,7 @@ class _Path:
     def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, tolerance: float) -> None:
         settings = Settings(np.inf, tolerance, max_steps=_MAX_STEPS)
         self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
-        self._kept, self._ended = [_Snapshot(t0, self._runner.twin())], False
+        self._kept, self._ended = [_Snapshot(t0, self._runner.copy())], False
         self._stride = float(np.linalg.norm(x0)) / (float(np.linalg.norm(system.field(1, t0, x0))) or 1.0) or 1.0
 
     def begin(self) -> None:
@@ -126,7 +126,7 @@ class _Path:
             except ValueError:
                 if not t < self._runner.t:
                     raise
-        runner = self._kept[bisect_right([s.t for s in self._kept], t) - 1].runner.twin()
+        runner = self._kept[bisect_right([s.t for s in self._kept], t) - 1].runner.copy()
         runner.advance(t)
         return runner
 
@@ -137,5 +137,5 @@ class _Path:
             self._ended = True
             reason = runner.status.reason
             raise ValueError(f"the solution ends at t = {runner.t:.16g}, x = {runner.x}, before {wanted}: {reason}")
-        self._kept.append(_Snapshot(runner.t, runner.twin()))
+        self._kept.append(_Snapshot(runner.t, runner.copy()))
         self._stride *= 2.0 if runner.steps - before < _STRIDE else 1.0

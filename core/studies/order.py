@@ -188,7 +188,7 @@ def _run(
     states = np.full((len(times), system.dimension), np.nan)
     for row, t in enumerate(times):
         grid = t0 + math.floor((t - t0) / settings.tau) * settings.tau
-        if runner.advance(grid) is not Status.COMPLETED or (state := runner.glance(float(t))) is None:
+        if runner.advance(grid) is not Status.COMPLETED or (state := runner.state_at(float(t))) is None:
             break
         states[row] = state
     runner.advance(float(times[-1]))

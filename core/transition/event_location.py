@@ -38,7 +38,7 @@ __all__ = [
     "TOUCH",
     "StepContext",
     "isolate_root_of_series",
-    "locate_beside_series",
+    "locate_by_scheme",
     "locate_crossing",
     "locate_near_root",
     "rate_at_end",
@@ -193,7 +193,7 @@ def dip(context, t, low, high, f_low, f_high, r_low, r_high):
 
 @internal
 def peak(context, t, high, r_low, r_high):
-    """Length in (0, high) with positive height, or zero rate, by regula falsi (Illinois) and bisection."""
+    """Length in (0, high) with positive height or zero rate, by regula falsi (Illinois) and bisection on the rate."""
     low, s, f, r = 0.0, high, 0.0, r_high
     for k in range(_MAX_TRIALS):
         part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
@@ -317,7 +317,7 @@ def locate_near_root(context, t, low, high):
 
 
 @inlined
-def locate_beside_series(context, t, h, f_end, r_end, kind, low, high):
+def locate_by_scheme(context, t, h, f_end, r_end, kind, low, high):
     """Locate the first crossing where the Taylor polynomial of the height does not decide.
 
     Returns SHORT if there is none up to run.hit and nothing is known beyond.

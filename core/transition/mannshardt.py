@@ -24,7 +24,7 @@ from core.transition.event_location import (
     SHORT,
     TOUCH,
     isolate_root_of_series,
-    locate_beside_series,
+    locate_by_scheme,
     locate_crossing,
     locate_near_root,
     rate_at_end,
@@ -328,7 +328,7 @@ def locate(context, t, h, kind, low, high):
     run = context.run
     height, rate, found = run.sign * context.w[G_END], rate_at_end(context), NONE
     if run.adaptive == 1:
-        found = locate_beside_series(context, t, h, height, rate, kind, low, high)
+        found = locate_by_scheme(context, t, h, height, rate, kind, low, high)
     elif (h > 0.0) == (run.tau > 0.0):  # a step back from a perturbed crossing is not searched
         found = locate_crossing(context, t, h, height, rate)
     if found == SHORT:

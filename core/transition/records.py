@@ -80,7 +80,7 @@ HIT = np.dtype(
         ("g", np.float64),
         ("rate_before", np.float64),
         ("rate_after", np.float64),
-        ("passed", np.int64),  # 1: the run went on from here
+        ("passed", np.int64),  # 1: the run continued from here
         ("mode", np.int64),  # mode after the crossing
         ("kind", np.int64),
     ],

@@ -37,20 +37,27 @@ def _table(values: Iterable[Any]) -> Table:
     return pairs[:, 0].copy(), pairs[:, 1].copy()
 
 
-#: log(2)/128, its inverse, and 2^(j/128) − 1 for −64 ≤ j < 64.
+#: log(2)/128.
 EXP_STEP = _parts(_mp.log(2) / 128)
+#: 128/log(2).
 EXP_STEPS_PER_UNIT = float(128 / _mp.log(2))
+#: 2^(j/128) − 1 for −64 ≤ j < 64.
 EXP_HIGH, EXP_LOW = _table(power - 1 for power in _powers(_mp.mpf(2) ** (_mp.mpf(1) / 128), -64, 64))
 
-#: log 2; then c = 128/i to double precision, and −log c, for i = 128 m of every m between 1/√2 and √2.
+#: log 2.
 LOG_2 = _parts(_mp.log(2))
+#: The first integer i of the table: i/128 runs from 1/√2 to √2.
 LOG_FIRST = 90
+#: c = 128/i in double precision.
 LOG_C = np.array([128.0 / i for i in range(LOG_FIRST, 182)])
+#: −log c.
 LOG_HIGH, LOG_LOW = _table(-_mp.log(c) for c in LOG_C.tolist())
 
-#: π/512 in three parts, its inverse, and the sine of n π/512 over a whole turn.
+#: π/512 in three parts.
 SIN_STEP = _parts(_mp.pi / 512, 3)
+#: 512/π.
 SIN_STEPS_PER_UNIT = float(512 / _mp.pi)
+#: sin(n π/512) over a whole turn, 0 ≤ n < 1024.
 SIN_HIGH, SIN_LOW = (
     np.concatenate((q[:-1], q[:0:-1], -q[:-1], -q[:0:-1]))
     for q in _table(turned.imag for turned in _powers(_mp.expjpi(_mp.mpf(1) / 512), 0, 257))

@@ -120,9 +120,9 @@ def test_a_cache_that_two_processes_prune_at_once_is_still_pruned(tmp_path, monk
 
 def test_a_module_in_use_is_the_last_to_be_pruned(tmp_path):
     path = tmp_path / "pws_a.py"
-    assert not compiled._stands(path, "x = 1")
+    assert not compiled._touch_if_current(path, "x = 1")
     path.write_text("x = 1")
     os.utime(path, (1, 1))
-    assert compiled._stands(path, "x = 1")
+    assert compiled._touch_if_current(path, "x = 1")
     assert compiled._last_used(path) > 1e9
-    assert not compiled._stands(path, "x = 2")
+    assert not compiled._touch_if_current(path, "x = 2")
