@@ -95,7 +95,7 @@ class PiecewiseSystem:
     Raises
     ------
     ValueError
-        For unknown names, syntax outside the whitelist, wrong dimensions, constants that are not finite, or a ψ that its
+        On unknown names, syntax outside the whitelist, wrong dimensions, constants that are not finite, or a ψ that the
         field does not conserve everywhere on its side. The message names the text and what would be accepted.
     """
 

@@ -197,7 +197,7 @@ def _second_rate(system: PiecewiseSystem, side: Integers, t: Floats, x: Floats) 
 
 
 def _curvature(system: PiecewiseSystem, t: Floats, x: Floats, v: Floats) -> Floats:
-    """Second derivative of g along the straight line of direction (1, v) in (t, x): v·H_g v if g does not depend on t."""
+    """Second derivative of g along the line of direction (1, v) in (t, x): v·H_g v where g does not depend on t."""
     entries = hessian(system.laws)
     w = np.concatenate([np.ones((len(t), 1)), v], axis=1)
     values = system.laws.evaluate("hessian", tuple(e for _, _, e in entries), t, x, system.parameter_array)
