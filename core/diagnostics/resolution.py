@@ -165,7 +165,7 @@ class _Steps:
 
 
 def _places(steps: int) -> Floats:
-    """Places in each of so many steps, as parts of it from 0 to 1; unequally spaced, so that no wave is missed."""
+    """Places in each of `steps` steps, as parts of it from 0 to 1; unequally spaced, so that no wave is missed."""
     count = min(max(_PLACES // max(steps, 1), _FEWEST), _MOST)
     return np.concatenate([[0.0], np.sort((np.arange(1, count) * 0.6180339887498949) % 1.0), [1.0]])
 

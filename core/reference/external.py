@@ -109,7 +109,7 @@ class _ExternalArc:
         return self._found
 
     def _search(self, t: float, x: NDArray[np.float64]) -> None:
-        """Look along the step just taken, to (t, x), and keep the first crossing on it."""
+        """Find the first crossing on the step just taken, to (t, x)."""
         path, start = self._solver.dense_output(), self._times[-1]
         inner = [start + (t - start) * part for part in _INNER]
         samples = [

@@ -175,8 +175,8 @@ def _targets(exact: Solution, t0: float, numbers: tuple[int, ...]) -> tuple[Floa
         try:
             t_star.append(exact.crossing(k)[0])
         except ValueError as why:
-            looked = f"crossing {numbers[-1]} and the stretch after it are looked at"
-            raise ValueError(f"{looked}, but the trajectory has {k - 1} crossings: {why}") from None
+            needed = f"crossings = {numbers!r}: crossing {numbers[-1]} and the one after it are needed"
+            raise ValueError(f"{needed}, but the trajectory has {k - 1} crossings: {why}") from None
     halfway = [(t_star[k] + t_star[k + 1]) / 2 for k in (0, *numbers)]
     states = np.array([exact.state(t) for t in halfway])
     return np.array(halfway), states, np.array([t_star[k] for k in numbers])

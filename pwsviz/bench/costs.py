@@ -83,7 +83,7 @@ def moved_slider(plan: Plan) -> Table:
 
 
 def _run(name: str, method: str, steps: int, factor: float, record: str) -> core.Trajectory:
-    """A run of so many steps of size `_TAU` times a factor; with a variable-step method, to the same time."""
+    """A run of `steps` steps of size `_TAU` times `factor`; with a variable-step method, to the same time."""
     settings = {"tolerance": 1e-12 * factor} if core.METHODS[method].adaptive else {"tau": _TAU * factor}
     end = _TAU * factor * steps
     return core.integrate(core.CATALOGUE[name], (0.0, end), method=method, record=record, **settings)  # type: ignore[arg-type]

@@ -21,7 +21,7 @@ __all__ = ["Tangency", "exact_times", "find_tangency"]
 
 _EPS = 2.0**-52
 #: Distance from a tangency at which trajectories on both sides are compared, relative to the size of the coordinate.
-_BESIDE = 1e-9
+_NEARBY = 1e-9
 #: |ġ|, relative to its largest value on the trajectory, below which the surface is met (nearly) tangentially; likewise
 #: |f| below which the state is near an equilibrium.
 _FLAT = 1e-3
@@ -83,7 +83,7 @@ def _in_gap(plan: Plan, low: float, high: float, cancel: Cancel | None) -> Tange
         at_low = _run(plan, low)
         if not _differ(at_low, at_high):
             return None
-        before, after = _bisect(plan, low, high, at_low, _BESIDE, cancel)
+        before, after = _bisect(plan, low, high, at_low, _NEARBY, cancel)
         if _tangency(plan, (before + after) / 2) is not None:  # tested before the bracket is narrowed further
             before, after = _bisect(plan, before, after, at_low, _EPS, cancel)
             return _tangency(plan, (before + after) / 2)
@@ -126,7 +126,7 @@ def _size(plan: Plan, value: float) -> float:
 def _tangency(plan: Plan, value: float) -> Tangency | None:
     """The tangency at a value, or None if the change there is of another kind."""
     size = _size(plan, value)
-    below, above = (_run(plan, value + side * _BESIDE * size) for side in (-1, 1))
+    below, above = (_run(plan, value + side * _NEARBY * size) for side in (-1, 1))
     if below is None or above is None:
         return None
     more, less = (above, below) if len(above.crossings) >= len(below.crossings) else (below, above)
