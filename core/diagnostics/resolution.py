@@ -26,13 +26,13 @@ _MOST = 1024
 _FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
 #: Bound on |g − cubic| between the places, in units of its value at the places.
 _MARGIN = 3.0
-#: Largest distance between the ends of a step and of shorter ones, as part of the way.
+#: Distance between the ends of a step and of shorter ones above which it is reported, as part of the way.
 _APART = 0.05
 #: The same for a variable-step method, which keeps a tolerance.
 _APART_KEPT = 1e-6
-#: Distance that such a method may have in any case, in units of its tolerance times the state.
+#: Distance below which it is not reported for such a method, in units of its tolerance times the state.
 _TOLERANCES = 1e3
-#: Distance that any method may have by round-off, relative to the state.
+#: Distance below which it is round-off for any method, relative to the state.
 _ROUNDING = 2.0**-44
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
 _SLIGHT = 1e-9

@@ -118,10 +118,8 @@ class _ExternalArc:
             Sample(t, *self._height_and_rate(t, x)),
         ]
         for a, b in pairwise(samples):
-            self.largest_rate, self.largest_height = (
-                max(self.largest_rate, abs(float(a.rate))),
-                max(self.largest_height, abs(float(a.height))),
-            )
+            self.largest_rate = max(self.largest_rate, abs(float(a.rate)))
+            self.largest_height = max(self.largest_height, abs(float(a.height)))
             when = first_zero(self._evaluate, a, b)
             if when is not None:
                 self._found = float(when), self.state(float(when))

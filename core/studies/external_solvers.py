@@ -241,9 +241,8 @@ class _PreparedHeyoka:
             raise Stopped("heyoka is not installed") from None
         self._outcomes = heyoka.taylor_outcome
         self._integrators = {side: _heyoka_integrator(heyoka, functions.system, side, tolerance) for side in (-1, 1)}
-        self._states = {
-            side: one.state for side, one in self._integrators.items()
-        }  # looked up once, as each access is slow
+        # Looked up once, as each access is slow.
+        self._states = {side: one.state for side, one in self._integrators.items()}
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
         """Integrate to the surface or to `end`."""
