@@ -84,7 +84,8 @@ def integrate(
     record
         "steps": every step; "crossings": first and last state, and the crossings; "end": first and last state only.
     max_crossings, max_steps
-        Numbers of crossings and of steps after which the run stops.
+        Numbers of crossings and of steps after which the run stops. Where not given: 5·10⁶ crossings, or 10⁹ with
+        record="end"; 10⁷ steps where every step is recorded, else 10⁹.
     envelope
         Number of equal parts of the time span for each of which the least and the greatest error of ψ are kept. The
         loop takes them at every step, for a run of any length, and whatever is recorded.

@@ -169,6 +169,7 @@ def _least(values: Floats) -> float:
 
 _SECOND = "a second crossing within the step cannot be excluded"
 _UNSOLVED = "the step {} the surface may have no solution, or more than one"
+#: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it.
 _BOUNDS = (
     ("window", "the window alpha^2/M", _SECOND),
     ("window_hat", "the discrete window alpha_hat^2/M_hat", _SECOND),

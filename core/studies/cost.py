@@ -37,6 +37,7 @@ _DIGITS = 1.5
 _ALL_DIGITS = 12.0
 #: Steps per second of the budget: a bound on the number of steps at the finest default step size.
 _STEPS_A_SECOND = 5e5
+#: End of a message about settings that are not a sequence of numbers.
 _NUMBERS = "a tuple is needed, as in (0.1, 0.05)"
 #: Most settings of one integrator.
 _MAX_SETTINGS = 64

@@ -24,6 +24,7 @@ from core.system import PiecewiseSystem
 
 __all__ = ["EXTERNAL_SOLVERS", "Arcs", "ExternalSolver", "Stopped", "external_arcs"]
 
+#: Spacing of doubles at 1, the least tolerance of heyoka.
 _EPS = 2.0**-52
 #: |g| after a jump, as part of |ġ| times the time since the last crossing, above which the jump leads off the surface.
 _OFF_SURFACE = 1e-9

@@ -12,6 +12,7 @@ from pwsviz.bench.table import Table
 
 __all__ = ["LONG", "QUICK", "STANDARD", "Plan", "Table", "sections"]
 
+#: Functions that measure a section, in the order of the output.
 _SECTIONS = (named, drawn, step_costs, first_calls, moved_slider, conservation, drift, orders)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 __all__ = ["machine_lines"]
 
+#: Packages whose versions are listed.
 _PACKAGES = ("numpy", "numba", "scipy", "heyoka")
 
 

@@ -109,6 +109,7 @@ def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable
     return draw
 
 
+#: View of a scene -> the function that draws it.
 _DRAW: Mapping[str, Callable[[Scene, Results], Drawn]] = {
     "conserved": _conserved,
     "order": _order("state error", state_rows),

@@ -19,6 +19,7 @@ from core.system import PiecewiseSystem
 
 __all__ = ["Tangency", "exact_times", "find_tangency"]
 
+#: Spacing of doubles at 1: relative width of the bracket at which bisection ends.
 _EPS = 2.0**-52
 #: Distance from a tangency at which trajectories on both sides are compared, relative to the size of the coordinate.
 _NEARBY = 1e-9
