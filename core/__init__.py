@@ -1,6 +1,6 @@
 """Conservative integrators for piecewise smooth systems: the public names, nothing else.
 
-Studies and exact solutions are loaded when they are first asked for.
+Studies and reference solutions are loaded on first use.
 """
 
 from importlib import import_module
@@ -41,7 +41,7 @@ __all__ = [
     "work_precision",
 ]
 
-#: The room of each name that is loaded late.
+#: Name that is loaded on first use -> its package.
 _LATE = {
     "OrderStudy": "core.studies",
     "StabilityStudy": "core.studies",

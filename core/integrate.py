@@ -1,4 +1,4 @@
-"""integrate(): validate once, march, wrap."""
+"""integrate(): check the arguments, run the time loop, return a Trajectory."""
 
 from __future__ import annotations
 
@@ -24,13 +24,20 @@ __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
 
 _TRANSITIONS = ("mannshardt", "none")
 _RECORDS = ("steps", "crossings", "end")
-_TAU = 1e-2  #: step size where none is given
-_TOLERANCE = 1e-12  #: the same of a method that chooses its steps
+#: Default step size.
+_TAU = 1e-2
+#: Default tolerance of a variable-step method.
+_TOLERANCE = 1e-12
+#: Least tolerance, the spacing of doubles at 1.
 _EPS = 2.0**-52
-_COARSEST = 1e-2  #: largest tolerance
-_MAX_COUNTED = 10**9  #: crossings that are counted and not kept
-_UNLIMITED = 2**62  #: fits the loop's counters
-_MAX_ROWS = 10**7  #: with record="steps", where max_steps is not given
+#: Largest tolerance.
+_COARSEST = 1e-2
+#: Default max_crossings where crossings are counted and not recorded.
+_MAX_COUNTED = 10**9
+#: Largest max_crossings and max_steps that the loop's counters, 64-bit integers, can hold.
+_UNLIMITED = 2**62
+#: Default max_steps with record="steps", so that memory suffices.
+_MAX_ROWS = 10**7
 
 
 def integrate(
@@ -57,49 +64,52 @@ def integrate(
     Parameters
     ----------
     system
-        What to integrate, or a key of CATALOGUE.
+        A system, or a key of CATALOGUE.
     t_span
         Start and end time; the end may be the earlier.
     x0
-        d numbers, or a mapping from the names of all variables to theirs; the system's own x0 where not given.
+        d numbers, or a mapping from the name of every variable to its number; the system's own x0 where not given.
     tau
-        Step size, positive; 1e-2 where not given. The last step is shortened to end at the end time. A method that
-        chooses its own steps ("taylor") takes none longer than this, and any where it is not given.
+        Step size, positive; 1e-2 where not given. The last step is shortened to end at the end time. For a
+        variable-step method ("taylor") it is the largest step allowed; there is no limit where it is not given.
     method
         A key of METHODS, or one of its values.
     tolerance
-        Of a method that chooses its own steps, relative to the state: 1e-12 where not given. Others take none.
+        Of a variable-step method, relative to the state; 1e-12 where not given. Other methods accept none.
     transition
-        "mannshardt": locate the crossing on the scheme, land on it, go on with the other field (paper, Algorithm 1).
-        "none": step over the surface, and only then take the other field.
+        "mannshardt": locate the crossing on the scheme, land on it, switch to the other field (paper, Algorithm 1).
+        "none": step over the surface, and switch to the other field only then.
     perturbation_order, perturbation_scale
-        p and c: every crossing time is moved, t̂ ← t̂ + c·τᵖ, and the state solved anew there. None: no perturbation.
+        p and c: every crossing time is moved, t̂ ← t̂ + c·τᵖ, and the step to it solved anew. p = None: no perturbation.
     record
         "steps": every step; "crossings": first and last state, and the crossings; "end": first and last state only.
     max_crossings, max_steps
-        Where to stop at the latest.
+        Numbers of crossings and of steps after which the run stops. Where not given: 5·10⁶ crossings, or 10⁹ with
+        record="end"; 10⁷ steps where every step is recorded, else 10⁹.
     envelope
-        In how many equal parts of the time to keep the least and the greatest error of ψ, taken at every step in the
-        loop itself: of a run of any length, with nothing else recorded.
+        Number of equal parts of the time span for each of which the least and the greatest error of ψ are kept. The
+        loop takes them at every step, for a run of any length, and whatever is recorded.
     cancel
-        Asked every few milliseconds; the run stops when it returns True. What it raises ends the run, and comes out.
+        Called every few milliseconds; the run stops when it returns True. An exception that it raises ends the run and
+        is passed on.
     progress
-        Called every few milliseconds, and at the end, with the part of the time that is done, from 0 to 1; likewise.
+        Called every few milliseconds, and at the end, with the part of the time span done, from 0 to 1. An exception
+        that it raises is passed on, too.
     t_eval
-        Times at which to record, in any order, instead of at the steps, which stay as they are: see `Trajectory.at`.
-        First and last state are recorded besides (``run.at(t_eval)`` has those at `t_eval` alone), and a time twice
-        given is recorded once. Crossings are kept as `record` says; with "end", no more memory is used than these
-        states take. Where the run stops early, later times are left out.
+        Times at which to record, in any order, instead of at the steps, which do not change: see `Trajectory.at`. The
+        first and the last state are recorded, too (``run.at(t_eval)`` returns those at `t_eval` alone), and a repeated
+        time is recorded once. Crossings are recorded as `record` says; with "end", memory is used for these states
+        only. Where the run stops early, later times are left out.
 
     Returns
     -------
     Trajectory
-        What goes wrong in mid-run is its `status`, with everything computed so far.
+        Its `status` tells what went wrong during the run, if anything; all that was computed before is kept.
 
     Raises
     ------
     ValueError
-        On arguments that make no sense, naming the value and what would do.
+        On arguments that make no sense; the message names the value and what would be accepted.
     """
     system = system_of(system)
     chosen = checked_method(system, method)
@@ -129,7 +139,7 @@ def integrate(
 def _after_each_call(
     runner: Runner, t0: float, t1: float, sampler: Sampler | None, progress: Callable[[float], object] | None
 ) -> Callable[[], None] | None:
-    """What to do whenever the loop returns; None for nothing."""
+    """Function to call whenever the loop returns; None if there is nothing to do."""
     if sampler is None and progress is None:
         return None
 
@@ -143,7 +153,7 @@ def _after_each_call(
 
 
 def _checked_times(t_eval: ArrayLike, t0: float, t1: float) -> Floats:
-    """Return the times after the start, in the order of the run, if the run is to pass them all, else ValueError."""
+    """Return the times after the start, in the order of the run; ValueError if one is outside the time span."""
     times = np.unique(numbers(t_eval, "t_eval"))
     low, high = min(t0, t1), max(t0, t1)
     outside = (times < low) | (times > high)
@@ -154,7 +164,7 @@ def _checked_times(t_eval: ArrayLike, t0: float, t1: float) -> Floats:
 
 
 def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
-    """Return the method of that name, if it can be used on the system, else raise ValueError."""
+    """Return the method of that name; ValueError if it cannot be used on the system."""
     method = method_named(name)
     if method.needs_conserved and not (system.psi_minus or system.psi_plus):
         others = ", ".join(m.name for m in METHODS.values() if not m.needs_conserved)
@@ -165,7 +175,7 @@ def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
 
 
 def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple[float, ...]:
-    """Return the initial state, if one can start there, else raise ValueError."""
+    """Return the initial state; ValueError if no run can start there."""
     start = system.x0 if x0 is None else system.check_state(x0)
     laws, d = system.laws, system.dimension
     wanted = (*laws.modes[-1].field, *laws.modes[1].field, laws.g, *laws.gradient)
@@ -192,7 +202,7 @@ def checked_settings(
     max_steps: int | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Settings:
-    """Return the settings of a run, if they make sense, else raise ValueError."""
+    """Return the settings of a run; ValueError if they make no sense."""
     step, accuracy = _step_size(method, tau), _accuracy(method, tolerance)
     if not isinstance(transition, str) or transition not in _TRANSITIONS:
         raise ValueError(f"transition = {transition!r}: choose from {', '.join(_TRANSITIONS)}")
@@ -247,12 +257,12 @@ def _span(t_span: tuple[float, float]) -> tuple[float, float]:
 
 
 def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sampler: Sampler | None) -> Trajectory:
-    """Rows from the loop, or samples, with the first and the last state always among them."""
+    """The trajectory: rows from the loop, or samples, and always the first and the last state."""
     rows = runner.rows if sampler is None else sampler.rows
     t = _with_ends(t0, rows.t, runner.t)
     x = _with_ends(x0, rows.x, runner.x)
     side = _with_ends(runner.first_side, rows.side, runner.side)
-    # The last state was recorded, or the run has not moved.
+    # Drop the last state where it was recorded already, or where the run has not moved.
     rest = slice(-1) if t[-1] == t[-2] and (x[-1] == x[-2]).all() else slice(None)
     t, x, side = t[rest], x[rest], side[rest]
     if record == "end" and sampler is None:
@@ -280,7 +290,7 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
 
 
 def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0: Floats) -> tuple[Any, Floats, Floats]:
-    """Number afresh the segments that rows lie in, and say when and where each was entered."""
+    """Renumber the segments in which rows lie, and return when and where each was entered."""
     numbers = {k: (t, x) for k, t, x in [(0, t0, x0), *known]}
     order = {k: place for place, k in enumerate(numbers)}
     fresh = np.array([order[k] for k in segment.tolist()])
@@ -288,13 +298,13 @@ def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0
 
 
 def _with_ends(first: Any, parts: list[Any], last: Any) -> Any:
-    """What was recorded, with the first and the last value around it."""
+    """The recorded parts, between the first and the last value."""
     ends = np.array([first, last])
     return np.concatenate([ends[:1], *parts, ends[1:]]) if parts else ends
 
 
 def _envelope(runner: Runner) -> Floats | None:
-    """What the loop has kept of the errors of ψ; nan where no step ended."""
+    """Least and greatest errors of ψ kept by the loop; nan in parts of the time in which no step ended."""
     if not len(runner.envelope):
         return None
     kept = runner.envelope.copy()

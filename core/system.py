@@ -1,4 +1,4 @@
-"""PiecewiseSystem and Parameter: a system is data, and everything else is derived from it."""
+"""PiecewiseSystem and Parameter: a system is data, from which everything else is derived."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from core.symbolic.laws import Laws, Mode
 
 __all__ = ["Parameter", "PiecewiseSystem", "Start"]
 
-#: A state to start from: d numbers, or a number by the name of each variable.
+#: Initial state: d numbers, or a mapping from the name of each variable to its number.
 Start: TypeAlias = "Iterable[float] | Mapping[str, float]"
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a system that a person may change."""
+    """A number in a system that can be changed without compiling it anew."""
 
     name: str
-    """An identifier, as it stands in the expressions."""
+    """Identifier, as used in the expressions."""
     default: float
-    """The value it starts with."""
+    """Initial value."""
     bounds: tuple[float, float] | None = None
-    """Least and greatest value, both allowed."""
+    """Least and greatest allowed value."""
     doc: str = ""
-    """What it is, in a few words."""
+    """Its meaning, in a few words."""
     latex: str | None = None
-    """How it is typeset; from the name where not given."""
+    """LaTeX for it; derived from the name where not given."""
 
     def __post_init__(self) -> None:
         check_name(self.name, "parameter")
@@ -52,7 +52,7 @@ class Parameter:
 
     @property
     def symbol(self) -> str:
-        """How it is typeset, in LaTeX."""
+        """LaTeX for it."""
         return self.latex or _latex_name(self.name)
 
     def check(self, value: float) -> float:
@@ -67,13 +67,13 @@ class Parameter:
 class PiecewiseSystem:
     """x' = f₋(t, x) where g < 0 and f₊(t, x) where g > 0, each side with its own conserved quantities.
 
-    Everything is text, or sympy, in the variables, the parameters and time ``t``; see `expressions` for what text may
-    hold. A system is frozen; `with_parameters` returns a new one.
+    Expressions are text, or sympy, in the variables, the parameters and time ``t``; see `core.symbolic.expressions` for
+    the syntax. A system is frozen; `with_parameters` returns a new one.
 
     Parameters
     ----------
     name
-        For people.
+        Name for display.
     variables
         The d names of the state's coordinates.
     f_minus, f_plus
@@ -81,22 +81,22 @@ class PiecewiseSystem:
     g
         The switching function; ∇g ≠ 0.
     psi_minus, psi_plus
-        0 to d − 1 conserved quantities of each side, () where none is known. Of a planar field without divergence it is
-        then found, where that is easily done (see `stream_function`).
+        0 to d − 1 conserved quantities of each side, () where none is known. For a planar divergence-free field the
+        stream function is then found, where that is easy (see `stream_function`).
     parameters
         name -> value, name -> `Parameter`, or a sequence of `Parameter`.
     x0
-        A state to start from, d numbers.
+        Default initial state, d numbers; zeros where not given.
     jump
-        d expressions: the state after reaching the surface, for impacts. None or (): it goes on as it is.
+        d expressions: the state after reaching the surface, for impacts. None or (): the state is continuous.
     doc
-        What the system is, in a sentence or two.
+        Description of the system, in a sentence or two.
 
     Raises
     ------
     ValueError
-        Naming the text, what is wrong with it and what would do: unknown names, what is not in the whitelist, wrong
-        dimensions, constants that are not finite, a ψ that its field does not conserve everywhere on its side.
+        On unknown names, syntax outside the whitelist, wrong dimensions, constants that are not finite, or a ψ that the
+        field does not conserve everywhere on its side. The message names the text and what would be accepted.
     """
 
     name: str
@@ -135,23 +135,23 @@ class PiecewiseSystem:
         values = ", ".join(f"{name} = {value:g}" for name, value in self.values.items())
         return f"<PiecewiseSystem {self.name!r} in {', '.join(self.variables)}{values and '; ' + values}>"
 
-    # What it is ------------------------------------------------------------------------------------------------------
+    # Declaration -----------------------------------------------------------------------------------------------------
 
     @property
     def dimension(self) -> int:
-        """d."""
+        """d, the number of variables."""
         return len(self.variables)
 
     @cached_property
     def _declared(self) -> Declaration:
-        """What is declared, checked, and shared by all systems that differ in parameter values only."""
+        """The checked declaration, shared by all systems that differ in parameter values only."""
         names, bounds = tuple(q.name for q in self.parameters), tuple(q.bounds for q in self.parameters)
         texts = (self.f_minus, self.f_plus, (self.g,), self.psi_minus, self.psi_plus, self.jump or ())
         return accepted(Declaration(self.variables, names, bounds, *texts))
 
     @property
     def laws(self) -> Laws:
-        """The mathematics; shared by all systems that differ in parameter values only."""
+        """The laws as sympy expressions, shared by all systems that differ in parameter values only."""
         return self._declared.laws
 
     @cached_property
@@ -171,7 +171,7 @@ class PiecewiseSystem:
         """
         return replace(self, values={**self.values, **self._check_values(values)})
 
-    # Its values at a state -------------------------------------------------------------------------------------------
+    # Values at states ------------------------------------------------------------------------------------------------
 
     def field(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """f of a side (−1 or +1) at states (..., d) -> (..., d)."""
@@ -207,7 +207,7 @@ class PiecewiseSystem:
         return texts
 
     def _evaluate(self, key: object, expressions: Sequence[sympy.Expr], t: ArrayLike, x: ArrayLike) -> Floats:
-        """Values of expressions at times and states that are numbers, and as many as there are variables."""
+        """Values of expressions at times and states, whose types and shapes are checked."""
         times, states = np.asarray(t), np.asarray(x)
         for what, array in (("t", times), ("x", states)):
             if array.dtype.kind not in "fiu":
@@ -224,7 +224,7 @@ class PiecewiseSystem:
     # Checks ----------------------------------------------------------------------------------------------------------
 
     def check_state(self, x: Start, what: str = "x0") -> tuple[float, ...]:
-        """Return a state as d finite floats, else raise ValueError.
+        """Return a state as d finite floats; ValueError if it is not one.
 
         Parameters
         ----------
@@ -275,7 +275,7 @@ def _text(expression: Any) -> str:
 
 
 def _latex_name(name: str) -> str:
-    """LaTeX of a name; the endings _minus and _plus become the sign of the side."""
+    """LaTeX of a name; the endings _minus and _plus become the subscripts − and +."""
     for word, sign in (("_minus", "-"), ("_plus", "+")):
         if name.endswith(word):
             return rf"{sympy.latex(sympy.Symbol(name.removesuffix(word)))}_{{{sign}}}"

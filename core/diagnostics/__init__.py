@@ -1,4 +1,4 @@
-"""The constants and step bounds of the paper's theory, computed along a run: what a step size is worth."""
+"""The constants and step bounds of the paper's theory, computed along a run, to judge its step size."""
 
 from core.diagnostics.diagnosis import Diagnosis, diagnose, step_warning
 from core.diagnostics.scheme import stand_in

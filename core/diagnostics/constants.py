@@ -20,31 +20,33 @@ from core.system import PiecewiseSystem
 
 __all__ = ["Branch", "Encounters", "discrete_constants", "encounters", "second_rate_bound", "wellposed_bound"]
 
-#: The exact solution is looked at on so many parts of a step, the discrete one at the ends of these parts.
+#: Number of Runge-Kutta steps by which the exact solution is followed over a step.
 _PARTS = 4
+#: Lengths of the discrete steps examined, besides 0, in units of the longest step.
 _DISCRETE_PARTS = (0.5, 1.0)
-#: Radii δ tried for τ*, in units of the distance over which the discrete field changes by itself.
+#: Radii δ tried for τ*, in units of ‖fᵗ‖/L₂, the distance over which the discrete field changes by its own size.
 _RADII = 4.0 ** np.arange(-1, 5)
-_NEARBY = 1e-3  #: that distance is measured with differences over this part of the state
+#: Radius of the differences from which that L₂ is computed, relative to the size of the state.
+_NEARBY = 1e-3
 
 
 @dataclass(frozen=True)
 class Branch:
-    """One side's part of every crossing: the arc that leads to the surface, or the one that leads away from it."""
+    """One side of every crossing: the arc that leads to the surface, or the arc that leads away from it."""
 
     t: Floats
     """(k,) time at the surface."""
     x: Floats
-    """(k, d) state at the surface (after a jump: where it went on from)."""
+    """(k, d) state at the surface; for an arc after a jump, the state after the jump."""
     side: Integers
     """(k,) side of the arc."""
     rate: Floats
     """(k,) ∇g·f + g_t of that side there."""
     length: Floats
-    """(k,) signed length of the longest step looked at, negative before a crossing where time runs forth."""
+    """(k,) signed length of the longest step examined: negative for an arc before a crossing, if time increases."""
 
     def where(self, rows: NDArray[np.bool_] | slice) -> Branch:
-        """Some of the crossings."""
+        """The branch at some of the crossings."""
         return Branch(*(getattr(self, f.name)[rows] for f in fields(self)))
 
 
@@ -55,18 +57,18 @@ class Encounters:
     before: Branch
     after: Branch
     transversal: NDArray[np.bool_]
-    """(k,) whether the trajectory arrives and leaves."""
+    """(k,) whether the trajectory arrives and leaves at rates other than 0."""
 
     def where(self, rows: slice) -> Encounters:
-        """Some of the crossings."""
+        """Both branches of some of the crossings."""
         return Encounters(self.before.where(rows), self.after.where(rows), self.transversal[rows])
 
 
 def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
-    """Take the crossings of a run apart.
+    """Both branches of every crossing of a run.
 
-    The steps looked at are as long as τ, and shorter only where the arc itself is: between two crossings, and between
-    a crossing and an end of the run.
+    The longest steps examined have length τ, or that of the arc if it is shorter: from one crossing to the next, or
+    between a crossing and an end of the run.
     """
     t, count = crossings.t, len(crossings)
     jumped = crossings.kind == "jump"
@@ -86,11 +88,15 @@ def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
 
 
 def second_rate_bound(scheme: Scheme, branch: Branch) -> Floats:
-    """½ sup |d²g/dt²| along the exact solution on one branch: its share of M, paper (eq:M).
+    """½ sup |d²g/dt²| along the exact solution on one branch: its part of M, paper (eq:M).
 
-    d²g/dt² = x'·H_g x' + ∇g·x'' (and g_tt + 2∇g_t·x' where g names t) is exact, with x'' = f_t + (Df) f; the supremum
-    is taken over five points of the arc, which is followed from the surface by the classical Runge-Kutta method. inf
-    where one of them has no finite value.
+    d²g/dt² = x'·H_g x' + ∇g·x'' (and g_tt + 2∇g_t·x' where g depends on t) is exact, with x'' = f_t + (Df) f; the
+    supremum is taken over five points of the arc, which is followed from the surface by the classical Runge-Kutta
+    method.
+
+    Returns
+    -------
+    (k,); inf where d²g/dt² is not finite at one of the points.
     """
     t, x, h = branch.t, branch.x, branch.length / _PARTS
     largest = np.abs(_second_rate(scheme.system, branch.side, t, x))
@@ -106,7 +112,7 @@ def discrete_constants(scheme: Scheme, branch: Branch) -> tuple[Floats, Floats, 
 
     Over steps of length 0, τ/2 and τ between the surface and the arc: the least ∇g(x̂)·fᵗ + g_t in the direction of
     the crossing, paper (eq:discrete_transversality), and ½ sup |fᵗ·H_g fᵗ| over both ends and the middle of the chord,
-    paper (eq:hatM). Where g names t, H_g is its Hessian in (t, x) and fᵗ is (1, fᵗ).
+    paper (eq:hatM). Where g depends on t, H_g is its Hessian in (t, x) and fᵗ is (1, fᵗ).
 
     Returns
     -------
@@ -132,11 +138,10 @@ def discrete_constants(scheme: Scheme, branch: Branch) -> tuple[Floats, Floats, 
 def wellposed_bound(scheme: Scheme, side: Integers, t0: Floats, x0: Floats, t1: Floats) -> Floats:
     """τ* of lem:wellposed-lemma1 and -lemma2 for steps from (t₀, x₀): the largest over δ of min(δ/M(δ), 1/L₂(δ)).
 
-    The lemmas fix a radius δ, of which nothing is said; here the best of six is taken, from a quarter to 256 times
-    ‖fᵗ‖/L₂, with ε → 0. Over B_δ(x₀) a Lipschitz constant is not to be had by a finite computation: L₂(δ) is the norm
-    (no larger than √(‖·‖₁‖·‖_∞)) of the largest difference quotients of fᵗ in its second state between x₀ and
-    x₀ ± δeᵢ, and M(δ) ≤ ‖fᵗ(x₀)‖ + L₂δ. A radius is passed over where fᵗ has no finite value. inf for explicit methods:
-    they have no equation to solve.
+    The lemmas leave the radius δ open; here the best of six is taken, from a quarter to 256 times ‖fᵗ‖/L₂, with ε → 0.
+    No finite computation gives a Lipschitz constant over B_δ(x₀): L₂(δ) is the norm (bounded by √(‖·‖₁‖·‖_∞)) of the
+    largest difference quotients of fᵗ in its second state between x₀ and x₀ ± δeᵢ, and M(δ) ≤ ‖fᵗ(x₀)‖ + L₂δ. A radius
+    is skipped where fᵗ is not finite. inf for explicit methods, which have no equation to solve.
 
     Returns
     -------
@@ -172,7 +177,7 @@ def _contraction_bound(scheme: Scheme, side: int, t0: Floats, x0: Floats, t1: Fl
 
 
 def _by_side(side: Integers, function: Callable[..., Floats], *arrays: Floats) -> Floats:
-    """Call function(side, *arrays) on the rows of either side, and put the results together."""
+    """Call function(side, *arrays) on the rows of each side, and merge the results."""
     result = np.empty(0)
     for sign in (-1, 1):
         rows = side == sign
@@ -192,7 +197,7 @@ def _second_rate(system: PiecewiseSystem, side: Integers, t: Floats, x: Floats) 
 
 
 def _curvature(system: PiecewiseSystem, t: Floats, x: Floats, v: Floats) -> Floats:
-    """Second derivative of g along the straight line of direction (1, v): v·H_g v, and what t adds."""
+    """Second derivative of g along the line of direction (1, v) in (t, x): v·H_g v where g does not depend on t."""
     entries = hessian(system.laws)
     w = np.concatenate([np.ones((len(t), 1)), v], axis=1)
     values = system.laws.evaluate("hessian", tuple(e for _, _, e in entries), t, x, system.parameter_array)
@@ -210,7 +215,7 @@ def second_rate(laws: Laws, side: int) -> sympy.Expr:
 
 @lru_cache(maxsize=64)
 def hessian(laws: Laws) -> tuple[tuple[int, int, sympy.Expr], ...]:
-    """Entries (i ≤ j) of the Hessian of g in (t, x) that do not vanish."""
+    """Entries (i, j, expression), i ≤ j, of the Hessian of g in (t, x) that do not vanish."""
     pairs = combinations_with_replacement(enumerate((TIME, *laws.x)), 2)
     entries = ((i, j, laws.g.diff(u, v)) for (i, u), (j, v) in pairs)
     return tuple((i, j, e) for i, j, e in entries if e != 0)

@@ -1,4 +1,4 @@
-"""diagnose(): the theory's constants of a run, and what they say of its step size."""
+"""diagnose(): the theory's constants along a run, and what they say about its step size."""
 
 from __future__ import annotations
 
@@ -24,42 +24,44 @@ from core.methods import METHODS
 
 __all__ = ["Diagnosis", "diagnose", "step_warning"]
 
-_CHUNK = 65536  #: crossings worked on at a time, times d²: so that memory stays small
-_FIRST = 256  #: crossings that `step_warning` looks at
+#: Number of crossings treated at a time, times d²: it bounds the memory used.
+_CHUNK = 65536
+#: Number of crossings that `step_warning` examines.
+_FIRST = 256
 
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """What the theory says of each crossing; (k,) each."""
+    """The theory's constants at each crossing; (k,) each."""
 
     rate_minus: Floats
     """∇g·f₋ (+ g_t) at the crossing, paper (eq:transverseA)."""
     rate_plus: Floats
     """∇g·f₊ (+ g_t) there, paper (eq:transverseA)."""
     alpha2: Floats
-    """α_S² at this crossing, paper (eq:transverseA): the smaller in size of the rates at which the trajectory arrives
-    and leaves. nan where it does not cross transversally."""
+    """α_S² at this crossing, paper (eq:transverseA): the smaller |ġ| of those at which the trajectory arrives and
+    leaves. nan where the crossing is not transversal."""
     alpha_hat2: Floats
     """α̂_S² at this crossing, paper (eq:discrete_transversality) of lem:discTC: the least ∇g(x̂)·fᵗ (+ g_t), counted in
     the direction of the crossing, over steps of length 0, τ/2 and τ to and from the surface. Not positive where the
-    condition fails, nan where the crossing is not transversal or the step's equation is not solved by iteration."""
+    condition fails, nan where the crossing is not transversal or iteration does not solve the step's equation."""
     M: Floats
     """M of lem:ctsTimeError, paper (eq:M): ½ sup |x'·H_g x' + ∇g·x''| over five points of the exact solution within τ
-    before the crossing and five after it, and not beyond the neighbouring ones. Where g names t, with the derivatives
-    in t. As the sup is over what a step can reach on this trajectory, it is also M^ε of (eq:PerturbedM) and
-    (eq:PerturbedM2) for ε = τ, but for the initial data y ∈ B_ε(x*), of which x̂ alone is looked at."""
+    before the crossing and five after it, not beyond the neighbouring crossings. Where g depends on t, with the
+    derivatives in t. As the sup is over what a step can reach on this trajectory, it is also M^ε of (eq:PerturbedM) and
+    (eq:PerturbedM2) for ε = τ, except that of the initial data y ∈ B_ε(x*) only x̂ is examined."""
     M_hat: Floats
     """M̂ of lem:discTimeError, paper (eq:hatM): ½ sup |fᵗ·H_g fᵗ| over the same steps as `alpha_hat2`, H_g at both ends
-    and the middle of the chord. In size, as in lem:discMonotonicTime, so that it holds in either direction."""
+    and the middle of the chord. The absolute value, as in lem:discMonotonicTime, makes it hold in either direction."""
     tau_minus: Floats
-    """τ₋* of lem:wellposed-lemma1, for the step from x_k to the surface with the field of the side left. x_k is taken
-    as far away as one step reaches back. An estimate: see `constants.wellposed_bound` for δ, L₂ and M."""
+    """τ₋* of lem:wellposed-lemma1, for the step from x_k to the surface with the field of the side left. x_k is the
+    point one step back from the surface. An estimate: see `constants.wellposed_bound` for δ, L₂ and M."""
     tau_plus: Floats
     """τ₊* of lem:wellposed-lemma2, for the step on from x̂* with the field of the side entered."""
     window: Floats
-    """α²/M of lem:ctsMonotonicTime and lem:ctsMonotonicTime2, paper (eq:ctsMonoLemma), (eq:ctsMonoLemma2): within so
-    much time the exact solution does not meet the surface again. Sharp for a parabola; taken from steps up to τ, so
-    beyond τ it says no more than that. inf where M = 0, as for uniform motion to a plane."""
+    """α²/M of lem:ctsMonotonicTime and lem:ctsMonotonicTime2, paper (eq:ctsMonoLemma), (eq:ctsMonoLemma2): within this
+    time the exact solution does not meet the surface again. Sharp for a parabola. As M comes from steps up to τ, a
+    window longer than τ guarantees τ only. inf where M = 0, as for uniform motion to a plane."""
     window_hat: Floats
     """α̂²/M̂ of lem:discMonotonicTime and lem:discMonotonicTime2, paper (eq:disMonoLemma), (eq:disMonoLemma2): the same
     of the discrete solution, with the ½ that (eq:discGX-) gives and (eq:PerturbedHatM) leaves out. inf where g is
@@ -70,9 +72,9 @@ class Constants:
 class Diagnosis(Constants):
     """The constants of the paper's theory, at every crossing of a run and over all of them.
 
-    At a jump, of which the paper has no theory, the branch before it starts at the surface, the branch after it where
-    the run went on from. A crossing moved by a perturbation is looked at where the scheme met the surface, one that was
-    stepped over (``transition="none"``) where the chord of the step meets it.
+    At a jump, which the paper's theory does not cover, the branch before it ends on the surface, and the branch after
+    it starts from the state after the jump. A crossing moved by a perturbation is examined where the scheme met the
+    surface, one that was stepped over (``transition="none"``) where the chord of the step meets it.
     """
 
     alpha_S2: float  # noqa: N815 - the paper's symbol
@@ -84,7 +86,7 @@ class Diagnosis(Constants):
     warnings: tuple[str, ...]
     """Where τ exceeds a bound, in plain words; () where it exceeds none."""
     summary: str
-    """All this in a line."""
+    """The constants and their comparison with τ in one line."""
 
     def __repr__(self) -> str:
         return f"<Diagnosis: {self.summary}>"
@@ -96,8 +98,8 @@ def diagnose(run: Trajectory) -> Diagnosis:
     Parameters
     ----------
     run
-        A run that kept its crossings: ``record="steps"`` or ``"crossings"``, with the same result. With ``"end"``
-        there is nothing to look at, and the summary says so.
+        A run that recorded its crossings: ``record="steps"`` or ``"crossings"``, with the same result. With ``"end"``
+        there are none to diagnose, and the summary says so.
 
     Returns
     -------
@@ -107,7 +109,7 @@ def diagnose(run: Trajectory) -> Diagnosis:
     Raises
     ------
     ValueError
-        If it is no run.
+        If `run` is not a Trajectory.
     """
     if not isinstance(run, Trajectory):
         raise ValueError(f"run = {run!r}: give a Trajectory, as `integrate` returns it")
@@ -115,12 +117,12 @@ def diagnose(run: Trajectory) -> Diagnosis:
 
 
 def step_warning(run: Trajectory) -> str:
-    """What speaks against the step size, in a sentence; '' where nothing does.
+    """Warning about the step size, in a sentence; '' where there is none.
 
-    A surface that varies more within a step than the step shows; or else the first of `Diagnosis.warnings`, from the
-    first 256 crossings only.
+    The first of `unresolved`: steps too long for g or for the field; else the first of `Diagnosis.warnings`, from the
+    first 256 crossings.
     """
-    if run.status is Status.ZENO:  # crossings that accumulate come closer than any step
+    if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
     warnings = unresolved(run) or _diagnosis(run, run.crossings.first(_FIRST)).warnings
     return f"{warnings[0]}." if warnings else ""
@@ -130,13 +132,13 @@ def _diagnosis(run: Trajectory, crossings: Crossings) -> Diagnosis:
     met = encounters(run, crossings)
     scheme = Scheme(run.system, run.method)
     size = _CHUNK // run.system.dimension**2
-    with np.errstate(all="ignore"):  # what has no finite value is told by inf or nan
+    with np.errstate(all="ignore"):  # inf or nan stand for what is not finite
         chunks = [_constants(scheme, met.where(slice(k, k + size))) for k in range(0, len(crossings), size)]
     names = [f.name for f in fields(Constants)]
     columns = {n: np.concatenate([np.empty(0), *(getattr(c, n) for c in chunks)]) for n in names}
     constants = Constants(**columns)
     least, least_hat = _least(constants.alpha2), _least(constants.alpha_hat2)
-    chosen = METHODS[run.method].adaptive  # by the method: the theory is of steps of one size
+    chosen = METHODS[run.method].adaptive  # a variable-step method: the theory is about steps of one size
     warnings = () if chosen else tuple(_warnings(run.tau, crossings.t, constants))
     summary = _summary(run, crossings, constants, warnings)
     return Diagnosis(**columns, alpha_S2=least, alpha_hat_S2=least_hat, tau=run.tau, warnings=warnings, summary=summary)
@@ -150,7 +152,7 @@ def _constants(scheme: Scheme, met: Encounters) -> Constants:
     hat_after, m_after, _ = discrete_constants(scheme, after)
     alpha_hat2 = np.where(met.transversal, np.minimum(hat_before, hat_after), np.nan)
     m_hat = np.maximum(m_before, m_after)
-    # Where the step back has no solution, its far end is not known: the surface itself is near enough.
+    # Where the step back has no solution, its far end is unknown: the point on the surface stands for it.
     start = np.where(np.isfinite(start), start, before.x)
     tau_minus = wellposed_bound(scheme, before.side, before.t + before.length, start, before.t)
     tau_plus = wellposed_bound(scheme, after.side, after.t, after.x, after.t + after.length)
@@ -167,6 +169,7 @@ def _least(values: Floats) -> float:
 
 _SECOND = "a second crossing within the step cannot be excluded"
 _UNSOLVED = "the step {} the surface may have no solution, or more than one"
+#: Bounds on τ: field of `Constants`, name in a warning, and what may happen beyond it.
 _BOUNDS = (
     ("window", "the window alpha^2/M", _SECOND),
     ("window_hat", "the discrete window alpha_hat^2/M_hat", _SECOND),
@@ -180,7 +183,7 @@ def _warnings(tau: float, t: Floats, constants: Constants) -> Iterator[str]:
         values = getattr(constants, name)
         if name == "window_hat":
             yield from _failures(tau, t, constants.alpha_hat2)
-        if name != "window":  # no step would be short enough: the bound tells nothing, or there is a better word
+        if name != "window":  # a bound of 0 says nothing, or `_failures` has reported it
             values = np.where(values > 0.0, values, np.nan)
         rows = np.flatnonzero(values < tau)
         if rows.size:
@@ -206,7 +209,7 @@ def _place(t: Floats, rows: NDArray[np.intp], worst: np.intp) -> str:
 
 
 def _round_down(value: float) -> float:
-    """The first digit of a positive number alone."""
+    """A positive number rounded down to its first digit."""
     unit = 10.0 ** math.floor(math.log10(value))
     return math.floor(value / unit) * unit
 

@@ -1,4 +1,4 @@
-"""Whether steps are short enough for what the field and g do in them: asked of some steps of a run, afterwards."""
+"""Test, on some steps of a run, whether they are short enough to resolve the field and g."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ __all__ = ["unresolved"]
 
 Integers = NDArray[np.int64]
 
-#: The field or g is evaluated at so many places in all …
+#: Number of places, over all steps examined, at which the field or g is evaluated.
 _PLACES = 6144
-#: … at least at so many of each step: a feature narrower than a thirtieth of the step may be hidden …
+#: Least number of places in each step: a feature narrower than 1/30 of the step may be missed.
 _FEWEST = 48
-#: … and at most at so many, where few steps are examined: a seven hundredth.
+#: Largest number of places in each step, where few steps are examined: it resolves 1/700 of the step.
 _MOST = 1024
-#: Places in a step of fixed size, in parts of it: the size has been chosen for the field.
+#: Places in a step of fixed size, as parts of it, for the field: its size was chosen for the field, so few suffice.
 _FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
-#: Between the places g may differ from a cubic by so many times what it differs there.
+#: Bound on |g − cubic| between the places, in units of its value at the places.
 _MARGIN = 3.0
-#: A step and the shorter ones that lead the same way may differ by this part of the way …
+#: Distance between the ends of a step and of shorter ones above which it is reported, as part of the way.
 _APART = 0.05
-#: … those of a method that keeps a tolerance by this part …
+#: The same for a variable-step method, which keeps a tolerance.
 _APART_KEPT = 1e-6
-#: … or by so many times the tolerance …
+#: Distance below which it is not reported for such a method, in units of its tolerance times the state.
 _TOLERANCES = 1e3
-#: … and all of them by rounding, in parts of the state.
+#: Distance below which it is round-off for any method, relative to the state.
 _ROUNDING = 2.0**-44
-#: The least unit of a coordinate, in parts of the largest.
+#: Least unit of a coordinate, relative to the largest unit of all coordinates.
 _SLIGHT = 1e-9
-#: Steps from where the run has entered a mode, besides those that the loop has kept.
+#: Most steps from entries into a mode that are examined, besides the steps kept by the loop.
 _MOST_ENTRIES = 64
 
 
@@ -46,7 +46,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        () where all steps that are looked at are short enough, else warnings, the worse first.
+        () where all steps examined are short enough, else warnings, the more serious first.
     """
     samples = run.samples
     if samples is None:
@@ -54,7 +54,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     samples = samples[samples[:, 2] != 0.0]
     t, side, h, x = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2], samples[:, 3:]
     kept = _Steps(run, t, x, side, h)
-    if run.status is Status.ESCAPED:  # where the solution runs away no step is short enough
+    if run.status is Status.ESCAPED:  # no step is short enough for the field where the solution escapes
         return tuple(kept.too_long_for_g())
     return (*kept.too_long_for_g(), *kept.too_long_for_the_field(), *_first_steps(run).too_long_for_the_field())
 
@@ -72,7 +72,7 @@ def _first_steps(run: Trajectory) -> _Steps:
 
 
 class _Steps:
-    """Steps of a run's method, one after another: from times and states, on sides, of lengths."""
+    """Some steps of a run's method: their start times, states and sides, and their lengths h."""
 
     def __init__(self, run: Trajectory, t: Floats, x: Floats, side: Integers, h: Floats) -> None:
         self.run, self.method = run, METHODS[run.method]
@@ -80,13 +80,13 @@ class _Steps:
         self.stepper = Stepper(run.system, self.method, run.tolerance)
 
     def too_long_for_g(self) -> Iterator[str]:
-        """Tell of a step in which a pair of crossings may lie unseen.
+        """Warn of a step in which a pair of crossings may have been missed.
 
-        The time loop takes g within a step for the cubic that has its values and rates at both ends, and so finds no
-        crossing where that is positive. Here g is compared with this cubic, on the scheme itself: it is unresolved
-        where it is negative before the end, where the cubic is no larger than three times what they differ by, and
-        where g may dip below zero between two places that are looked at. A method that chooses its steps has a
-        polynomial in place of the cubic, and only what is seen between is told of.
+        The time loop replaces g within a step by the cubic with the same values and rates at both ends, and finds no
+        crossing where the cubic is positive. Here g on the scheme itself is compared with this cubic. It is unresolved
+        where it is negative before the end, where the cubic is at most three times the difference of the two, and
+        where g may dip below zero between two places. A variable-step method has a polynomial in place of the cubic,
+        so that the second test does not apply.
         """
         h, side = self.h[:, None], self.side[:, None]
         places = _places(len(h))
@@ -108,10 +108,10 @@ class _Steps:
             )
 
     def too_long_for_the_field(self) -> Iterator[str]:
-        """Tell of a step that does not lead where shorter ones do, each from where the step itself leads to by then.
+        """Warn of a step that leads elsewhere than shorter steps from the states within it.
 
-        Coordinates are compared in units of how far each moves in the steps looked at; what moves a billionth of
-        the way of others may be their rounding.
+        Each coordinate is compared in units of its largest change over the steps examined; a change that is 1e-9 of
+        that of another coordinate may be round-off.
         """
         places = _places(3 * len(self.t)) if self.method.adaptive else _FEW
         times = self.t[:, None] + self.h[:, None] * places
@@ -139,18 +139,18 @@ class _Steps:
 
     @property
     def _least(self) -> float:
-        """What a step may be off by, in parts of the state."""
+        """Distance below which no step is reported, relative to the state."""
         return max(_ROUNDING, _TOLERANCES * self.run.tolerance if self.method.adaptive else 0.0)
 
     def _by_steps_between(self, times: Floats, whole: Floats) -> Floats:
-        """States at all places but the first two, by a step from the place before."""
+        """States at all places except the first two, each by a step from the place before."""
         t, x = times[:, 1:-1], whole[:, 1:-1]
         side = np.repeat(self.side, t.shape[1])
         found = self._states(t.ravel(), x.reshape(-1, x.shape[2]), side, times[:, 2:].reshape(-1, 1))
         return found.reshape(x.shape)
 
     def _states(self, t: Floats, x: Floats, side: Integers, times: Floats) -> Floats:
-        """States on the scheme, (k, places, d), at times after each of k states; nan where a step has no solution."""
+        """States (k, places, d) on the scheme at the given times after k states; nan where a step has no solution."""
         states = np.empty((*times.shape, x.shape[1]))
         for first in (0, 1):  # every other step, so that each ends before the next one begins
             rows = slice(first, None, 2)
@@ -165,20 +165,20 @@ class _Steps:
 
 
 def _places(steps: int) -> Floats:
-    """Where in each of so many steps to look, from 0 to 1: at no equal distances, behind which a wave could hide."""
+    """Places in each of `steps` steps, as parts of it from 0 to 1; unequally spaced, so that no wave is missed."""
     count = min(max(_PLACES // max(steps, 1), _FEWEST), _MOST)
     return np.concatenate([[0.0], np.sort((np.arange(1, count) * 0.6180339887498949) % 1.0), [1.0]])
 
 
 def _hermite(s: Floats, start: Floats, end: Floats, rate: Floats, rate_end: Floats) -> Floats:
-    """Hermite's cubic at places s in [0, 1], by its values and slopes at 0 and 1."""
+    """The cubic Hermite interpolant at s in [0, 1], from values and slopes at 0 and 1."""
     by_values = (1 + 2 * s) * (1 - s) ** 2 * start + s * s * (3 - 2 * s) * end
     by_rates: Floats = s * (1 - s) ** 2 * rate + s * s * (s - 1) * rate_end
     return by_values + by_rates
 
 
 def _may_dip(width: Floats, g: Floats, rate: Floats) -> NDArray[np.bool_]:
-    """Whether the tangents at two places next to each other, between which g falls and rises, meet below zero."""
+    """Whether g falls and rises between neighbouring places, and its tangents there meet below zero."""
     low, high, g_low, g_high = rate[:, :-1], rate[:, 1:], g[:, :-1], g[:, 1:]
     meet = (g_high - g_low - high * width) / (low - high)
     return np.asarray((low < 0.0) & (high > 0.0) & (g_low + low * meet <= 0.0))

@@ -1,8 +1,8 @@
 """The discrete field fᵗ of a run's method, for many states at once in numpy.
 
 The mean velocity of a step, (x₁ − x₀)/h, is the discrete field of any one-step method: fᵗ(t₀, x₀, t₁, x₁) in
-x₁ = x₀ + h fᵗ, paper (eq:twoSchemes). Here it is worked out again from where the run met the surface, so that it is
-the same whatever the run recorded, and is never a quotient of small differences.
+x₁ = x₀ + h fᵗ, paper (eq:twoSchemes). Here it is computed anew from the points where the run met the surface, so that
+it does not depend on what the run recorded, and is never a quotient of small differences.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from core.system import PiecewiseSystem
 
 __all__ = ["Scheme", "largest_component", "stand_in"]
 
-#: The step's equation is solved by the contraction of lem:wellposed-lemma1, to this part of the velocity.
+#: Change by an iteration, relative to the velocity, at which the step's equation is solved (lem:wellposed-lemma1).
 _SOLVED = 1e-13
-#: An iteration that takes more passes does not contract, or too slowly.
+#: Most iterations: one that needs more does not contract, or too slowly.
 _PASSES = 100
-#: Order up to which an explicit method is taken as it is.
+#: Highest order of an explicit method that is used itself, rather than RK4 in its place.
 _LOW = 4
 
 DiscreteFunction = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
@@ -39,11 +39,11 @@ DiscreteFunction = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
 
 @dataclass(frozen=True)
 class Scheme:
-    """A method on a system, as the theory sees it.
+    """The discrete field of a method on a system, or of a method that stands in for it.
 
-    A discrete multiplier method is taken as it is, and stands for the compositions of its steps too: all of these are
-    shorter than τ. An explicit method of low order is taken as it is, and one classical Runge-Kutta step stands for
-    every other method, whose mean velocity differs from it by O(τ⁴) and the method's own error.
+    A discrete multiplier method stands for itself and for compositions of its steps, which are all shorter than τ. An
+    explicit method of low order stands for itself, and one classical Runge-Kutta step for every other method, whose
+    mean velocity differs from it by O(τ⁴) and the method's own error.
     """
 
     system: PiecewiseSystem
@@ -93,7 +93,7 @@ class Scheme:
 
 
 def stand_in(method: str) -> Method:
-    """The method whose steps a `Scheme` takes for those of a method: itself, or one that is near enough."""
+    """The method whose discrete field a `Scheme` uses for a method: itself, or one that is close enough."""
     scheme = METHODS[method].scheme
     if isinstance(scheme, Composition):
         return next(m for m in METHODS.values() if m.scheme is scheme.of)
@@ -102,7 +102,7 @@ def stand_in(method: str) -> Method:
 
 
 def largest_component(vectors: Floats) -> Floats:
-    """Maximum norm over the last axis, which is short: numpy's own reductions take ten times as long there."""
+    """Maximum norm over the last axis, which is short: ten times as fast as numpy's own reduction."""
     return reduce(np.maximum, np.abs(np.moveaxis(vectors, -1, 0)))
 
 
@@ -110,7 +110,7 @@ def largest_component(vectors: Floats) -> Floats:
 def discrete_function(laws: Laws, side: int) -> DiscreteFunction:
     """fᵗ of dmm2 as a numpy function of (t₀, x₀, t₁, x₁, p).
 
-    The minimal-norm DMM is put together from its parts, f̄ − Λᵗᵀ(ΛᵗΛᵗᵀ)⁻¹(Λᵗ f̄ + s_t), with the inverse in numbers.
+    The minimal-norm DMM, f̄ − Λᵗᵀ(ΛᵗΛᵗᵀ)⁻¹(Λᵗ f̄ + s_t), is assembled from its parts, with a numerical inverse.
     """
     discrete = laws.modes[side].discrete
     d, m = len(discrete.field), len(discrete.conserved)
@@ -131,7 +131,7 @@ def discrete_function(laws: Laws, side: int) -> DiscreteFunction:
 
 
 def _components(laws: Laws, side: int, expressions: list[Any]) -> DiscreteFunction:
-    """Expressions in the ends of a step as a function of them -> (len(expressions), ...)."""
+    """Numpy function of the ends of a step that returns the values (len(expressions), ...) of expressions in them."""
     ends = laws.modes[side].discrete.ends
     symbols = (ends.times[0], *ends.start, ends.times[1], *ends.end, *laws.p)
     names = {s: Symbol(f"u{k}") for k, s in enumerate(symbols)}

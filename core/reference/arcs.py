@@ -67,9 +67,7 @@ class ExactArc:
         self.t, self.x, self.side = t, x, side
         self._largest_height = self._largest_rate = 0.0
         self.found: tuple[Any, State] | None = None  #: time and state of its arrival on the surface, once known
-        self.decided_by_bounds = (
-            True  #: whether bounds alone told where it ends, without a near thing that digits decided
-        )
+        self.decided_by_bounds = True  #: whether bounds decided where it ends; else more digits could change that
         self._level, self._leaving, self._guide = level, on_surface, guide
         self._context = level.digits.context
         self._eps = self._context.ldexp(1, -int(_TOUCH * (self._context.prec - GUARD)))
@@ -148,10 +146,8 @@ class ExactArc:
         view = _View(self._level, self.t, self.side, step)
         search = FirstRoot(view, self._context.mpf, self._eps, self._leaving)
         part = search.find()
-        self._largest_height, self._largest_rate = (
-            max(self._largest_height, view.largest_height),
-            max(self._largest_rate, view.largest_rate),
-        )
+        self._largest_height = max(self._largest_height, view.largest_height)
+        self._largest_rate = max(self._largest_rate, view.largest_rate)
         self.decided_by_bounds = self.decided_by_bounds and not search.decided_by_digits
         if part is None:
             self._unit = min(self._unit, step.unit) if search.divided else self._unit
@@ -224,8 +220,6 @@ class _View:
     def enclose(self, edges: NDArray[np.float64]) -> Enclosure:
         """Bounds over the equal pieces between the edges (m + 1,)."""
         found = self._level.surface.enclose(self._side, self._begin, self._span, self.states, edges)
-        self.largest_height, self.largest_rate = (
-            max(self.largest_height, found.largest_height),
-            max(self.largest_rate, found.largest_rate),
-        )
+        self.largest_height = max(self.largest_height, found.largest_height)
+        self.largest_rate = max(self.largest_rate, found.largest_rate)
         return found

@@ -121,7 +121,7 @@ class ExactSolution:
         return float(t), as_doubles(x)
 
     def after(self, k: int) -> NDArray[np.float64]:
-        """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
+        """State (d,) from which the solution continues after crossing k: on the surface, or after the jump."""
         return as_doubles(self._agreed(lambda solution: solution.crossing_in_digits(k))[2])
 
     def state(self, t: float) -> NDArray[np.float64]:

@@ -109,7 +109,7 @@ class _ExternalArc:
         return self._found
 
     def _search(self, t: float, x: NDArray[np.float64]) -> None:
-        """Look along the step just taken, to (t, x), and keep the first crossing on it."""
+        """Find the first crossing on the step just taken, to (t, x)."""
         path, start = self._solver.dense_output(), self._times[-1]
         inner = [start + (t - start) * part for part in _INNER]
         samples = [
@@ -118,10 +118,8 @@ class _ExternalArc:
             Sample(t, *self._height_and_rate(t, x)),
         ]
         for a, b in pairwise(samples):
-            self.largest_rate, self.largest_height = (
-                max(self.largest_rate, abs(float(a.rate))),
-                max(self.largest_height, abs(float(a.height))),
-            )
+            self.largest_rate = max(self.largest_rate, abs(float(a.rate)))
+            self.largest_height = max(self.largest_height, abs(float(a.height)))
             when = first_zero(self._evaluate, a, b)
             if when is not None:
                 self._found = float(when), self.state(float(when))

@@ -119,9 +119,8 @@ class FirstRoot:
     def _root(self, inside: Any, outside: Any) -> Any:
         """Root in a bracket, in many digits, by Newton's method from the root in doubles."""
         with np.errstate(all="ignore"):
-            first = newton(
-                self._evaluate_in_doubles, float(inside), float(outside), (float(inside) + float(outside)) / 2, _DOUBLE
-            )
+            low, high = float(inside), float(outside)
+            first = newton(self._evaluate_in_doubles, low, high, (low + high) / 2, _DOUBLE)
         return newton(self._evaluate, inside, outside, self._number(first), self._eps)
 
 

@@ -122,7 +122,7 @@ class Digits:
     @classmethod
     @cache
     def of(cls, bits: int) -> Digits:
-        """The arithmetic of so many bits, cached."""
+        """The arithmetic of `bits` bits, cached."""
         return cls(bits)
 
     def number(self, constant: Constant) -> Any:

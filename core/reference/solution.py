@@ -102,7 +102,7 @@ class Solution(Protocol):
         """Time and state (d,) on the surface of crossing k, from 1 on."""
 
     def after(self, k: int) -> NDArray[np.float64]:
-        """State (d,) from which the solution goes on after crossing k."""
+        """State (d,) from which the solution continues after crossing k."""
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t."""
@@ -145,7 +145,7 @@ class ReferenceSolution:
         return float(t), x.astype(float)
 
     def after(self, k: int) -> NDArray[np.float64]:
-        """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
+        """State (d,) from which the solution continues after crossing k: on the surface, or after the jump."""
         return self.crossing_in_digits(k)[2].astype(float)
 
     def state(self, t: float) -> NDArray[np.float64]:

@@ -65,7 +65,7 @@ class TaylorSolution:
         return float(fine.t[k - 1]), fine.x[k - 1].copy()
 
     def after(self, k: int) -> NDArray[np.float64]:
-        """State (d,) from which the solution goes on after crossing k: the one on the surface, or after its jump."""
+        """State (d,) from which the solution continues after crossing k: on the surface, or after the jump."""
         self.crossing(k)
         return np.array(self._fine.crossings(k).x_after[k - 1])
 

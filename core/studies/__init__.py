@@ -1,4 +1,4 @@
-"""Studies: many runs, one statement about a method."""
+"""Studies of a method by many runs: its order, its cost, its stability."""
 
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision, work_precision
 from core.studies.order import OrderStudy, order_study

@@ -1,4 +1,4 @@
-"""Run time against error: what accuracy costs, of our methods and of integrators made by others."""
+"""Run time against error: the cost of accuracy with the methods of this package and with external solvers."""
 
 from __future__ import annotations
 
@@ -25,68 +25,86 @@ from core.systems import System, system_of
 
 __all__ = ["CANCELLED", "DONE", "WAITING", "CostCurve", "WorkPrecision", "work_precision"]
 
+#: Methods that are measured where none are given, if the system admits them.
 _METHODS = ("dmm2", "dmm4", "rk4", "prk8", "taylor")
+#: Tolerances of a variable-step method where none are given.
 _TOLERANCES = tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13, 15))
-#: Step sizes: the coarsest as part of the mean time between crossings, the digits of error between one and the next and
-#: from the first to the last, and the number of steps a second of the budget is good for.
-_COARSEST, _DIGITS, _ALL_DIGITS, _STEPS_A_SECOND = 0.25, 1.5, 12.0, 5e5
+#: Coarsest default step size, as part of the mean time between crossings.
+_COARSEST = 0.25
+#: Digits of error expected from one default step size to the next.
+_DIGITS = 1.5
+#: Digits of error expected from the coarsest default step size to the finest.
+_ALL_DIGITS = 12.0
+#: Steps per second of the budget: a bound on the number of steps at the finest default step size.
+_STEPS_A_SECOND = 5e5
+#: End of a message about settings that are not a sequence of numbers.
 _NUMBERS = "a tuple is needed, as in (0.1, 0.05)"
-_MAX_SETTINGS, _MAX_REPEATS = 64, 1000
-#: Where no end is given: so many crossings, or where there are none, so long.
-_CROSSINGS, _LENGTH = 10, 10.0
-#: Round-off of state and reference together, in units of eps times the size; and the part of a reference's estimate of
-#: its own error, which is that of the worse of two solutions, that it is taken to err by (as in `core.studies.order`).
-_ROUND_OFF, _OF_ESTIMATE = 16.0 * 2.0**-52, 0.1
+#: Most settings of one integrator.
+_MAX_SETTINGS = 64
+#: Most timed runs at one setting.
+_MAX_REPEATS = 1000
+#: Number of crossings to the default end time.
+_CROSSINGS = 10
+#: Default time span of a solution without crossings.
+_LENGTH = 10.0
+#: Round-off of run and reference together, relative to the size of the state: 16 eps.
+_ROUND_OFF = 16.0 * 2.0**-52
+#: Error of a reference, as part of its own estimate, which is the error of the worse of two solutions.
+_OF_ESTIMATE = 0.1
 
-#: What `CostCurve.status` says where nothing is wrong.
-WAITING, CANCELLED, DONE = "not measured yet", "cancelled", "completed"
+#: `CostCurve.status` of a setting that is still to be measured.
+WAITING = "not measured yet"
+#: `CostCurve.status` of a setting that is not measured because the study was cancelled.
+CANCELLED = "cancelled"
+#: `CostCurve.status` of a setting that has been measured.
+DONE = "completed"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CostCurve(Brief):
-    """One integrator at m settings; nan where there is nothing to show, and `status` says why."""
+    """One integrator at m settings; nan where there is no result, and `status` says why."""
 
     name: str
     """A key of METHODS, or of core.studies.external_solvers.EXTERNAL_SOLVERS."""
     title: str
-    """For people."""
+    """Name for display."""
     peer: bool
-    """Whether it was made by others."""
+    """Whether it is an external solver."""
     setting_name: str
     """"tau" or "tolerance"."""
     setting: Floats
     """(m,) step sizes or tolerances."""
     seconds: Floats
-    """(m,) processor time of the thread, of the fastest repeat after a first run that is not timed."""
+    """(m,) processor time of the thread (s), of the fastest repeat after a first run that is not timed."""
     evaluations: Floats
-    """(m,) of the (discrete) field; nan for heyoka, which does not count them."""
+    """(m,) evaluations of the (discrete) field; nan for heyoka, which does not count them."""
     state_error: Floats
     """(m,) ‖x − x*‖ at the end."""
     time_error: Floats
     """(m,) |t̂ − t*| of the last crossing; nan where there is none, or where their number is wrong."""
     invariant_error: Floats
-    """(m,) largest |Δψ| over all visits to a side, from where it was entered to where it was left, or to the end: as
-    `Trajectory.conserved_error` has it. nan where no ψ is known."""
+    """(m,) largest |Δψ| over all segments, each from where it was entered to where it was left, or to the end, as in
+    `Trajectory.conserved_error`; nan where no ψ is known."""
     crossings: Floats
-    """(m,) how many were found."""
+    """(m,) number of crossings found."""
     status: tuple[str, ...]
     """(m,) `DONE`, `WAITING`, `CANCELLED`, or what is wrong."""
     compile_seconds: float
-    """Processor time of getting ready, in none of `seconds`: to compile, or to load from disk. nan if not measured."""
+    """Processor time (s) to compile, or to load from disk, not included in `seconds`; nan if not measured."""
 
 
 @dataclass(frozen=True, eq=False)
 class WorkPrecision:
-    """What every integrator made of the same initial value."""
+    """Run time and errors of several integrators on the same initial value problem."""
 
     t_span: tuple[float, float]
     curves: tuple[CostCurve, ...]
     crossings: int
-    """How many the solution has."""
+    """Number of crossings of the solution."""
     reference: str
-    """What the errors were measured against."""
+    """Name of the reference solution."""
     floor: Mapping[str, float]
-    """Error below which nothing but round-off, of run and reference, is seen: of "state", "time" and "invariant"."""
+    """Errors that are round-off of run and reference, of "state", "time" and "invariant"."""
 
     def __repr__(self) -> str:
         names = ", ".join(curve.name for curve in self.curves)
@@ -113,14 +131,14 @@ def work_precision(
     progress: Callable[[int, int, WorkPrecision], object] | None = None,
     cancel: Cancel | None = None,
 ) -> WorkPrecision:
-    """Measure run time and error of some integrators, each at several step sizes or tolerances.
+    """Measure run time and error of several integrators, each at several step sizes or tolerances.
 
-    Times are processor time of the thread that runs, so whatever else the machine does meanwhile is not in them; it
-    shares caches and memory all the same. In one process, one run goes on at a time, since threads that wait for each
-    other's turn with the interpreter would spend processor time on that; many processes, as of a cluster, measure side
-    by side. Times are those of the whole call: of ours ``integrate(..., record="end")``, of an external solver the loop
-    from crossing to crossing. The first run is not timed, the garbage collector rests, the least of the repeats counts,
-    compiling is told apart.
+    Times are processor time of the running thread, which excludes other load of the machine but not its effect on
+    caches and memory. In one process only one run goes on at a time, since threads spend processor time on waiting for
+    the interpreter; several processes, as of a cluster, measure in parallel. Times are those of the whole call:
+    ``integrate(..., record="end")`` for the methods of this package, the loop from crossing to crossing for an external
+    solver. The first run is not timed, the garbage collector is off, the least of the repeats counts, and compilation
+    is listed separately.
 
     Parameters
     ----------
@@ -134,20 +152,20 @@ def work_precision(
         Keys of METHODS, or its values. Where not given, those of dmm2, dmm4, rk4, prk8 and taylor that the system
         admits.
     settings
-        Name of a method or an external solver -> step sizes, or tolerances. For names not in it, some that suit the
-        system.
+        Name of a method or an external solver -> step sizes, or tolerances. Names that are missing get defaults that
+        suit the system.
     peers
         Keys of core.studies.external_solvers.EXTERNAL_SOLVERS: "scipy", and "heyoka", which need not be installed.
     repeats
-        How many timed runs at most, at one setting.
+        Most timed runs at one setting.
     budget
-        Seconds that one run may take; one that takes longer is given up and leaves a gap.
+        Seconds that one run may take; a longer one is given up, and its results are nan.
     executor
         Where to measure (see `core.studies.tasks.as_completed`); None: on threads of its own.
     progress
         Called as ``progress(done, total, partial)`` after every setting of every integrator.
     cancel
-        Asked twenty times a second; what is measured when it returns True is returned.
+        Called twenty times a second; once it returns True, what has been measured is returned.
 
     Raises
     ------
@@ -176,7 +194,7 @@ def work_precision(
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """The solution, where runs are compared with it."""
+    """The reference solution at the end time, with which runs are compared."""
 
     t0: float
     end: float
@@ -187,7 +205,7 @@ class _Target:
 
 
 class _Study:
-    """Fills the curves, a point at a time."""
+    """The curves of a study, filled point by point."""
 
     def __init__(
         self, system: PiecewiseSystem, target: _Target, reference: str, ladders: Mapping[str, Sequence[float]]
@@ -196,20 +214,20 @@ class _Study:
         self._reference = reference
         self._curves = [_empty(name, ladder) for name, ladder in ladders.items()]
         rounds = range(max(map(len, ladders.values())))
-        #: Column of a curve, its name and the setting: the cheap ones of all integrators first.
+        #: Column of a curve, its name and the setting; the cheapest settings of all integrators come first.
         self.places = [
             (k, curve.name, float(curve.setting[k])) for k in rounds for curve in self._curves if k < len(curve.setting)
         ]
         self._by_name = {curve.name: number for number, curve in enumerate(self._curves)}
 
     def put(self, number: int, measured: Measured) -> None:
-        """Enter what was measured."""
+        """Enter the result of task `number`."""
         k, name, _ = self.places[number]
         place = self._by_name[name]
         self._curves[place] = _with_point(self._curves[place], k, measured, self._target)
 
     def result(self, waiting: str = WAITING) -> WorkPrecision:
-        """What is there so far."""
+        """The study so far; settings without a result get the status `waiting`."""
         curves = [
             replace(curve, status=tuple(waiting if s == WAITING else s for s in curve.status)) for curve in self._curves
         ]
@@ -231,7 +249,7 @@ def _empty(name: str, ladder: Sequence[float]) -> CostCurve:
 
 
 def _with_point(curve: CostCurve, k: int, measured: Measured, target: _Target) -> CostCurve:
-    """The curve with column k filled; arrays handed out before stay as they are."""
+    """A copy of the curve with column k filled, as earlier ones are already in use."""
     status = measured.reason or DONE
     values: dict[str, float] = {}
     if measured.x is not None:
@@ -321,7 +339,7 @@ def _check_setting(name: str, value: float) -> None:
 
 
 def _ladder(name: str, target: _Target, budget: float) -> list[float]:
-    """Settings from coarse to fine, such that the errors are likely to range over many powers of ten."""
+    """Default settings from coarse to fine, chosen so that the errors range over many powers of ten."""
     if name in EXTERNAL_SOLVERS:
         return list(EXTERNAL_SOLVERS[name].tolerances)
     order = METHODS[name].order
@@ -337,7 +355,7 @@ def _ladder(name: str, target: _Target, budget: float) -> list[float]:
 def _target(
     system: PiecewiseSystem, exact: Solution, x0: tuple[float, ...], span: tuple[float, float | None]
 ) -> _Target:
-    """Where the solution is at the end, and the crossings it has until then."""
+    """State of the solution at the end time, and its crossings until then."""
     t0, end = span
     if end is None:
         end = _default_end(exact, t0)
@@ -357,7 +375,7 @@ def _target(
 
 
 def _default_end(exact: Solution, t0: float) -> float:
-    """Away from the surface, after ten crossings or what there are."""
+    """Default end time: after ten crossings, or as many as there are, halfway between two of them."""
     times = [t0, *_crossing_times(exact, math.inf, _CROSSINGS + 1)]
     return (times[-2] + times[-1]) / 2 if len(times) > 1 else t0 + _LENGTH
 

@@ -1,8 +1,8 @@
-"""Integrators made by others on any declared system: SciPy's DOP853 and heyoka, restarted where they reach the surface.
+"""External solvers on any declared system: SciPy's DOP853 and heyoka, restarted where they reach the surface.
 
-Used as their manuals say: a terminal event stops them on the surface, the jump is applied, and they start anew with the
-field of the other side. The side is carried, so a restart does not fire again. (`core.reference.external` looks for
-crossings itself, and at one tolerance: it is made to be trusted, not to be fast.)
+They are used as their manuals say: a terminal event stops them on the surface, the jump is applied, and they start anew
+with the field of the other side. The side is carried, so that a restart does not trigger the event again.
+(`core.reference.external` locates crossings itself, at one tolerance: it is meant to be reliable, not fast.)
 """
 
 from __future__ import annotations
@@ -24,37 +24,40 @@ from core.system import PiecewiseSystem
 
 __all__ = ["EXTERNAL_SOLVERS", "Arcs", "ExternalSolver", "Stopped", "external_arcs"]
 
+#: Spacing of doubles at 1, the least tolerance of heyoka.
 _EPS = 2.0**-52
-_OFF_SURFACE = 1e-9  #: |g| after a jump above this part of what it was on the way there: the jump leads off the surface
-#: What is added to g for heyoka, far below round-off: where g is 0 to the last bit, as after a jump, it sees no root
-#: that comes later in the step.
+#: |g| after a jump, as part of |ġ| times the time since the last crossing, above which the jump leads off the surface.
+_OFF_SURFACE = 1e-9
+#: Added to g for heyoka, far below round-off: where g starts at exactly 0, as after a jump, it misses later roots.
 _ROOT_SHIFT = 2.0**-100
-_STEPS_AT_ONCE = 4096  #: of heyoka, between looks at the clock
+#: Steps of heyoka between two checks of the time used.
+_STEPS_AT_ONCE = 4096
 
 
-class Stopped(Exception):  # noqa: N818 - it is no error of the program's
-    """An external solver cannot go on, or may not; the text says why."""
+class Stopped(Exception):  # noqa: N818 - not an error of the program
+    """An external solver cannot continue, or was told not to; the text says why."""
 
 
 @dataclass
 class Arcs:
-    """A run as what is known where it enters and leaves each side: k crossings, k + 1 arcs."""
+    """The ends of all segments of a run: k crossings, k + 1 segments."""
 
     side: list[int] = field(default_factory=list)
+    """Side, −1 or +1, of each segment."""
     entered: list[tuple[float, Floats]] = field(default_factory=list)
     """Time and state at the start, and after each crossing."""
     left: list[tuple[float, Floats]] = field(default_factory=list)
     """Time and state at each crossing, before its jump, and at the end."""
     evaluations: float = np.nan
-    """Of the field; nan where that is not known."""
+    """Number of evaluations of the field; nan if unknown."""
 
     @property
     def crossings(self) -> int:
-        """How many there are."""
+        """Number of crossings."""
         return len(self.left) - 1
 
     def conserved_error(self, system: PiecewiseSystem) -> float:
-        """Largest change of any ψ from where its side was entered to where it was left; nan where there is no ψ."""
+        """Largest change of any ψ over a segment; nan where there is no ψ."""
         worst = np.nan
         for sign in (-1, 1):
             ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == sign]
@@ -77,29 +80,29 @@ class Arrival(NamedTuple):
 
 
 class Prepared(Protocol):
-    """One integrator, ready to be run again and again."""
+    """An external solver set up for a system and a tolerance, to be run any number of times."""
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
-        """Go on from (t, x) on a side until the surface or `end`; `Stopped` where neither is reached."""
+        """Integrate from (t, x) on a side to the surface or to `end`; raise `Stopped` where neither is reached."""
 
 
 class ExternalSolver(NamedTuple):
-    """An integrator made by others."""
+    """An integrator of another package."""
 
     name: str
     """Its key in EXTERNAL_SOLVERS."""
     title: str
-    """For people."""
+    """Name for display."""
     finest: float
-    """The least tolerance it takes."""
+    """The least tolerance it accepts."""
     tolerances: tuple[float, ...]
-    """To try, where nothing else is asked for."""
+    """Default tolerances of a study."""
     prepare: Callable[[ScalarFunctions, float, float], Prepared]
-    """(system as functions of functions, tolerance, size of the state) -> integrator; `Stopped` if not installed."""
+    """(system, tolerance, size of the state) -> the solver set up for it; raises `Stopped` if not installed."""
 
 
 class ScalarFunctions:
-    """A system as functions of plain numbers, which cost half a microsecond a call, less than a compiled one does."""
+    """A system as Python functions of plain numbers: half a microsecond a call, less than a call of compiled code."""
 
     def __init__(self, system: PiecewiseSystem) -> None:
         laws = self.laws = system.laws
@@ -133,17 +136,17 @@ class ScalarFunctions:
         def values(t: float, x: Floats) -> Floats:
             try:
                 return np.array(compute(t, *x.tolist(), *p), dtype=float)
-            except (ArithmeticError, ValueError, TypeError):  # no value, or a complex one, of a trial step: from nan
-                return np.full(len(expressions), np.nan)  # the integrator takes a shorter one
+            except (ArithmeticError, ValueError, TypeError):
+                return np.full(len(expressions), np.nan)  # undefined at a trial step: the solver then shortens it
 
         return values
 
     def first_side(self, t: float, x: Floats) -> int:
-        """Side on which a motion from (t, x) begins."""
+        """Side on which a trajectory from (t, x) begins."""
         return self._side(t, x, 0.0)
 
     def landing(self, t: float, x: Floats, side: int, since: float) -> tuple[int, Floats]:
-        """Side and state after an arc of a side has reached the surface at (t, x)."""
+        """Side and state (d,) after a segment on `side`, begun at time `since`, has reached the surface at (t, x)."""
         if self.jump is None:
             return -side, x
         reach = _OFF_SURFACE * abs(self.rate[side](t, x)[0]) * (t - since)
@@ -151,7 +154,7 @@ class ScalarFunctions:
         return self._side(t, after, reach), after
 
     def _side(self, t: float, x: Floats, reach: float) -> int:
-        """The sign of g; on the surface, the side to which the fields lead."""
+        """The sign of g; where |g| ≤ `reach`, the side to which f₊ leads."""
         height = self.height(t, x)[0]
         if abs(height) > reach:
             return 1 if height > 0 else -1
@@ -174,12 +177,12 @@ def external_arcs(
     max_crossings
         Number of crossings beyond which the run is given up.
     check
-        Called now and then; it raises `Stopped` where the run is to be given up.
+        Called from time to time; it raises `Stopped` if the run should be given up.
 
     Raises
     ------
     Stopped
-        Where the run does not get to the end.
+        If the run does not reach the end.
     """
     arcs = Arcs(evaluations=0.0)
     t, x, side = t0, x0, functions.first_side(t0, x0)
@@ -198,7 +201,7 @@ def external_arcs(
 
 
 class _PreparedScipy:
-    """SciPy's `solve_ivp` with DOP853 and one terminal event for each side, which fires only when leaving the side."""
+    """SciPy's `solve_ivp` with DOP853 and one terminal event per side, triggered only on leaving that side."""
 
     def __init__(self, functions: ScalarFunctions, tolerance: float, size: float) -> None:
         self._field = functions.field
@@ -209,7 +212,7 @@ class _PreparedScipy:
     def _leaving(self, functions: ScalarFunctions, side: int) -> Any:
         height = functions.height
 
-        def event(t: float, x: Floats) -> float:  # once a step: here the clock is looked at
+        def event(t: float, x: Floats) -> float:  # called once a step, so the time used is checked here
             self._check()
             return float(height(t, x)[0])
 
@@ -217,7 +220,7 @@ class _PreparedScipy:
         return event
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
-        """Go on until the surface or `end`."""
+        """Integrate to the surface or to `end`."""
         self._check = check
         run = scipy.integrate.solve_ivp(self._field[side], (t, end), x, events=self._events[side], **self._options)
         if not run.success:
@@ -226,10 +229,10 @@ class _PreparedScipy:
 
 
 class _PreparedHeyoka:
-    """heyoka: one Taylor integrator for each side, with a terminal event which fires only when leaving the side.
+    """heyoka: one Taylor integrator per side, with a terminal event triggered only on leaving that side.
 
-    Some four microseconds a crossing are spent on going from one to the other. Where the sides differ in a number only,
-    one integrator whose event changes that number does without, and takes half the time where crossings are many.
+    The change from one to the other takes some four microseconds a crossing. Where the sides differ in one coefficient
+    only, a single integrator whose event changes it avoids this, and takes half the time if crossings are many.
     """
 
     def __init__(self, functions: ScalarFunctions, tolerance: float, size: float) -> None:
@@ -239,10 +242,11 @@ class _PreparedHeyoka:
             raise Stopped("heyoka is not installed") from None
         self._outcomes = heyoka.taylor_outcome
         self._integrators = {side: _heyoka_integrator(heyoka, functions.system, side, tolerance) for side in (-1, 1)}
-        self._states = {side: one.state for side, one in self._integrators.items()}  # looked up once: a look takes long
+        # Looked up once, as each access is slow.
+        self._states = {side: one.state for side, one in self._integrators.items()}
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
-        """Go on until the surface or `end`."""
+        """Integrate to the surface or to `end`."""
         one, state, outcomes = self._integrators[side], self._states[side], self._outcomes
         one.time, state[:] = t, x
         one.reset_cooldowns()
@@ -257,7 +261,7 @@ def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: f
     laws, d = system.laws, system.dimension
     variables = [hy.expression(f"u{k}") for k in range(d)]
     wanted = [_in_floats(e) for e in (*laws.modes[side].field, laws.g)]
-    used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # it takes no others
+    used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # heyoka accepts no unused ones
     names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}
     *rates, height = (hy.from_sympy(e, names) for e in wanted)
     height += side * _ROOT_SHIFT
@@ -269,7 +273,7 @@ def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: f
 
 
 def _in_floats(expression: Expr) -> Expr:
-    """The expression with ratios and constants as floating-point functions: heyoka takes no other."""
+    """The expression with ratios and constants as floating-point numbers: heyoka accepts no others."""
     exact = {q for q in expression.atoms(sympy.Rational, sympy.NumberSymbol) if not q.is_Integer}
     return expression.xreplace({q: sympy.Float(q, 17) for q in exact})
 
@@ -278,7 +282,7 @@ def _tolerances(*digits: int) -> tuple[float, ...]:
     return tuple(10.0**-k for k in digits)
 
 
-#: Every external solver by name.
+#: Name -> external solver.
 EXTERNAL_SOLVERS: Mapping[str, ExternalSolver] = MappingProxyType({
     solver.name: solver
     for solver in (

@@ -1,4 +1,4 @@
-"""One point of a work-precision diagram: what a run costs, and where it leads."""
+"""One point of a work-precision diagram: cost and result of a run."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from core.system import PiecewiseSystem
 
 __all__ = ["Measured", "Problem", "measure"]
 
-#: Held while one integrator is measured: threads that wait for each other's turn with the interpreter spend processor
-#: time on that, of which a run of a tenth of a millisecond would be mostly made.
+#: Held while one integrator is measured: threads that wait for the interpreter spend processor time on that, and it
+#: would exceed that of a run of a tenth of a millisecond.
 _one_at_a_time = threading.Lock()
 
 
 class Problem(NamedTuple):
-    """What every integrator is asked to do."""
+    """The initial value problem that every integrator solves, and how it is measured."""
 
     system: PiecewiseSystem
     t0: float
@@ -40,25 +40,25 @@ class Problem(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """What one run costs and where it leads; nan in all but `compiling` where it does not get to the end."""
+    """Cost and result of one run; nan in all but `compiling` where it does not reach the end."""
 
     reason: str
-    """Why there is nothing; empty where there is."""
+    """Why there is no result; empty where there is one."""
     compiling: float
-    """Processor time (s) of getting ready: to compile, or to load from disk; next to none where it was in memory."""
+    """Processor time (s) to compile, or to load from disk; almost 0 where the code was in memory."""
     seconds: float = math.nan
     evaluations: float = math.nan
     x: Floats | None = None
-    """(d,) at the end."""
+    """(d,) state at the end."""
     crossings: int = 0
     last: float = math.nan
     """Time of the last crossing."""
     conserved_error: float = math.nan
-    """Largest change of any ψ from where its side was entered to where it was left, or to the end."""
+    """Largest change of any ψ over a segment, from where it was entered to where it was left, or to the end."""
 
 
 class _Clock:
-    """Tells when a run has used up the processor time it may take."""
+    """Tells when a run has used up its budget of processor time."""
 
     def __init__(self, budget: float) -> None:
         self._budget, self._end = budget, time.thread_time() + budget
@@ -78,8 +78,8 @@ class _Clock:
 def measure(problem: Problem, name: str, setting: float) -> Measured:
     """Run one integrator at one setting; in one process, one at a time.
 
-    The first run is not timed: it tells where the crossings are. Then repeats, of which the fastest counts; no further
-    one is begun when those done have taken as long as one may.
+    The first run is not timed; it records the crossings. Of the repeats that follow the fastest counts; no further one
+    begins once they have taken `problem.budget` seconds together.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def _measure(problem: Problem, name: str, setting: float) -> Measured:
 
 
 def _own_method(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
-    """A method of ours: as a run that keeps its crossings, and as one that keeps the end only, as fast as can be."""
+    """A method of METHODS: a run that records its crossings, and one that records only the end, to be timed."""
     key = "tolerance" if METHODS[name].adaptive else "tau"
     options: dict[str, Any] = {key: setting, "method": name}
     system, span, start = problem.system, (problem.t0, problem.end), problem.x0
@@ -136,7 +136,7 @@ def _arcs(run: Trajectory) -> Arcs:
 
 
 def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
-    """An external solver, and again the same."""
+    """An external solver: a run within the budget, and the same run without a check, to be timed."""
     start, functions = np.array(problem.x0), ScalarFunctions(problem.system)
     prepared = EXTERNAL_SOLVERS[name].prepare(functions, setting, float(np.abs(start).max()) or 1.0)
 
@@ -150,7 +150,7 @@ def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_C
 
 
 def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
-    """Least processor time of this thread: what else the machine does meanwhile does not count."""
+    """Least processor time (s) of this thread over the repeats, which excludes other load of the machine."""
     times: list[float] = []
     collects = gc.isenabled()
     gc.disable()  # as `timeit` does

@@ -1,4 +1,4 @@
-"""Order across the interface: errors of state and crossing time against step size, and their slopes."""
+"""Order across the surface: errors of state and crossing time against step size, and their slopes."""
 
 from __future__ import annotations
 
@@ -23,18 +23,25 @@ from core.systems import System, system_of
 
 __all__ = ["OrderStudy", "order_study"]
 
-#: A slope is fitted to errors between this many round-off levels and this fraction of the size of the state: from the
-#: finest step size on to this many times it, and on as far as slopes from point to point agree within this much.
-_ABOVE_FLOOR, _BELOW_SIZE = 50.0, 0.3
-_SPAN, _AGREE, _LEAST = 2.0, 0.15, 3
-#: Where they scatter by more than this even there, as without a transition, the slope is that of all points.
+#: Least error that enters a fit, in units of the floor: below it round-off is seen.
+_ABOVE_FLOOR = 50.0
+#: Largest error that enters a fit, as part of the size of the state.
+_BELOW_SIZE = 0.3
+#: All step sizes from the finest to this many times it enter a fit.
+_SPAN = 2.0
+#: Coarser ones enter it as long as all slopes between neighbouring points differ by at most this.
+_AGREE = 0.15
+#: Least number of points of a fit.
+_LEAST = 3
+#: If the slopes within `_SPAN` differ by more than this, as without a transition, all points enter the fit.
 _SCATTER = 3.0
-#: A state that fewer steps lead to says more of its last, shorter one than of the order.
+#: Least number of steps to a state that is compared: after fewer, the shortened last step distorts the order.
 _FEWEST_STEPS = 4
-#: Round-off of state and oracle together, in units of eps times the size of the state.
+#: Round-off of state and reference together, in units of eps times the size of the state.
 _ROUND_OFF = 16.0
-#: A reference's estimate of its own error is that of the worse of two solutions.
+#: Error of a reference, as part of its own estimate, which is the error of the worse of two solutions.
 _OF_ESTIMATE = 0.1
+#: Most step sizes of a study.
 _MAX_TAUS = 64
 
 Progress: TypeAlias = "Callable[[int, int, OrderStudy], object]"
@@ -48,25 +55,25 @@ class OrderStudy:
     taus: Floats
     """(m,) step sizes, as given."""
     crossings: tuple[int, ...]
-    """(k,) which crossings were looked at."""
+    """(k,) numbers of the crossings compared, from 1."""
     times: Floats
-    """(1 + k,) when the state was compared: halfway to the first crossing, and halfway from each to the next."""
+    """(1 + k,) times at which states are compared: halfway to the first crossing, and halfway from each to the next."""
     time_error: Floats
-    """(k, m) |t* − t̂| of those crossings; nan where a run did not get there."""
+    """(k, m) |t* − t̂| of these crossings; nan where a run did not reach them."""
     state_error: Floats
     """(1 + k, m) ‖x − x*‖ at `times`: row 0 before the first crossing; nan where fewer than four steps lead there."""
     time_slope: Floats
     """(k,) fitted orders; nan where fewer than three step sizes lie in the window."""
     state_slope: Floats
-    """(1 + k,)."""
+    """(1 + k,) likewise of the state."""
     time_window: Floats
     """(k, 2) least and greatest step size of each fit."""
     window: Floats
-    """(1 + k, 2) the same of the state."""
+    """(1 + k, 2) likewise of the state."""
     floor: float
-    """Error below which nothing but round-off is seen."""
+    """Error that is round-off of run and reference."""
     reference: str
-    """What the errors were measured against."""
+    """Name of the reference solution."""
 
     def __repr__(self) -> str:
         slopes = ", ".join(f"{slope:.2f}" for slope in self.state_slope)
@@ -91,18 +98,19 @@ def order_study(
 ) -> OrderStudy:
     """Measure the order of a method before the first crossing and after later ones.
 
-    Against exact crossing times and states where the system has a closed form (see `reference_solution`).
+    Errors are measured against exact crossing times and states where the system has a closed form, else against a
+    reference (see `reference_solution`).
 
     Parameters
     ----------
     taus
         Step sizes, 2 to 64 of them.
     crossings
-        Numbers of the crossings to look at, increasing, from 1.
+        Numbers of the crossings to compare, increasing, from 1.
     system, x0, method, perturbation_order, perturbation_scale, transition, cancel
         As in `integrate`.
     progress
-        Told after each step size how many are done, of how many, and the study as far as it has come.
+        Called as ``progress(done, total, partial)`` after each step size.
 
     Raises
     ------
@@ -161,14 +169,14 @@ def _checked_crossings(crossings: Sequence[int]) -> tuple[int, ...]:
 
 
 def _targets(exact: Solution, t0: float, numbers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
-    """Times at which to compare, the exact states there, and the exact times of the crossings asked for."""
+    """Times at which states are compared, the exact states there, and the exact times of the crossings."""
     t_star = [t0]
     for k in range(1, numbers[-1] + 2):
         try:
             t_star.append(exact.crossing(k)[0])
         except ValueError as why:
-            looked = f"crossing {numbers[-1]} and the stretch after it are looked at"
-            raise ValueError(f"{looked}, but the trajectory has {k - 1} crossings: {why}") from None
+            needed = f"crossings = {numbers!r}: crossing {numbers[-1]} and the one after it are needed"
+            raise ValueError(f"{needed}, but the trajectory has {k - 1} crossings: {why}") from None
     halfway = [(t_star[k] + t_star[k + 1]) / 2 for k in (0, *numbers)]
     states = np.array([exact.state(t) for t in halfway])
     return np.array(halfway), states, np.array([t_star[k] for k in numbers])
@@ -183,7 +191,7 @@ def _run(
     times: Floats,
     numbers: tuple[int, ...],
 ) -> tuple[Floats, Floats]:
-    """Crossing times and states of one run at the moments wanted; nothing else is recorded."""
+    """Times of the crossings, and states at `times`, of one run; nothing else is recorded."""
     runner = Runner(system, method, t0, x0, settings)
     states = np.full((len(times), system.dimension), np.nan)
     for row, t in enumerate(times):
@@ -197,7 +205,7 @@ def _run(
 
 
 def _fits(taus: Floats, errors: Floats, floor: float, size: float) -> tuple[Floats, Floats]:
-    """Least-squares slopes of log error over log τ, a row at a time, and the window of step sizes used."""
+    """Least-squares slopes of log error over log τ, for each row, and the least and greatest step size of each fit."""
     slopes, windows = np.full(len(errors), np.nan), np.full((len(errors), 2), np.nan)
     for k, row in enumerate(errors):
         clear = np.flatnonzero((row > _ABOVE_FLOOR * floor) & (row < _BELOW_SIZE * size))
@@ -210,7 +218,7 @@ def _fits(taus: Floats, errors: Floats, floor: float, size: float) -> tuple[Floa
 
 
 def _asymptotic(x: Floats, y: Floats) -> int:
-    """How many points from the finest on are fitted: those in the asymptotic range, as far as the slopes tell it."""
+    """Number of points, from the finest on, in the asymptotic range as judged by the slopes."""
     between = np.diff(y) / np.diff(x)
     near = max(_LEAST, int(np.count_nonzero(x <= x[0] + math.log(_SPAN) + 1e-9))) if len(x) else 0
     if np.ptp(between[: near - 1]) > _SCATTER:

@@ -1,4 +1,4 @@
-"""Many tasks side by side: on threads of its own, or on any executor, a cluster's among them."""
+"""Run many tasks in parallel: on threads of its own, or on any executor, such as that of a cluster."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from typing import Any, TypeVar
 __all__ = ["Cancel", "as_completed"]
 
 Cancel = Callable[[], bool]
-"""Asked whether to give up."""
+"""Returns True once the work should be given up."""
 
 Result = TypeVar("Result")
 
-_OUTSTANDING = 256  #: tasks handed over and not done: more than any cluster in sight has cores, and quickly taken back
-_POLL = 0.05  #: seconds between two questions to `cancel`
+#: Most tasks submitted and not done: enough to keep some hundred cores busy, and few to cancel.
+_OUTSTANDING = 256
+#: Seconds between two calls of `cancel`.
+_POLL = 0.05
 
 
 def as_completed(
@@ -24,31 +26,31 @@ def as_completed(
     executor: Executor | None = None,
     cancel: Cancel | None = None,
 ) -> Iterator[tuple[int, Result]]:
-    """Call a function for each of many tasks, and yield what comes of them in the order of completion.
+    """Call a function for each of many tasks, and yield the results in the order of completion.
 
     Parameters
     ----------
     call
-        Called as ``call(*task)`` where the task is a tuple, else as ``call(task)``. For processes and clusters: a
-        function of a module, and tasks that can be pickled.
+        Called as ``call(*task)`` where the task is a tuple, else as ``call(task)``. For processes and clusters it must
+        be a function of a module, and tasks and results must be picklable.
     tasks
-        Taken one by one; never more than 256 are handed over and not done.
+        Taken one by one; at most 256 are submitted and not done.
     executor
         Any of `concurrent.futures`, or ``dask.distributed.Client(...).get_executor()``; it is not shut down. None: as
-        many threads as there are processors, for this call only. (Compiled loops run side by side in threads.)
+        many threads as there are processors, for this call only. (Compiled loops run in parallel in threads.)
     cancel
-        Asked twenty times a second. Once it returns True, what has not begun is cancelled and the iteration ends,
-        without waiting for what is under way.
+        Called twenty times a second. Once it returns True, tasks that have not begun are cancelled and the iteration
+        ends, without waiting for those that run.
 
     Yields
     ------
     tuple of int and result
-        The task's number from 0, and what the call returned.
+        The task's index, and what the call returned.
 
     Raises
     ------
     Exception
-        What a call raised, when its turn comes; the rest is cancelled.
+        What a call raised, when its result is due; the other tasks are cancelled.
     """
     if executor is not None:
         yield from _completed(call, tasks, executor, cancel)
@@ -84,7 +86,7 @@ def _submit(
     executor: Executor,
     under_way: dict[Future[Result], int],
 ) -> None:
-    """Submit tasks as long as there are any and there is room."""
+    """Submit tasks until `_OUTSTANDING` are not done, or none is left."""
     while len(under_way) < _OUTSTANDING:
         following = next(waiting, None)
         if following is None:

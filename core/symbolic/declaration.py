@@ -174,7 +174,7 @@ class Declaration:
         if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(found)), self.longest):
             words = ": its derivatives are too long to work with; write it shorter"
         elif field == "g" and not found.free_symbols & set(self._x):
-            words = f" names no variable, so it is zero on no surface: write one of {', '.join(self.variables)} into it"
+            words = f" names no variable, so g = 0 is not a surface: write one of {', '.join(self.variables)} into it"
         else:
             return found
         return Problem(field, self._entry(field, k) + words, k)

@@ -30,7 +30,9 @@ FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], Callable[[float], float]]]
     "cosh": (sympy.cosh, math.cosh),
     "tanh": (sympy.tanh, math.tanh),
 }
+#: Constants by name: name -> (sympy number, its value).
 _CONSTANTS = {"pi": (sympy.pi, math.pi), "e": (sympy.E, math.e)}
+#: Names that no variable or parameter may have.
 _RESERVED = {"t", "nan", "inf", "oo", *_CONSTANTS, *FUNCTIONS}
 
 #: Most characters of one expression.
@@ -393,6 +395,7 @@ def _over(u: sympy.Expr, v: sympy.Expr) -> sympy.Expr:
     return u / v
 
 
+#: Node of the syntax tree -> (operation on sympy expressions, operation on floats).
 _OPERATIONS: dict[type[ast.operator], tuple[Callable[..., sympy.Expr], Callable[..., float]]] = {
     ast.Add: (lambda a, b: a + b, lambda a, b: a + b),
     ast.Sub: (lambda a, b: a - b, lambda a, b: a - b),

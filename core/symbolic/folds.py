@@ -1,4 +1,4 @@
-"""Where a real expression may change from one analytic function to another: its folds, and points beside them.
+"""Where a real expression may change from one analytic function to another: its folds, and points on both sides.
 
 A real expression is analytic except where the argument of a root, a logarithm or a real power is zero: on either side
 of such a *fold* it may be another analytic function. Functions such as tanh(1000 x) or exp(−1000 (x − 7)²) vary only

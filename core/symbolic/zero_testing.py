@@ -48,6 +48,7 @@ _DEPENDENT = (1e-40, 1e-160)
 #: Number of points tried for a counterexample whose coordinates have three digits.
 _PLAIN = 12
 
+#: The domain without conditions.
 EVERYWHERE = Domain()
 
 

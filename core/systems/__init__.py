@@ -33,7 +33,7 @@ _NAMES = (
 
 
 class _Catalogue(Mapping[str, PiecewiseSystem]):
-    """The systems by name. Each is imported, and so parsed, when it is first asked for: all take some 0.3 s."""
+    """The systems by name. Each is imported, and so parsed, on first use: all together take some 0.3 s."""
 
     def __getitem__(self, name: str) -> PiecewiseSystem:
         if name not in _NAMES:
@@ -61,7 +61,7 @@ def system_of(system: System) -> PiecewiseSystem:
     Raises
     ------
     ValueError
-        If it is neither.
+        If `system` is neither.
     """
     if isinstance(system, PiecewiseSystem):
         return system

@@ -1,4 +1,4 @@
-"""The paper's damped oscillator, whose conserved quantity names time."""
+"""The paper's damped oscillator, whose conserved quantity depends on time."""
 
 from core.system import Parameter, PiecewiseSystem
 

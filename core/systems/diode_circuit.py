@@ -1,4 +1,4 @@
-"""A coil and a diode that stores charge: a capacitor that is another one for each sign of the charge."""
+"""A coil and a diode that stores charge: its capacitance depends on the sign of the charge."""
 
 from core.system import Parameter, PiecewiseSystem
 

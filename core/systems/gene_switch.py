@@ -1,4 +1,4 @@
-"""A Glass network: a gene that a threshold switches off, in a loop of two genes."""
+"""A Glass network: a loop of two genes, one of which is switched off above a threshold."""
 
 from core.system import Parameter, PiecewiseSystem
 

@@ -1,4 +1,4 @@
-"""An oscillator whose spring changes on a line that moves: g names time."""
+"""An oscillator whose spring changes on a line that moves: g depends on time."""
 
 from core.system import Parameter, PiecewiseSystem
 

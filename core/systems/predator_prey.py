@@ -1,4 +1,4 @@
-"""Lotka-Volterra with a threshold: its conserved quantity has logarithms, and no mechanics behind it."""
+"""Lotka-Volterra with a threshold: its conserved quantity has logarithms, and is no energy."""
 
 from core.system import Parameter, PiecewiseSystem
 

@@ -1,4 +1,4 @@
-"""python -m pwsviz bench: the figures that the README states, measured here."""
+"""python -m pwsviz bench: measure the numbers that the README states."""
 
 from __future__ import annotations
 
@@ -12,17 +12,18 @@ from pwsviz.bench.table import Table
 
 __all__ = ["LONG", "QUICK", "STANDARD", "Plan", "Table", "sections"]
 
+#: Functions that measure a section, in the order of the output.
 _SECTIONS = (named, drawn, step_costs, first_calls, moved_slider, conservation, drift, orders)
 
 
 def sections(plan: Plan = STANDARD) -> Iterator[Table]:
-    """Measure one section after another.
+    """Measure one section after another, and yield its table.
 
     Parameters
     ----------
     plan
-        STANDARD takes some minutes; QUICK has every section, with figures too small to state; LONG has 10⁸ steps and
-        the whole catalogue.
+        STANDARD takes some minutes; QUICK has every section, with runs too short for numbers to state; LONG has runs of
+        10⁸ steps and the whole catalogue.
     """
     for measure in _SECTIONS:
         yield measure(plan)

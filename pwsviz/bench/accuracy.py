@@ -1,4 +1,4 @@
-"""What should be kept: conserved quantities, in long runs too, and orders across the surface."""
+"""Accuracy: errors of conserved quantities, in long runs too, and orders across the surface."""
 
 from __future__ import annotations
 
@@ -17,17 +17,20 @@ _LEVELS = {
     "harmonic_oscillator": {-1: 3.0, 1: 1.0},
     "elliptic_curve": {-1: 2 * np.cos(4 * np.pi / 7), 1: 0.0},
 }
+#: Step size of the long runs.
 _DRIFT_TAU = 0.1
-#: Coarsest and finest step size by order: errors from about 1e-2 to round-off.
+#: Order -> coarsest and finest step size: errors range from about 1e-2 to round-off.
 _WINDOWS = {2: (3e-2, 1e-4), 4: (0.12, 5e-4), 6: (0.35, 8e-3), 8: (0.6, 2e-2)}
-#: The same of dmm2 where crossing times are moved by τ: finer, as its errors are of order one.
+#: The same for dmm2 with crossing times moved by τ: finer, as the errors are then of order one.
 _FIRST_ORDER_WINDOW = (3e-3, 1e-5)
+#: Number of step sizes of an order study.
 _SIZES = 33
+#: Crossings after which orders are measured, where there are so many.
 _CROSSINGS = (10, 20, 30)
 
 
 def conservation(plan: Plan) -> Table:
-    """Largest errors of ψ."""
+    """Largest errors of ψ, by system, method and side."""
     rows = []
     for name in plan.seeds:
         for method in plan.methods:
@@ -57,16 +60,16 @@ def drift(plan: Plan) -> Table:
         for steps in plan.drift_steps:
             span = (0.0, _DRIFT_TAU * steps)
             run = core.integrate(system, span, tau=tau, method=method, record="end", envelope=1)
-            visits = 0.0 if run.envelope is None else float(np.abs(run.envelope).max())
+            segments = 0.0 if run.envelope is None else float(np.abs(run.envelope).max())
             side = int(run.side[-1])
             end = abs(float(system.conserved(side, run.t[-1], run.x[-1])[0]) - _LEVELS["elliptic_curve"][side])
-            rows.append([method.name, f"{run.steps:.0e}", f"{run.crossing_count:.0e}", f"{visits:.1e}", f"{end:.1e}"])
+            rows.append([method.name, f"{run.steps:.0e}", f"{run.crossing_count:.0e}", f"{segments:.1e}", f"{end:.1e}"])
     return Table(
         "Drift",
-        f"elliptic curve, tau = {_DRIFT_TAU:g} (taylor: tolerance = 1e-12, to the same time). Over the whole run the "
-        "largest |psi - level| of a visit to a side, in double-double; at its end |psi - exact level| of the rounded "
-        "state.",
-        ("method", "steps", "crossings", "visits", "end"),
+        f"elliptic curve, tau = {_DRIFT_TAU:g} (taylor: tolerance = 1e-12, to the same time). segments: the largest "
+        "|psi - level of its segment| over the whole run, in double-double; end: |psi - exact level| of the rounded "
+        "state at the end.",
+        ("method", "steps", "crossings", "segments", "end"),
         rows,
     )
 
@@ -110,7 +113,7 @@ def _order(system: core.PiecewiseSystem, method: core.Method, p: int | None, num
 
 
 def _reached(system: core.PiecewiseSystem) -> tuple[int, ...]:
-    """Which of the crossings wanted, or else the last one, have another after them."""
+    """Those of `_CROSSINGS` that another crossing follows; if there are none, the last such crossing."""
     exact = core.reference_solution(system)
     count = 0
     try:

@@ -1,4 +1,4 @@
-"""Time to a given error of the state: Taylor's method beside heyoka and SciPy."""
+"""Time to a given error of the state: the Taylor method compared with heyoka and SciPy."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from pwsviz.bench.table import UNKNOWN, Table, milliseconds
 __all__ = ["drawn", "named", "time_to_error"]
 
 Floats: TypeAlias = NDArray[np.float64]
-#: What to call before a run, the run, and the state at its end.
+#: Functions: one to call before a run, the run itself, and one that returns the state at its end.
 Integrator: TypeAlias = tuple[Callable[[], object], Callable[[], object], Callable[[], Floats]]
 
-#: Errors of the state to which times are stated.
+#: Errors of the state for which times are stated.
 _TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
-#: Of Taylor's method and of heyoka.
+#: Tolerances of the Taylor method and of heyoka.
 _TOLERANCES = (*(10.0**-k for k in range(2, 16)), 2.0**-52)
-#: Of SciPy, which takes none below 100 eps; coarser ones miss the first target.
+#: Tolerances of SciPy, which accepts none below 100 eps; coarser ones miss the first target.
 _SCIPY_TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12, 2.3e-14)
+#: Seed of the problems drawn at random.
 _SEED = 20261122
-#: An error of the state below this one is round-off.
+#: Least error of the state: a smaller one is round-off, and may be 0.
 _LEAST_ERROR = 1e-17
 
 
 def named(plan: Plan) -> Table:
-    """Times to the errors on systems of the catalogue."""
+    """Times to the target errors on systems of the catalogue."""
     rows = []
     for name in plan.compared:
         problem = Problem(name, core.CATALOGUE[name], plan.share * ENDS[name])
@@ -43,16 +44,16 @@ def named(plan: Plan) -> Table:
         "Time to a state error",
         "milliseconds to integrate to t = 1240, 473, 755 and 1989, after some 500 crossings, until the state is right "
         f"to an error; the least of {plan.repeats} runs, interpolated between tolerances. taylor is all of "
-        "core.integrate(record='end') and heyoka propagate_until alone, by the clock on the wall. SciPy "
-        "is DOP853, restarted at terminal events, in processor time, as core.work_precision has it. Last come the "
-        f"ratios of taylor's times to those of the three. {UNKNOWN}: not reached, or heyoka is not installed.",
+        "core.integrate(record='end') and heyoka propagate_until alone, in wall-clock time. SciPy is DOP853, restarted "
+        "at terminal events, in processor time, as in core.work_precision. The last columns are the ratios of taylor's "
+        f"times to those of the three. {UNKNOWN}: not reached, or heyoka is not installed.",
         ("system", "error", "taylor", "heyoka", "fast_math", "SciPy", "/ heyoka", "/ fast_math", "/ SciPy"),
         rows,
     )
 
 
 def drawn(plan: Plan) -> Table:
-    """Ratios to heyoka's times on problems drawn at random."""
+    """Ratios of the Taylor method's times to heyoka's on problems drawn at random."""
     ratios = {}
     for problem in drawn_problems(plan.drawn if has_heyoka() else 0, _SEED):
         own, _, fast = _own_and_heyoka(problem, plan)
@@ -62,7 +63,7 @@ def drawn(plan: Plan) -> Table:
         ratios |= {"median": np.nanmedian(found, axis=0), "worst": np.nanmax(found, axis=0)}
     return Table(
         "Problems drawn at random",
-        f"the same ratios of taylor's time to heyoka's with fast_math (seed {_SEED}). None where heyoka is not "
+        f"the same ratios of taylor's time to heyoka's with fast_math (seed {_SEED}). No rows if heyoka is not "
         "installed.",
         ("energy; surface", *(f"{error:.0e}" for error in _TARGETS)),
         [[name, *(f"{ratio:.2f}" for ratio in row)] for name, row in ratios.items()],
@@ -70,7 +71,7 @@ def drawn(plan: Plan) -> Table:
 
 
 def _own_and_heyoka(problem: Problem, plan: Plan) -> list[Floats]:
-    """Seconds to each target of Taylor's method, heyoka, and heyoka with fast_math; nan where not reached."""
+    """Seconds to each target of the Taylor method, heyoka, and heyoka with fast_math; nan where not reached."""
     exact = core.reference_solution(problem.system).state(problem.end)
     errors, seconds = np.full((2, 3, len(_TOLERANCES)), np.nan)
     for k, tolerance in enumerate(_TOLERANCES):
@@ -81,7 +82,7 @@ def _own_and_heyoka(problem: Problem, plan: Plan) -> list[Floats]:
 
 
 def _integrators(problem: Problem, tolerance: float) -> Iterator[Integrator]:
-    """Taylor's method and, where it is installed, heyoka without and with fast_math."""
+    """The Taylor method and, where it is installed, heyoka without and with fast_math."""
 
     def run() -> core.Trajectory:
         return core.integrate(problem.system, (0.0, problem.end), method="taylor", tolerance=tolerance, record="end")
@@ -89,7 +90,7 @@ def _integrators(problem: Problem, tolerance: float) -> Iterator[Integrator]:
     yield run, run, lambda: run().x[-1]
     for fast_math in (False, True) if has_heyoka() else ():
         other = HeyokaRun(problem, tolerance, fast_math)
-        yield other.reset, other.run, lambda: other.state  # noqa: B023 - called before the next
+        yield other.reset, other.run, lambda: other.state  # noqa: B023 - called before the next iteration
 
 
 def _scipy(problem: Problem, plan: Plan) -> Floats:
@@ -102,17 +103,18 @@ def _scipy(problem: Problem, plan: Plan) -> Floats:
 
 
 def time_to_error(errors: Floats, seconds: Floats, targets: Sequence[float] = _TARGETS) -> Floats:
-    """Seconds to each target, interpolated between the logarithms of the settings beside it; nan where not reached.
+    """Seconds to each target, by interpolation in logarithms between neighbouring settings; nan where not reached.
 
-    A setting counts with the largest error of itself and the finer ones, down to the least error of all, so that a
-    small error by luck is none; beyond that, round-off grows. A finer setting that is faster takes precedence.
+    The error of a setting is taken as the largest of its own and those of finer settings, down to the setting of least
+    error, so that an accidentally small error does not count; settings beyond that one are ignored, as their error is
+    round-off. A finer setting that is faster takes precedence.
 
     Parameters
     ----------
     errors, seconds
-        (n,) of n settings, the coarsest first; nan where a setting has not been measured.
+        (n,) errors and run times (s) of n settings, the coarsest first; nan where a setting has not been measured.
     targets
-        (m,)
+        (m,) errors.
     """
     known = np.isfinite(errors) & np.isfinite(seconds)
     errors, seconds = np.maximum(errors[known], _LEAST_ERROR), seconds[known]

@@ -16,8 +16,11 @@ from pwsviz.bench.table import Table, milliseconds
 
 __all__ = ["first_calls", "moved_slider", "step_costs"]
 
+#: Step size.
 _TAU = 1e-3
+#: Number of moves of a slider, of which the median counts.
 _MOVES = 12
+#: Program that prints the seconds to import core and to call it for the first time.
 _FIRST_CALL = """
 import sys, time
 start = time.perf_counter()
@@ -29,7 +32,7 @@ print(imported - start, time.perf_counter() - imported)
 
 
 def step_costs(plan: Plan) -> Table:
-    """Cost of a step of every method."""
+    """Processor time and evaluations per step of every method."""
     rows = []
     for name in plan.seeds:
         for method in plan.methods:
@@ -38,7 +41,7 @@ def step_costs(plan: Plan) -> Table:
             rows.append([name, method, f"{1e9 * cost:.1f}", f"{runs[0].evaluations / runs[0].steps:.2f}"])
     return Table(
         "Cost of a step",
-        f"nanoseconds of the processor of the time loop, and evaluations of the field, by the number of steps; "
+        f"processor time of the time loop in nanoseconds per step, and evaluations of the field per step; "
         f"{plan.steps} steps of tau = {_TAU:g}, the least of {plan.repeats + 1} runs. taylor chooses its steps by "
         "tolerance = 1e-12, to the same time.",
         ("system", "method", "ns a step", "evaluations a step"),
@@ -47,7 +50,7 @@ def step_costs(plan: Plan) -> Table:
 
 
 def first_calls(plan: Plan) -> Table:
-    """Time of a first call: in a fresh process, with and without what an earlier one compiled."""
+    """Time of a first call in a fresh process, with and without compiled code from an earlier one."""
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for method in plan.first_calls:
@@ -64,7 +67,7 @@ def first_calls(plan: Plan) -> Table:
 
 
 def moved_slider(plan: Plan) -> Table:
-    """What a person waits for who moves the slider of the step size, or of the tolerance."""
+    """Time from moving the slider of the step size, or of the tolerance, to the new arrays."""
     rows = []
     for name in plan.seeds:
         for method in plan.methods:
@@ -80,7 +83,7 @@ def moved_slider(plan: Plan) -> Table:
 
 
 def _run(name: str, method: str, steps: int, factor: float, record: str) -> core.Trajectory:
-    """A run of so many steps of the usual size times a factor; of a variable-step method, to the same time."""
+    """A run of `steps` steps of size `_TAU` times `factor`; with a variable-step method, to the same time."""
     settings = {"tolerance": 1e-12 * factor} if core.METHODS[method].adaptive else {"tau": _TAU * factor}
     end = _TAU * factor * steps
     return core.integrate(core.CATALOGUE[name], (0.0, end), method=method, record=record, **settings)  # type: ignore[arg-type]
@@ -93,7 +96,7 @@ def _moved(name: str, method: str, steps: int, factor: float) -> float:
 
 
 def _first_call(method: str, folder: str) -> tuple[float, float]:
-    """Seconds to import core, and to call it for the first time, in a process of its own."""
+    """Seconds to import core, and to call it for the first time, in a new process."""
     environment = {**os.environ, "PWSVIZ_CACHE": folder, "NUMBA_CACHE_DIR": folder}
     command = [sys.executable, "-c", _FIRST_CALL, method]
     out = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)  # noqa: S603 - our own text

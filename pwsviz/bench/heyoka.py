@@ -1,4 +1,4 @@
-"""heyoka on a problem: Taylor's method compiled by LLVM, with a terminal event. It need not be installed."""
+"""heyoka on a problem: a Taylor method compiled by LLVM, with a terminal event. It need not be installed."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ def has_heyoka() -> bool:
 
 
 class HeyokaRun:
-    """One integrator on a problem, to be run again and again.
+    """One integrator on a problem, to be run any number of times.
 
-    The coefficient that differs between the sides is a parameter of the integrator. The one terminal event changes it
-    and lets the integration go on; the direction in which g goes through zero tells the side entered. Two integrators,
-    one for each side, would take twice the time.
+    The coefficient that differs between the sides is a parameter of the integrator. The single terminal event changes
+    it and lets the integration continue; the direction in which g passes zero tells the side entered. Two integrators,
+    one per side, would take twice the time.
 
     Parameters
     ----------
     tolerance
-        Relative, from eps on.
+        Relative tolerance, at least eps.
     fast_math
         heyoka's option to reorder floating-point operations.
     """
@@ -45,7 +45,7 @@ class HeyokaRun:
         self._integrator = hy.taylor_adaptive(
             field, self._start, pars=[0.0], tol=tolerance, t_events=[event], fast_math=fast_math
         )
-        self._parameters = self._integrator.pars  # looked up once: each look costs as much as the event
+        self._parameters = self._integrator.pars  # looked up once: each access costs as much as the event
 
     def _switch(self) -> Any:
         below, above = self._problem.levels[-1], self._problem.levels[1]
@@ -70,5 +70,5 @@ class HeyokaRun:
 
     @property
     def state(self) -> NDArray[np.float64]:
-        """State (d,), where the integrator is."""
+        """State (d,) at the time that the integrator has reached."""
         return self._integrator.state.copy()  # type: ignore[no-any-return]

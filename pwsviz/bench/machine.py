@@ -1,4 +1,4 @@
-"""What the figures were measured on and with."""
+"""The machine and the versions of packages with which was measured."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from pathlib import Path
 
 __all__ = ["machine_lines"]
 
+#: Packages whose versions are listed.
 _PACKAGES = ("numpy", "numba", "scipy", "heyoka")
 
 
 def machine_lines() -> Iterable[str]:
-    """Lines on versions and on the processor."""
+    """Lines of text on versions and on the processor."""
     packages = ", ".join(f"{name} {_version(name)}" for name in _PACKAGES)
     yield f"Python {platform.python_version()}, {packages}"
     yield f"{_processor()}, {os.cpu_count()} cores, {platform.machine()} {platform.system()}"
@@ -28,7 +29,7 @@ def _version(name: str) -> str:
 
 
 def _processor() -> str:
-    """Name of the processor: Linux tells it in a file, the others through `platform`."""
+    """Name of the processor: from a file on Linux, from `platform` elsewhere."""
     file = Path("/proc/cpuinfo")
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]

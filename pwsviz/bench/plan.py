@@ -14,27 +14,27 @@ class Plan:
     """What a benchmark runs."""
 
     compared: tuple[str, ...]
-    """Systems on which Taylor's method is compared with external solvers."""
+    """Systems on which the Taylor method is compared with external solvers."""
     drawn: int
-    """Problems drawn at random on which it is compared, too."""
+    """Number of problems drawn at random on which it is compared, too."""
     share: float
-    """Part of the time of some 500 crossings that the comparisons run to."""
+    """End time of the comparisons, as part of the time of some 500 crossings."""
     budget: float
-    """Longest run of SciPy's, in seconds."""
+    """Seconds that one run of SciPy may take."""
     repeats: int
-    """Of each run that is timed; the fastest counts."""
+    """Number of runs of each that is timed; the fastest counts."""
     seeds: tuple[str, ...]
     """Systems whose steps, sliders and conserved quantities are measured."""
     methods: tuple[str, ...]
-    """Methods of these."""
+    """Methods with which these are measured."""
     first_calls: tuple[str, ...]
-    """Methods whose first call is timed in processes of their own."""
+    """Methods whose first call is timed in a new process."""
     steps: int
-    """Of a run whose cost, arrays or conserved quantities are measured."""
+    """Number of steps of a run whose cost, arrays or conserved quantities are measured."""
     drift_steps: tuple[int, ...]
     """Numbers of steps after which the drift of ψ is measured."""
     perturbation_orders: tuple[int, ...]
-    """Orders p of τᵖ, by which crossing times are moved."""
+    """Orders p of the perturbations τᵖ of crossing times."""
     orders: tuple[str, ...]
     """Systems for which the orders of all methods are fitted."""
 

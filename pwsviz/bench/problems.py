@@ -1,4 +1,4 @@
-"""What integrators are compared on: systems of the catalogue, and others drawn at random."""
+"""Problems on which integrators are compared: systems of the catalogue, and others drawn at random."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ import core
 
 __all__ = ["ENDS", "Problem", "drawn_problems"]
 
-#: End times of some 500 crossings each, where the state is far from the surface.
+#: System -> end time, after some 500 crossings, at which the state is far from the surface.
 ENDS = {"harmonic_oscillator": 1240.0, "elliptic_curve": 473.0, "pendulum": 755.0, "rigid_body": 1989.0}
 
-#: Potentials in x, the coefficient a that is another number on each side, and numbers b and c to be drawn.
+#: Potentials in x; the coefficient a has another value on each side, the numbers b and c are drawn.
 _POTENTIALS = (
     "a*exp(x) + c*exp(-2*x)",
     "a*log(1 + c*x**2)",
@@ -31,6 +31,7 @@ _POTENTIALS = (
     "a*(1 + c*x**2)**0.3 + x**2/8",
     "a*x**2/2",
 )
+#: Kinetic energies in y and x.
 _KINETIC = (
     "y**2/2",
     "sqrt(1 + y**2)",
@@ -38,9 +39,9 @@ _KINETIC = (
     "y**2/2*exp(-b*x)",
     "y**2/(2*cosh(b*x))",
 )
-#: The same for y and −y: orbits close, where others would gain energy or lose it with every turn.
+#: Surfaces, symmetric in y: on others, orbits would gain or lose energy with every turn, and not close.
 _SURFACES = ("x - s", "x - k*y**2 - s", "x + k*x**2 - s")
-#: Ranges of the numbers and of the start.
+#: Ranges of the numbers that are drawn, and of the start.
 _RANGES = {"b": (0.3, 0.8), "c": (0.6, 1.6), "s": (-0.3, 0.3), "k": (-0.2, 0.2), "x": (0.8, 1.6), "y": (-0.3, 0.3)}
 #: Range of the coefficient a.
 _LEVEL = (0.6, 1.6)
@@ -54,9 +55,9 @@ _LATEST = 1e5
 
 @dataclass(frozen=True)
 class Problem:
-    """A system to be integrated from its x0, whose sides differ in the value of one coefficient only.
+    """A system to be integrated from its x0 to a time; its sides differ in the value of one coefficient only.
 
-    Its two values are the parameters called after it, with _minus and _plus.
+    The two values are parameters with the name of the coefficient and the endings _minus and _plus.
     """
 
     name: str
@@ -65,7 +66,7 @@ class Problem:
 
     @cached_property
     def coefficient(self) -> Symbol:
-        """What has another value on each side."""
+        """The coefficient that has another value on each side."""
         (stem,) = (n.removesuffix("_minus") for n in self.system.values if n.endswith("_minus"))
         return Symbol(stem)
 
@@ -76,7 +77,7 @@ class Problem:
 
     @cached_property
     def field(self) -> tuple[Expr, ...]:
-        """Right-hand side (d) in the variables and the coefficient, all other parameters being numbers.
+        """Right-hand side, d expressions in the variables and the coefficient; all other parameters are numbers.
 
         Raises
         ------
@@ -97,20 +98,20 @@ class Problem:
         laws, own = self.system.laws, (f"{self.coefficient}_minus", f"{self.coefficient}_plus")
         values = zip(laws.p, self.system.parameter_array, strict=True)
         numbers = {s: self.coefficient if str(s) in own else sympy.Float(v, 17) for s, v in values}
-        # Doubles, as the compiled code has them: heyoka takes no ratio but of a power of two.
+        # Doubles, as in the compiled code: heyoka accepts no ratio whose denominator is not a power of two.
         ratios = {q: sympy.Float(float(q), 17) for q in expression.atoms(sympy.Rational) if q.q & (q.q - 1)}
         return expression.xreplace(numbers | ratios)
 
 
 def drawn_problems(count: int, seed: int) -> Iterator[Problem]:
-    """Draw problems from families that nobody tunes to: fields with exp, log, roots and quotients.
+    """Draw problems from families to which no method is tuned: fields with exp, log, roots and quotients.
 
     Parameters
     ----------
     count
-        How many. Energies without a crossing are passed over.
+        How many. Those with too few crossings are skipped.
     seed
-        Of NumPy's generator; the same one draws the same problems.
+        Seed of NumPy's generator; the same seed draws the same problems.
     """
     rng = np.random.default_rng(seed)
     found = 0

@@ -1,4 +1,4 @@
-"""What a section of the benchmark has to say."""
+"""The table of a section of the benchmark, and its text."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ __all__ = ["UNKNOWN", "Table", "milliseconds"]
 
 #: A cell without a value.
 UNKNOWN = "-"
+#: Characters to a line of text.
 _WIDTH = 110
 
 
 @dataclass(frozen=True)
 class Table:
-    """Measured figures, and how they were measured."""
+    """Measured numbers, and how they were measured."""
 
     title: str
     about: str
@@ -26,11 +27,11 @@ class Table:
     header: Sequence[str]
     """k names of columns."""
     rows: Sequence[Sequence[str]]
-    """Of k cells each."""
+    """Rows of k cells each."""
 
     @property
     def columns(self) -> dict[str, NDArray[np.str_]]:
-        """Words by the name of their column; empty where there is no value."""
+        """Name of a column -> its cells as text; empty where there is no value."""
         cells = [["" if cell == UNKNOWN else cell for cell in row] for row in self.rows]
         return {name: np.array([row[k] for row in cells]) for k, name in enumerate(self.header)}
 
@@ -59,7 +60,7 @@ def _is_number(cell: str) -> bool:
 
 
 def milliseconds(seconds: float) -> str:
-    """Three digits of a time in ms; `UNKNOWN` for nan."""
+    """A time (s) in ms, with three digits; `UNKNOWN` for nan."""
     value = 1e3 * seconds
     if value != value:
         return UNKNOWN

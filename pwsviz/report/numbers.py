@@ -1,4 +1,4 @@
-"""What was measured, as small tables below each figure."""
+"""The small tables of measured numbers below each figure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Numbers", "run_numbers", "slope_numbers"]
 
 @dataclass(frozen=True)
 class Numbers:
-    """A table of texts, and a sentence about it."""
+    """A table of text cells, and a note about it."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -25,7 +25,7 @@ class Numbers:
 
 
 def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:
-    """Return a row for each run, and why those stopped that did not reach the end time."""
+    """Return a row for each run, and a note with the reasons of those that did not reach the end time."""
     rows = tuple(
         (
             summary.method,

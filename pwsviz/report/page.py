@@ -1,4 +1,4 @@
-"""The report as one page of HTML, with everything it needs inside."""
+"""The report as one self-contained page of HTML."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Bench", "Figure", "page_html"]
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of the paper: its panels, and the file of each."""
+    """A figure of the paper: its panels, the data file of each, and the seconds it took."""
 
     label: str
     panels: tuple[Panel, ...]
@@ -27,7 +27,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Bench:
-    """What the benchmark printed, and its files."""
+    """The text that the benchmark printed, and its files."""
 
     text: str
     files: tuple[str, ...]
@@ -44,22 +44,22 @@ def page_html(
     bench: Bench | None = None,
     missing: str = "",
 ) -> str:
-    """Return the page.
+    """Return the page as HTML.
 
     Parameters
     ----------
     figures : sequence of Figure
-        What was drawn; a figure can be on one page only.
+        The figures to show; a Bokeh figure can be on one page only.
     titles : mapping of label to str
-        What the paper's figures show.
+        Titles of the paper's figures.
     about : sequence of str
         Lines on versions and the machine.
     bench : Bench, optional
-        Where it was run.
+        The benchmark, if it was run.
     missing : str
-        What there was no time for.
+        Sentence on what is missing; empty if nothing is.
     """
-    # Not what Bokeh would put in their place: where Panel is loaded, that links to files of Panel's models.
+    # Bokeh's own choice would link to files of Panel's models where Panel is loaded.
     libraries = Resources(mode="inline", components=["bokeh"]).js_raw
     return file_html(
         [panel.plot for drawn in figures for panel in drawn.panels],
@@ -70,5 +70,5 @@ def page_html(
             "libraries": libraries, "figures": figures, "titles": titles, "about": about, "bench": bench,
             "missing": missing,
         },
-        suppress_callback_warning=True,  # of the page's own callbacks; here nobody answers them
+        suppress_callback_warning=True,  # about callbacks of the explorer, which have no server here
     )  # fmt: skip

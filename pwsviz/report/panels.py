@@ -1,4 +1,4 @@
-"""One panel of a figure: a preset's scene, computed and drawn the way the page does it."""
+"""One panel of a figure: the scene of a preset, computed and drawn as on the page."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ from pwsviz.scene.scene import Scene
 __all__ = ["Panel", "draw_panel"]
 
 PORTRAITS = ("fig:vftypes", "fig:portraits")
-"""Figures of the paper that are phase portraits; the others are what stands beside the portrait on the page."""
+"""Figures of the paper that are phase portraits; the others are views beside the portrait on the page."""
 
 HEIGHT = {"plot": 420, "portrait": 460}
-"""Pixels: on paper there is no window whose height a figure could follow."""
+"""Heights in pixels, fixed since there is no window to fit."""
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A figure, what was measured for it, and what it is drawn from."""
+    """A figure, the numbers measured for it, and its data."""
 
     preset: Preset
     plot: figure
     numbers: Numbers
     table: Table
     link: str
-    """The scene, as the page's address has it after the question mark."""
+    """The scene as the query string of the page's address."""
 
     @property
     def summary(self) -> str:
-        """What the figure shows, in words."""
+        """Description of the figure in words."""
         return str(self.plot.html_attributes["aria-label"])
 
 
@@ -53,7 +53,7 @@ def draw_panel(preset: Preset, results: Results) -> Panel:
     Raises
     ------
     ValueError
-        Where the settings of the preset make no scene.
+        If the settings of the preset are not those of a scene.
     """
     scene = Scene()
     scene.load(preset.settings)
@@ -88,7 +88,7 @@ def _conserved(scene: Scene, results: Results) -> Drawn:
 
 
 def _measured(inputs: Sequence[RunInputs], results: Results) -> tuple[Numbers, Table]:
-    """Return the runs in figures, and as they were recorded; several from one integrator are told apart by number."""
+    """Return the numbers of the runs, and their data; several runs of one method are numbered."""
     names = [one.scheme.method for one in inputs]
     titles = [f"{name}.{names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names)]
     runs = {title: results.run(one) for title, one in zip(titles, inputs, strict=True)}
@@ -109,6 +109,7 @@ def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable
     return draw
 
 
+#: View of a scene -> the function that draws it.
 _DRAW: Mapping[str, Callable[[Scene, Results], Drawn]] = {
     "conserved": _conserved,
     "order": _order("state error", state_rows),
@@ -117,13 +118,13 @@ _DRAW: Mapping[str, Callable[[Scene, Results], Drawn]] = {
 
 
 def _make_static(plot: figure, height: int) -> None:
-    """Make of a figure of the page one of fixed height that is not to be edited.
+    """Give a figure of the page a fixed height, and remove its callbacks.
 
-    What a hand does to a star on the page would ask the server for another trajectory.
+    On the page, moving a start requests another trajectory from the server, and here there is none.
     """
     plot.update(height=height, styles={})
     plot.update(js_property_callbacks={}, js_event_callbacks={}, subscribed_events=set())
 
 
 def _ignore(*_: Any) -> None:
-    """Nobody has a hand on a figure of the report."""
+    """Callback of a figure of the report, which is static."""

@@ -1,4 +1,4 @@
-"""Compute the figures one after another, tell the terminal, and write the files."""
+"""Compute the figures one after another, report progress, and write the files."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from pwsviz.scene.presets import PRESETS, Preset
 
 __all__ = ["FIGURES", "PAGE", "Unwritable", "figures_of_paper", "write_report"]
 
+#: File name of the page.
 PAGE = "report.html"
 
 FIGURES = {
@@ -32,10 +33,10 @@ FIGURES = {
     "fig:elliptic_transition": "Elliptic curve: order across the surface",
     "fig:CQ_elliptic": "Elliptic curve: error of the conserved quantity",
 }
-"""The figures of the paper, by label, in its order."""
+"""Label -> title of the figures of the paper, in its order."""
 
 
-class Unwritable(Exception):  # noqa: N818  (told to a person; the class is named for what is the matter)
+class Unwritable(Exception):  # noqa: N818  (not an error of the program)
     """A file cannot be written; the text says which, and why."""
 
 
@@ -54,26 +55,26 @@ def write_report(
 ) -> None:
     """Write the page, and a CSV for each panel and each table of the benchmark.
 
-    What has been computed is written also where the rest is given up, by Ctrl+C or because it failed; the page then
-    says so.
+    If the work is interrupted by Ctrl+C or fails, what has been computed is written, and the page says what is
+    missing.
 
     Parameters
     ----------
     folder : Path
-        Where to; made where it does not exist. Files of the same name are replaced.
+        Where the files are written; it is created if it does not exist. Files of the same name are replaced.
     say : text file
-        Told about each figure, in one line.
+        Where progress is printed, a line for each figure.
     files : list of Path
-        The files written are added to it, one after another.
+        Extended by each file that is written.
     only : sequence of str
-        Labels of the figures wanted; all of them by default.
+        Labels of the figures to write; all by default.
     bench, quick : bool
-        Whether to run the benchmark too, and whether with figures too small to state.
+        Whether to run the benchmark too, and whether with runs too short for numbers to state.
 
     Raises
     ------
     Unwritable
-        Where the folder, or a file, cannot be written.
+        If the folder, or a file, cannot be written.
     ValueError
         On an unknown label.
     """
@@ -99,7 +100,7 @@ def write_report(
 
 
 def _checked_folder(folder: Path) -> Path:
-    """Make the folder, and try whether a file can be written there: now, not after minutes of work."""
+    """Create the folder, and test that a file can be written there, before minutes of work."""
     probe = folder / ".pwsviz-report"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -119,7 +120,7 @@ def _checked_labels(only: Sequence[str]) -> Mapping[str, tuple[Preset, ...]]:
 
 
 class _Report:
-    """What there is by now, and the files of it."""
+    """The figures and the benchmark computed so far, and their files."""
 
     def __init__(self, folder: Path, say: TextIO, files: list[Path]) -> None:
         self._folder, self._say, self._files = folder, say, files
@@ -149,7 +150,7 @@ class _Report:
         self._bench = Bench(text, ("bench.txt", *files), quick)
 
     def write_page(self, missing: str) -> None:
-        """Write the page about all of it."""
+        """Write the page with all that has been computed."""
         page = page_html(self._figures, FIGURES, _about(), self._bench, missing)
         self._write(PAGE, page.encode())
 
@@ -170,6 +171,6 @@ class _Report:
 def _about() -> list[str]:
     try:
         release = version("pwsviz")
-    except PackageNotFoundError:  # it runs from its source
+    except PackageNotFoundError:  # not installed
         release = "from source"
     return [f"pwsviz {release}, {datetime.now(UTC):%Y-%m-%d}; Bokeh {version('bokeh')}", *machine_lines()]

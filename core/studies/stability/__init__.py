@@ -1,4 +1,4 @@
-"""Stability: how large a step may be, what comes of which start, what drifts, and what happens beside a tangency."""
+"""Stability: the largest step size, outcomes over starts and step sizes, drift of ψ, and runs near a tangency."""
 
 from core.studies.stability.drift import Drift
 from core.studies.stability.grazing import Grazing

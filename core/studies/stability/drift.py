@@ -1,4 +1,4 @@
-"""What a long run makes of ψ."""
+"""The drift of ψ in a long run."""
 
 from __future__ import annotations
 
@@ -23,40 +23,45 @@ __all__ = ["Drift", "count", "run"]
 
 Item = TypeVar("Item")
 
-_FIRST, _LONGEST = 100, 100_000  #: steps of the first piece of a run, and of the longest: some tenths of a second
-_COLUMNS = 24  #: parts of each piece in which the largest error is kept
-_ADAPTIVE = 4  #: a method that chooses its steps may take so many times as many
+#: Number of steps of the first piece of a run, which shows a result at once.
+_FIRST = 100
+#: Number of steps of the longest piece: some tenths of a second.
+_LONGEST = 100_000
+#: Number of equal parts of a piece, of each of which the largest error is kept.
+_COLUMNS = 24
+#: Most steps of a variable-step method, in units of those of size τ.
+_ADAPTIVE = 4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Drift(Brief):
-    """|Δψ| against time: what an integrator has made of ψ, added up over the visits to both sides.
+    """|Δψ| against time: the change of ψ by the integrator, summed over the segments of a run.
 
-    It is worked out in double-double at the ends of steps and at the crossings, where rounding the states to double is
-    good for about eps times the size of ψ each.
+    It is computed in double-double at the ends of steps and at crossings; rounding each state to double contributes
+    about eps times the size of ψ.
     """
 
     tau: float
-    """Step size; of a method that chooses its own, the longest it may take."""
+    """Step size; of a variable-step method, the largest allowed."""
     steps: int
-    """How many steps of size τ the whole time is."""
+    """Length of the run in steps of size τ."""
     t: Floats
-    """(n,) ends of the parts of the time, since the start."""
+    """(n,) ends of the parts of the time, measured from the start."""
     error: Floats
     """(methods, n) largest |Δψ| in each part; nan where not computed, or beyond the end of a run."""
     status: tuple[Status, ...]
-    """(methods,) how the run ended; RUNNING where not there yet."""
+    """(methods,) how the run ended; RUNNING where it has not yet."""
     message: tuple[str, ...]
     """(methods,) where and why it stopped; empty where it did not."""
     crossings: tuple[int, ...]
-    """(methods,)."""
+    """(methods,) number of crossings."""
     seconds: Floats
-    """(methods,) processor time in the loop."""
+    """(methods,) processor time (s) in the loop."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """Where a run is after a piece of it, and the errors in that piece."""
+    """State of a run after a piece of it, and the errors in that piece."""
 
     x: tuple[float, ...]
     offset: Floats
@@ -74,7 +79,7 @@ def count(plan: Plan) -> int:
 
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Drift]:
-    """Yield what is known after each piece of each run: the first pieces of all, then the second ones, and so on."""
+    """Yield the results so far after each piece of each run: first pieces first, then second ones, and so on."""
     n, edges = len(plan.methods), _edges(plan.steps)
     parts = np.arange(1, _COLUMNS + 1) / _COLUMNS
     t = np.concatenate([a + (b - a) * parts for a, b in pairwise(edges)]) * plan.tau
@@ -95,13 +100,13 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
 
 
 def _edges(steps: int) -> list[int]:
-    """Numbers of steps at which a run is cut into pieces: tenfold up to the longest, then evenly."""
+    """Numbers of steps at which a run is cut into pieces: each tenfold the last up to the longest, then equal ones."""
     decades = [edge for edge in (0, _FIRST, 1_000, 10_000) if edge < steps]
     return [*decades, *range(_LONGEST, steps, _LONGEST), steps]
 
 
 def _joined(drift: Drift, k: int, number: int, piece: _Piece, last: bool) -> Drift:
-    """Return the drift with one piece of run k more."""
+    """Return the drift with piece `number` of run k added."""
     error, seconds = drift.error.copy(), drift.seconds.copy()
     error[k, number * _COLUMNS : (number + 1) * _COLUMNS] = piece.error
     seconds[k] += piece.seconds
@@ -125,7 +130,7 @@ def _piece(
     system: PiecewiseSystem, method: str, span: tuple[float, float], x0: tuple[float, ...], tau: float, steps: int,
     offset: Floats,
 ) -> _Piece:  # fmt: skip
-    """Run one piece, from a state at which ψ is off by `offset` (m,) already."""
+    """Run one piece, from a state at which ψ has changed by `offset` (m,) already."""
     most = _ADAPTIVE * steps + _FIRST if METHODS[method].adaptive else steps + _FIRST
     part = integrate(system, span, x0, tau, method, max_steps=most, max_crossings=most)
     x, change = tuple(map(float, part.x[-1])), offset + part.accumulated_error()
@@ -135,7 +140,7 @@ def _piece(
 
 
 def _column_errors(t: Floats, span: tuple[float, float], change: Floats) -> Floats:
-    """Largest |Δψ| in each part of the time (columns,), the start apart; nan where no step ends."""
+    """Largest |Δψ| in each part of the time, (columns,), without the start; nan where no step ends."""
     errors = np.full(_COLUMNS, np.nan)
     edges = np.searchsorted(t, np.linspace(*span, _COLUMNS + 1), side="right")
     for c, (first, last) in enumerate(pairwise(edges)):

@@ -1,4 +1,4 @@
-"""Beside a tangency: crossings that a method misses, and what it makes of ψ."""
+"""Runs near a tangency: the crossings that a method misses, and its error of ψ."""
 
 from __future__ import annotations
 
@@ -22,39 +22,41 @@ from core.system import PiecewiseSystem
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
 
 UNKNOWN = -1
-"""Instead of a number of crossings: not computed, or not known."""
+"""In place of a number of crossings that is not computed, or not known."""
 
+#: Distances of the starts from the tangency, relative to the size of the coordinate.
 _DELTAS = 10.0 ** -np.arange(1.0, 15.0)
-_HORIZONS = np.array([1.0, 0.8, 1.2, 0.6, 1.4])  # of the time from the touch to the horizon
+#: End times tried, in units of the time from touch to horizon; the one farthest from a crossing is taken.
+_HORIZONS = np.array([1.0, 0.8, 1.2, 0.6, 1.4])
 Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Grazing(Brief):
-    """Runs that start beside the value at which the trajectory touches the surface without crossing it.
+    """Runs from starts near that from which the trajectory touches the surface without crossing it.
 
-    Both sides of that value: on one of them the trajectory dips through the surface, and crosses it twice within a
-    short time; on the other it turns just before.
+    The starts lie on both sides of it: on one, the trajectory crosses the surface twice within a short time; on the
+    other, it turns just before the surface.
     """
 
     searched: bool
-    """Whether a tangency was looked for; only then the rest means anything."""
+    """Whether a tangency was sought; otherwise the rest has no meaning."""
     value: float
-    """Of the coordinate at the tangency; nan where there is none between the values looked at."""
+    """Value of the coordinate of x₀ at the tangency; nan if none lies between the values tried."""
     time: float
-    """When it touches."""
+    """Time at which the surface is touched."""
     state: Floats
-    """(d,) where."""
+    """(d,) state there."""
     tau: float
-    """Step size; of a method that chooses its own, the longest it may take."""
+    """Step size; of a variable-step method, the largest allowed."""
     delta: Floats
     """(n,) distances from `value`: 0.1 … 1e-14 times the size of the coordinate."""
     starts: Floats
-    """(2, n) values started from: less, and more, by delta."""
+    """(2, n) values of the coordinate at the starts: `value` − `delta`, and `value` + `delta`."""
     horizon: Floats
-    """(2, n) until when each was run: past the touch, away from other crossings."""
+    """(2, n) end time of each run: after the touch, away from other crossings."""
     expected: Integers
-    """(2, n) crossings of the solution until then; −1 where not computed, or where it stops before: it slides, say."""
+    """(2, n) crossings of the solution until then; −1 where not computed, or where it ends before (it slides, say)."""
     crossings: Integers
     """(methods, 2, n) crossings of the run; −1 where not computed."""
     error: Floats
@@ -69,19 +71,19 @@ class Grazing(Brief):
 
     @property
     def missed(self) -> Integers:
-        """(methods, 2, n) crossings that a run has too few (too many: negative); 0 where either is not known."""
+        """(methods, 2, n) crossings missed by a run (negative: too many); 0 where either number is unknown."""
         known = (self.crossings != UNKNOWN) & (self.expected != UNKNOWN)
         return np.where(known, self.expected - self.crossings, 0)
 
 
 def count(plan: Plan) -> int:
-    """Number of tasks: the search, and a start each."""
+    """Number of tasks: one for the search, and one for each start."""
     del plan
     return 1 + 2 * len(_DELTAS)
 
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Grazing]:
-    """Yield what is known after the search for a tangency, and after each start beside it."""
+    """Yield the results so far after the search for a tangency, and after each start near it."""
     tangency = find_tangency(plan, cancel)
     if cancel is not None and cancel():
         return
@@ -127,7 +129,7 @@ def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
 def _runs_from(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, horizons: Floats, methods: tuple[str, ...], tau: float
 ) -> tuple[float, int, list[tuple[int, float, int]]]:
-    """Until when a start was run, how many crossings it has till then, and (crossings, error, status) per method."""
+    """End time of the runs from a start, the solution's crossings, and (crossings, error, status) per method."""
     times, solution = exact_times(system, x0, t0, float(horizons.max()))
     clear = [float(np.abs(times - t).min(initial=np.inf)) for t in horizons]
     horizon = float(horizons[int(np.argmax(clear))])
@@ -140,7 +142,7 @@ def _runs_from(
 
 
 def _reaches(solution: Solution | None, t: float) -> bool:
-    """Whether a solution goes on to time t."""
+    """Whether a solution extends to time t."""
     if solution is None:
         return False
     try:

@@ -1,4 +1,4 @@
-"""The largest step size with which a method does what the solution does."""
+"""The largest step size with which a run agrees with the solution in ending and number of crossings."""
 
 from __future__ import annotations
 
@@ -21,33 +21,36 @@ from core.system import PiecewiseSystem
 
 __all__ = ["LargestTau", "count", "run"]
 
-_KEPT = 1e-10  #: of the size of ψ: what a conservative method may make of it and still be said to keep it
-_BRACKET = 1.01  #: the limit is known to lie within this factor
+#: Largest |Δψ|, relative to the size of ψ, with which a conservative method counts as conserving it.
+_KEPT = 1e-10
+#: Ratio of a step size that fails to one that works at which bisection ends.
+_BRACKET = 1.01
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LargestTau(Brief):
-    """The largest step size that works, per method: it and every smaller one tried.
+    """The largest step size that works, per method; all smaller ones that were tried work, too.
 
-    A step size works if the run ends as the solution does, with as many crossings, and a conservative method keeps ψ.
+    A step size works if the run ends as the solution does, with as many crossings, and a conservative method conserves
+    ψ.
     """
 
     taus: Floats
-    """(m,) ladder of step sizes tried first; between the last that works and the first that does not, bisection."""
+    """(m,) step sizes tried first; bisection follows between the last that works and the first that fails."""
     tau: Floats
     """(methods,) the largest that works; nan where none does, or where not computed yet."""
     beyond: Floats
-    """(methods,) the smallest that does not, at most one hundredth larger; nan where all work."""
+    """(methods,) the smallest that fails, at most 1 % larger; nan where all work."""
     reason: tuple[str, ...]
-    """(methods,) what goes wrong there, in words; empty where all work."""
+    """(methods,) why that one fails, in words; empty where all work."""
     done: NDArray[np.bool_]
     """(methods,) whether computed."""
     expected: Status
     """How the solution itself ends."""
     expected_crossings: int
-    """How many crossings it has up to `horizon`."""
+    """Number of its crossings up to `horizon`."""
     horizon: float
-    """When they are counted."""
+    """Time up to which they are counted."""
 
 
 def count(plan: Plan) -> int:
@@ -56,7 +59,7 @@ def count(plan: Plan) -> int:
 
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[LargestTau]:
-    """Yield what is known after each method."""
+    """Yield the results so far after each method."""
     expected = expected_of(plan.system, plan.x0, plan.t_span)
     n = len(plan.methods)
     found = LargestTau(
@@ -79,7 +82,7 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
 def _largest(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, taus: Floats
 ) -> tuple[float, float, str]:
-    """The largest step size that works, the smallest that does not, and why it does not."""
+    """The largest step size that works, the smallest that fails, and why."""
 
     def trouble(tau: float) -> str:
         verdict = judge(system, x0, t0, expected, method, tau, MAX_STEPS)

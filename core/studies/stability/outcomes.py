@@ -1,4 +1,4 @@
-"""What comes of a run, over step sizes and one coordinate of the start."""
+"""Outcomes of runs over step sizes and one coordinate of the start."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ class OutcomeMap(Brief):
     """Outcome and error of runs over (τ, one coordinate of x₀)."""
 
     taus: Floats
-    """(m,) step sizes, increasing; of a method that chooses its own, the longest it may take."""
+    """(m,) step sizes, increasing; of a variable-step method, the largest allowed."""
     values: Floats
-    """(n,) of the coordinate, increasing."""
+    """(n,) values of the coordinate, increasing."""
     outcome: Integers
     """(methods, m, n) values of `Status`, or WRONG_CROSSINGS, WENT_ON, NO_START, or NOT_YET; see `outcome_words`."""
     error: Floats
     """(methods, m, n) largest |Δψ|; nan where no ψ is known or has a value."""
     crossings: Integers
-    """(methods, m, n) how many the run has."""
+    """(methods, m, n) crossings of the run."""
     expected: Integers
-    """(n,) how the solution from there ends: a value of `Status`, or NO_START, or NOT_YET."""
+    """(n,) how the solution from that start ends: a value of `Status`, or NO_START, or NOT_YET."""
     expected_crossings: Integers
-    """(n,) how many it has up to when they are counted."""
+    """(n,) crossings of the solution, up to the time until which they are counted."""
 
     @property
     def works(self) -> NDArray[np.bool_]:
@@ -53,7 +53,7 @@ def count(plan: Plan) -> int:
 
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[OutcomeMap]:
-    """Yield what is known after each column of the map."""
+    """Yield the results so far after each column of the map."""
     n, shape = len(plan.values), (len(plan.methods), len(plan.taus), len(plan.values))
     found = OutcomeMap(
         plan.taus, plan.values, np.zeros(shape, dtype=np.int64), np.full(shape, np.nan),
@@ -79,7 +79,7 @@ def _column(
     """How the solution from one start ends, its crossings, and a verdict for each step size."""
     try:
         expected = expected_of(system, x0, t_span)
-    except ValueError as why:  # nothing is defined there
+    except ValueError as why:  # f or g is undefined there
         return NO_START, 0, [Verdict(NO_START, 0, np.nan, str(why))] * len(taus)
     verdicts = [judge(system, x0, t_span[0], expected, method, float(tau), MAX_STEPS) for tau in taus]
     return int(expected.status), expected.crossings, verdicts

@@ -1,4 +1,4 @@
-"""What a stability study is asked for, checked."""
+"""The checked arguments of a stability study."""
 
 from __future__ import annotations
 
@@ -18,35 +18,48 @@ from core.system import PiecewiseSystem, Start
 __all__ = ["MAX_STEPS", "Plan", "checked_plan"]
 
 MAX_STEPS = 50_000
-"""Steps of one run at the most, the long one apart."""
+"""Most steps of one run, other than the long one."""
 
+#: Default start and end time.
 _T_SPAN = (0.0, 20.0)
-_TAUS, _FINEST, _COARSEST = 25, 20_000.0, 10.0  # of the step sizes: how many, and in how many steps to the end
-_DEFAULT_STEPS = 1_000.0  # the same, of the step size of the long run and of the runs beside a tangency
+#: Default number of step sizes.
+_TAUS = 25
+#: Number of steps to the end time with the finest default step size.
+_FINEST = 20_000.0
+#: Number of steps to the end time with the coarsest default step size.
+_COARSEST = 10.0
+#: Number of steps to the end time with the default step size of the long run and of the runs near a tangency.
+_DEFAULT_STEPS = 1_000.0
+#: Default number of values of the coordinate.
 _VALUES = 25
-_MOST = 400  # step sizes, or values
+#: Most step sizes, and most values.
+_MOST = 400
+#: Most steps of the long run.
 _MOST_STEPS = 10**9
-#: What is seen of an orbit: as far as this many times the median of the distances from its start, and a margin.
-_FAR, _MARGIN = 4.0, 0.2
+#: Largest distance of a default value from the start, in units of the median distance along the trajectory.
+_FAR = 4.0
+#: Margin around the default values, as part of their range.
+_MARGIN = 0.2
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A study's arguments, each with a value that makes sense."""
+    """The arguments of a study, checked and with defaults filled in."""
 
     system: PiecewiseSystem
     t_span: tuple[float, float]
     x0: tuple[float, ...]
     methods: tuple[str, ...]
     taus: Floats
-    """(m,) increasing."""
+    """(m,) step sizes, increasing."""
     coordinate: int
+    """Index of the coordinate of x₀ that is varied."""
     values: Floats
-    """(n,) increasing, of that coordinate of x₀."""
+    """(n,) values of that coordinate, increasing."""
     tau: float
-    """Step size of the long run and beside a tangency."""
+    """Step size of the long run and of the runs near a tangency."""
     steps: int
-    """Of the long run."""
+    """Number of steps of the long run."""
 
 
 def checked_plan(
@@ -54,7 +67,7 @@ def checked_plan(
     methods: Sequence[str | Method] | str | Method, taus: Iterable[float] | None, coordinate: int | str,
     values: Iterable[float] | None, tau: float | None, steps: int,
 ) -> Plan:  # fmt: skip
-    """Return the plan of a study, if its arguments make sense, else raise ValueError."""
+    """Return the plan of a study; ValueError if an argument makes no sense."""
     span = _span(_T_SPAN if t_span is None else t_span)
     start = checked_start(system, span[0], x0)
     names, length = _methods(system, methods), span[1] - span[0]
@@ -87,7 +100,7 @@ def _methods(system: PiecewiseSystem, methods: Sequence[str | Method] | str | Me
 
 
 def _increasing(given: Iterable[float], what: str) -> Floats:
-    """Return several different finite numbers in order, else raise ValueError."""
+    """Return the numbers in increasing order, without repetition; ValueError unless 2 to 400 finite ones remain."""
     numbers = np.unique(
         np.array([number(value, what) for value in listed(given, what, "numbers are needed, as in (0.1, 0.2)")])
     )
@@ -109,7 +122,7 @@ def _coordinate(system: PiecewiseSystem, coordinate: int | str) -> int:
 def _default_values(
     system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], coordinate: int
 ) -> Floats:
-    """Values about as far as the trajectory from x₀ goes, and a little farther: what a portrait of it shows."""
+    """Default values: the range of the coordinate along the trajectory from x₀, and a margin, as in its portrait."""
     seen = reference_run(system, x0, t_span, record="steps").x[:, coordinate]
     away = np.abs(seen - x0[coordinate])
     seen = seen[away <= _FAR * max(float(np.median(away)), float(away.max()) / 1e6)]

@@ -1,4 +1,4 @@
-"""stability_study(): check once, work out the parts asked for, tell what is known after each task."""
+"""stability_study(): check the arguments, compute the parts asked for, report progress after each task."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ PARTS = ("largest_tau", "map", "drift", "grazing")
 
 
 class _Part(Protocol):
-    """What a part of the study is made of."""
+    """The module of a part of the study."""
 
     def count(self, plan: Plan) -> int:
         """Number of tasks."""
 
     def run(self, plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Any]:
-        """What is known after each task."""
+        """Yield the results so far after each task."""
 
 
 _PARTS: dict[str, _Part] = {"largest_tau": largest, "map": outcomes, "drift": drift, "grazing": grazing}
@@ -40,25 +40,25 @@ _PARTS: dict[str, _Part] = {"largest_tau": largest, "map": outcomes, "drift": dr
 
 @dataclass(frozen=True, eq=False)
 class StabilityStudy:
-    """What goes well and what does not; a part is None where it was not asked for, or not reached."""
+    """The parts of a stability study; a part is None if it was not asked for, or not reached."""
 
     system: str
-    """Its name."""
+    """Name of the system."""
     methods: tuple[str, ...]
     t_span: tuple[float, float]
     x0: tuple[float, ...]
     coordinate: int
+    """Index of the coordinate of x₀ that is varied."""
     coordinate_name: str
-    """Of the coordinate of x₀ that is varied."""
+    """Its name."""
     reference: str
-    """What says how many crossings a solution has and how it ends, the runs beside a tangency apart, where
-    `reference_solution` does."""
+    """The reference for endings and numbers of crossings; for runs near a tangency it is `reference_solution`."""
     largest_tau: LargestTau | None = None
     map: OutcomeMap | None = None
     drift: Drift | None = None
     grazing: Grazing | None = None
     complete: bool = False
-    """Whether all that was asked for is there."""
+    """Whether all parts asked for are complete."""
 
     def __repr__(self) -> str:
         parts = ", ".join(part for part in PARTS if getattr(self, part) is not None) or "nothing yet"
@@ -96,28 +96,28 @@ def stability_study(
     methods
         Keys of METHODS, or its values.
     taus
-        2 to 400 step sizes, for the largest τ and the map; 25 from 1/20,000 to a tenth of the time where not given. A
+        2 to 400 step sizes, for the largest τ and the map; 25 from 1/20,000 to 1/10 of the time span where not given. A
         run of more than 50,000 steps ends with STEP_LIMIT.
     coordinate
         Index or name of the coordinate of x₀ that is varied.
     values
-        2 to 400 values of it; 25 about as far as the trajectory goes, and a fifth farther, where not given.
+        2 to 400 values of it; where not given, 25 over the range of the trajectory and a fifth of it beyond each end.
     parts
-        Which to work out:
+        The parts to compute:
         "largest_tau", the largest step size that works (`LargestTau`);
-        "map", what comes of runs over (τ, value) (`OutcomeMap`);
-        "drift", ψ in a long run (`Drift`);
-        "grazing", runs beside a tangency (`Grazing`).
+        "map", outcomes of runs over (τ, value) (`OutcomeMap`);
+        "drift", the error of ψ in a long run (`Drift`);
+        "grazing", runs near a tangency (`Grazing`).
     tau
-        Step size of the long run and of the runs beside a tangency; a thousandth of the time where not given.
+        Step size of the long run and of the runs near a tangency; 1/1000 of the time span where not given.
     steps
-        Of the long run, with all methods to the same time tau · steps.
+        Number of steps of the long run; all methods run to the same time, tau · steps.
     executor
-        Where tasks run; own threads where not given. See `as_completed`.
+        Where tasks run; threads of its own where not given. See `as_completed`.
     progress
-        Called with (tasks done, tasks in all, the study so far) after each task, in the caller's thread.
+        Called as ``progress(done, total, partial)`` after each task, in the caller's thread.
     cancel
-        Asked twenty times a second; once it returns True, the study so far is returned.
+        Called twenty times a second; once it returns True, the study so far is returned.
 
     Raises
     ------

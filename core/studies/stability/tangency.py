@@ -19,36 +19,47 @@ from core.system import PiecewiseSystem
 
 __all__ = ["Tangency", "exact_times", "find_tangency"]
 
+#: Spacing of doubles at 1: relative width of the bracket at which bisection ends.
 _EPS = 2.0**-52
-_BESIDE = 1e-9  #: of the size of the coordinate: where both sides of a tangency are looked at
-_FLAT = 1e-3  #: of the largest |ġ| on the trajectory: below it, the surface is met (nearly) tangentially; so of |f|
-_OFF = 1e-5  #: of the largest |g| on the trajectory: what a start off the surface has at least
-_CHANGES = 6  #: between two values, looked at
-_APART = 1e-3  #: of the time: crossings farther apart than this are not the same one
-_NARROW, _WIDE = 1e-13, 1e-9  #: of the size of the coordinate: where the exact solution is asked
+#: Distance from a tangency at which trajectories on both sides are compared, relative to the size of the coordinate.
+_NEARBY = 1e-9
+#: |ġ|, relative to its largest value on the trajectory, below which the surface is met (nearly) tangentially; likewise
+#: |f| below which the state is near an equilibrium.
+_FLAT = 1e-3
+#: Least |g| of a start off the surface, relative to the largest on the trajectory.
+_OFF = 1e-5
+#: Most changes between two neighbouring values that are tested for a tangency.
+_CHANGES = 6
+#: Difference in time, relative to the time span, above which two crossings are different ones.
+_APART = 1e-3
+#: Half-width of the first bracket for the exact solution around a tangency, relative to the size of the coordinate.
+_NARROW = 1e-13
+#: Half-width beyond which no bracket is tried.
+_WIDE = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tangency(Brief):
-    """Where and when a trajectory touches the surface."""
+    """A start, and the time and state at which its trajectory touches the surface."""
 
     value: float
-    """Of the coordinate of x₀."""
+    """Value of the coordinate of x₀."""
     time: float
+    """Time of the touch."""
     state: Floats
-    """(d,) on the surface."""
+    """(d,) state on the surface."""
     horizon: float
     """Halfway between the touch and the crossing that follows, on either side, or the end of the trajectory."""
     size: float
-    """Of the coordinate: its value, or half the range looked at where that is larger."""
+    """Size of the coordinate: its value, or half the range of the values tried if that is larger."""
 
 
 def find_tangency(plan: Plan, cancel: Cancel | None) -> Tangency | None:
-    """Return the tangency nearest to the start among those between the values of a plan, None if there is none.
+    """Return the tangency nearest to the start among those between the values of a plan, or None.
 
-    On one side of it the trajectory has crossings that it has not on the other. Where neighbouring values differ in
-    that, bisection finds the value at which it changes. It is a tangency if it meets the surface nearly tangentially
-    there; it is none where the start itself, or the end of the time, comes to lie on the surface, or an equilibrium.
+    A tangency separates trajectories that differ in their crossings. Where those of neighbouring values differ,
+    bisection finds the value at which they change. This is a tangency if the trajectory meets the surface nearly
+    tangentially there, and not if its start or its end, or an equilibrium, lies on the surface.
     """
     runs = []
     for value in plan.values:
@@ -67,14 +78,14 @@ def find_tangency(plan: Plan, cancel: Cancel | None) -> Tangency | None:
 
 
 def _in_gap(plan: Plan, low: float, high: float, cancel: Cancel | None) -> Tangency | None:
-    """Return the first tangency among the first few changes between two values."""
+    """Return the first tangency among the first few changes between two values, or None."""
     at_high = _run(plan, high)
     for _ in range(_CHANGES):
         at_low = _run(plan, low)
         if not _differ(at_low, at_high):
             return None
-        before, after = _bisect(plan, low, high, at_low, _BESIDE, cancel)
-        if _tangency(plan, (before + after) / 2) is not None:  # a rough place tells whether it is one at all
+        before, after = _bisect(plan, low, high, at_low, _NEARBY, cancel)
+        if _tangency(plan, (before + after) / 2) is not None:  # tested before the bracket is narrowed further
             before, after = _bisect(plan, before, after, at_low, _EPS, cancel)
             return _tangency(plan, (before + after) / 2)
         low = after
@@ -82,10 +93,10 @@ def _in_gap(plan: Plan, low: float, high: float, cancel: Cancel | None) -> Tange
 
 
 def _run(plan: Plan, value: float) -> Trajectory | None:
-    """Return the reference from a value of the coordinate; None where it cannot start, or gives up."""
+    """Return the reference run from a value of the coordinate; None where it cannot start, or does not finish."""
     try:
         run = reference_run(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span)
-    except ValueError:  # nothing is defined there
+    except ValueError:  # f or g is undefined there
         return None
     return run if run.status in ENDINGS else None
 
@@ -98,7 +109,7 @@ def _differ(a: Trajectory | None, b: Trajectory | None) -> bool:
 def _bisect(
     plan: Plan, low: float, high: float, at_low: Trajectory | None, precision: float, cancel: Cancel | None
 ) -> tuple[float, float]:
-    """Narrow the bracket of the value at which what the trajectory does changes."""
+    """Narrow the bracket of the value at which crossings or ending of the trajectory change."""
     while high - low > precision * _size(plan, low) and not (cancel is not None and cancel()):
         middle = low + (high - low) / 2
         if _differ(_run(plan, middle), at_low):
@@ -109,14 +120,14 @@ def _bisect(
 
 
 def _size(plan: Plan, value: float) -> float:
-    """Return the size of the coordinate: the value, or half the range looked at where that is larger."""
+    """Return the size of the coordinate: the value, or half the range of the values tried if that is larger."""
     return max(abs(value), float(np.ptp(plan.values)) / 2)
 
 
 def _tangency(plan: Plan, value: float) -> Tangency | None:
-    """The tangency at a value, if what changes there is one."""
+    """The tangency at a value, or None if the change there is of another kind."""
     size = _size(plan, value)
-    below, above = (_run(plan, value + side * _BESIDE * size) for side in (-1, 1))
+    below, above = (_run(plan, value + side * _NEARBY * size) for side in (-1, 1))
     if below is None or above is None:
         return None
     more, less = (above, below) if len(above.crossings) >= len(below.crossings) else (below, above)
@@ -125,11 +136,13 @@ def _tangency(plan: Plan, value: float) -> Tangency | None:
     t = np.append(more.crossings.t[k:], more.t[-1])
     if len(t) < 2 or not _is_touch(plan, more, k):
         return None
-    # Through the surface and back again at once; or in, if the other side's field leads on, or into sliding.
+    # Two crossings shortly after each other; or one, if the other field leads away, or the state slides.
     dip = slice(k, k + 2) if len(t) > 2 and t[1] - t[0] < apart else slice(k, k + 1)
     time, state = float(more.crossings.t[dip].mean()), more.crossings.x[dip].mean(axis=0)
     ends = [float(np.append(run.crossings.t, run.t[-1])[n]) for run, n in ((less, k), (more, dip.stop))]
-    following = min((t for t in ends if t > time + apart), default=plan.t_span[1])  # one that slides ends right there
+    following = min(
+        (t for t in ends if t > time + apart), default=plan.t_span[1]
+    )  # a trajectory that slides ends at the touch
     return Tangency(value, time, state, (time + following) / 2, size)
 
 
@@ -156,7 +169,7 @@ def _is_touch(plan: Plan, run: Trajectory, k: int) -> bool:
 
 
 def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
-    """Return the tangency of the exact solution, where there is one: the integrator's is off by its round-off."""
+    """Return the tangency of the exact solution, where known: that of the integrator has its round-off."""
 
     def crossings(value: float) -> int:
         return len(exact_times(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0], horizon)[0])
@@ -181,20 +194,20 @@ def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
 def _is_exact(plan: Plan, value: float) -> bool:
     try:
         return reference_solution(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0]).exact
-    except ValueError:  # it touches the surface at the start
+    except ValueError:  # the start is on the surface
         return False
 
 
 def exact_times(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, until: float
 ) -> tuple[NDArray[np.float64], Solution | None]:
-    """Times of the crossings of the reference solution up to `until`, or up to where it stops; and the solution."""
+    """Times of the crossings of the reference solution up to `until`, or to its end, and the solution."""
     times: list[float] = []
     solution = None
     try:
         solution = reference_solution(system, x0, t0)
         while not times or times[-1] <= until:
             times.append(solution.crossing(len(times) + 1)[0])
-    except ValueError:  # it has no more of them, or no start
+    except ValueError:  # no further crossing, or no start
         return np.array(times), solution
     return np.array(times[:-1]), solution

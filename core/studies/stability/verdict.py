@@ -1,4 +1,4 @@
-"""What comes of a run, judged by what the solution does."""
+"""The outcome of a run, judged by the solution."""
 
 from __future__ import annotations
 
@@ -27,16 +27,27 @@ __all__ = [
     "worst_error",
 ]
 
+#: Tolerance of the reference.
 _TOLERANCE = 1e-15
 REFERENCE = f"Taylor method at tolerance {_TOLERANCE:g}"
-"""What tells how many crossings a solution has and how it ends: of one accuracy for every system, in a fifth of a
-millisecond. Tests hold its crossings against the exact solutions."""
+"""The reference for the number of crossings and the ending of a solution: equally accurate for every system, and a run
+takes a fifth of a millisecond. Tests compare its crossings with exact solutions."""
 
+#: Most steps of the reference.
 _REFERENCE_STEPS = 20_000
-_BEYOND, _CLEAR = 0.25, 0.25  #: of the time, how far the reference looks on; of the gap between two crossings
+#: Part of the time span by which the reference goes beyond its end, to find the next crossing.
+_BEYOND = 0.25
+#: Least distance of the horizon from a crossing, as part of the gap between crossings.
+_CLEAR = 0.25
 
-#: Outcomes are the values of `Status`, and these.
-NOT_YET, WRONG_CROSSINGS, WENT_ON, NO_START = 0, 101, 102, 103
+#: Outcome of a run that is not computed yet. Other outcomes are the values of `Status`, and the following.
+NOT_YET = 0
+#: Outcome: the run ends as the solution does, with another number of crossings.
+WRONG_CROSSINGS = 101
+#: Outcome: the run reaches the end time, the solution does not.
+WENT_ON = 102
+#: Outcome: the solution cannot start there, as where f or g is undefined.
+NO_START = 103
 _OTHER_WORDS = {
     NOT_YET: "not computed yet",
     WRONG_CROSSINGS: "wrong number of crossings",
@@ -45,10 +56,10 @@ _OTHER_WORDS = {
 }
 
 ENDINGS = (Status.COMPLETED, Status.SLIDING, Status.REPELLING, Status.GRAZING, Status.ESCAPED, Status.ZENO)
-"""How a solution may end; any other ending of the reference says nothing about the solution."""
+"""Endings of a solution; any other status of the reference is its own failure."""
 
-#: Endings up to which crossings are counted. Where infinitely many accumulate (Zeno), or where the trajectory touches
-#: the surface, round-off decides the number of the last ones.
+#: Endings with which crossings are compared. Where they accumulate (Zeno), or the trajectory touches the surface,
+#: round-off decides the number of the last ones.
 _COUNTED = (Status.COMPLETED, Status.SLIDING, Status.REPELLING, Status.ESCAPED)
 
 
@@ -59,26 +70,27 @@ def outcome_words(code: int) -> str:
 
 @dataclass(frozen=True)
 class Expected:
-    """What the solution does from one start."""
+    """Ending and number of crossings of the solution from one start."""
 
     status: Status
-    """How it ends: COMPLETED if it goes on to the end time."""
+    """How it ends: COMPLETED if it reaches the end time."""
     crossings: int
-    """How many it has up to `horizon`."""
+    """Number of its crossings up to `horizon`."""
     horizon: float
-    """Until when to run: about the end time, where a small error of time does not change how many there are."""
+    """End time of runs: about that of the study, but far enough from crossings that small errors do not count."""
     size: float
     """`Trajectory.psi_size` of the solution."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of one run."""
+    """Outcome of one run."""
 
     outcome: int
+    """A value of `Status`, or one of the outcomes above."""
     crossings: int
     error: float
-    """Worst |Δψ|, see `worst_error`."""
+    """Largest |Δψ|, see `worst_error`."""
     message: str
 
 
@@ -90,14 +102,14 @@ def start_at(x0: tuple[float, ...], coordinate: int, value: float) -> tuple[floa
 def reference_run(
     system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], record: str = "crossings"
 ) -> Trajectory:
-    """Run the reference; ValueError where one cannot start."""
+    """Run the reference; ValueError where it cannot start."""
     return integrate(
         system, t_span, x0, method="taylor", tolerance=_TOLERANCE, record=record, max_steps=_REFERENCE_STEPS
     )
 
 
 def expected_of(system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float]) -> Expected:
-    """Return what to expect of a run from x0; ValueError where one cannot start."""
+    """Return what to expect of a run from x0; ValueError where it cannot start."""
     t0, t1 = t_span
     beyond = t1 + _BEYOND * (t1 - t0)
     run = reference_run(system, x0, (t0, beyond))
@@ -116,7 +128,7 @@ def judge(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, tau: float,
     max_steps: int,
 ) -> Verdict:  # fmt: skip
-    """Run a method and say whether it does what the solution does."""
+    """Run a method, and compare ending and number of crossings with the solution."""
     run = integrate(system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps)
     outcome, passed = int(run.status), len(run.crossings.passed)
     if run.status is not expected.status:
@@ -137,8 +149,8 @@ def _message(status: Status, outcome: int, passed: int, expected: Expected) -> s
 def worst_error(run: Trajectory) -> float:
     """Largest |Δψ| of a run that has recorded its steps, see `Trajectory.change_of_psi`.
 
-    nan where no ψ is known, where it has no value, and of a run that has run away: its ψ would be a difference of huge
-    numbers.
+    nan where no ψ is known, where it is undefined, and for a run that has escaped or become unstable: its Δψ would be a
+    difference of huge numbers.
     """
     gone = run.status in (Status.ESCAPED, Status.UNSTABLE)
     return np.nan if gone else float(np.fmax.reduce(run.change_of_psi()))

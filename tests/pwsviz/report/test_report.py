@@ -219,7 +219,7 @@ def test_the_benchmark_is_on_the_page_and_beside_it(tmp_path, monkeypatch):
     assert "[2/2] Benchmark … a minute; Cost of a step: " in say.getvalue()
     page = (tmp_path / PAGE).read_text(encoding="utf-8")
     assert "elliptic_curve        51.8" in page
-    assert "too small to state" in page
+    assert "too short for these times to be stated" in page
     assert (tmp_path / "bench.txt").read_text(encoding="utf-8").endswith(f"{STEPS.text}\n")
     table = table_of(tmp_path / "bench-cost-of-a-step.csv")
     assert table["ns a step"] == ["51.8"]
