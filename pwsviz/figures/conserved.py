@@ -62,7 +62,7 @@ class ConservedView:
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.06),
         )
-        self._ground()
+        self._band_glyphs()
         self._curve_glyphs()
         self._tick_glyphs()
         _, *entries, _ = legend_below(
@@ -77,7 +77,7 @@ class ConservedView:
         )
         self.entries = dict(zip(SIDES, entries, strict=True))
 
-    def _ground(self) -> None:
+    def _band_glyphs(self) -> None:
         plot = self.figure
         self.segments, self.bands = {}, {}
         for side, colour in SIDES.items():

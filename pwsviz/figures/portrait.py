@@ -105,7 +105,7 @@ class PortraitView:
         self.dragging = False
         self._fitted_to: Hashable = None
         self._box: Window | None = None
-        self._ground: Backdrop | None = None
+        self._backdrop: Backdrop | None = None
         self._visible: Window | None = None
         self._heard = 0
         self._acts: dict[str, Callable[[int, float, float], None]] = {
@@ -114,13 +114,13 @@ class PortraitView:
             "remove": lambda index, _x, _y: on_remove(index),
             "select": lambda index, _x, _y: on_select(index),
         }
-        self._ground_glyphs()
+        self._backdrop_glyphs()
         self._orbit_glyphs()
         self._crossing_glyphs()
         self._start_glyphs()
         self._add_legend()
         self._watch_window(on_window)
-        self._watch_hand(on_place)
+        self._watch_gestures(on_place)
 
     @staticmethod
     def _plot() -> figure:
@@ -135,7 +135,7 @@ class PortraitView:
         plot.grid.visible = False
         return plot
 
-    def _ground_glyphs(self) -> None:
+    def _backdrop_glyphs(self) -> None:
         plot = self.figure
         self.side = ColumnDataSource({"xs": [], "ys": []})
         self.tint = plot.multi_polygons("xs", "ys", source=self.side, color=SIDES[-1], alpha=0.13, line_width=0)
@@ -227,7 +227,7 @@ class PortraitView:
 
     # Gestures --------------------------------------------------------------------------------------------------------
 
-    def _watch_hand(self, on_place: Callable[[float, float], None]) -> None:
+    def _watch_gestures(self, on_place: Callable[[float, float], None]) -> None:
         def place(event: Event) -> None:
             if not isinstance(event, PointEvent) or event.x is None or event.y is None:
                 return
@@ -237,9 +237,9 @@ class PortraitView:
 
         self.figure.on_event(Tap, place)
         self.hand = attach_gestures(self.figure, self.starts)
-        self.hand.on_change("data", lambda _attribute, _old, new: self._obey(new))
+        self.hand.on_change("data", lambda _attribute, _old, new: self._handle_gesture(new))
 
-    def _obey(self, said: dict[str, Sequence[Any]]) -> None:
+    def _handle_gesture(self, said: dict[str, Sequence[Any]]) -> None:
         """Pass on a gesture that the browser reports."""
         act, index, x, y, self._heard = (said[name][0] for name in ("act", "index", "x", "y", "count"))
         self.dragging = act == "drag"
@@ -275,7 +275,7 @@ class PortraitView:
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._box = extent(pictures.orbits, pictures.others)
-        return self._fit((pictures.inputs.selected[0].ground.declaration, axes), self._box)
+        return self._fit((pictures.inputs.selected[0].problem.declaration, axes), self._box)
 
     def _show_crossings(self, orbits: Sequence[Orbit]) -> None:
         kinds = [kind for orbit in orbits for kind in orbit.kinds]
@@ -325,20 +325,20 @@ class PortraitView:
             refit(self.figure)
         return self.frame
 
-    def show_backdrop(self, ground: Backdrop) -> None:
+    def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
-        if ground is self._ground:
+        if backdrop is self._backdrop:
             return
-        self._ground, self.covered = ground, ground.window
+        self._backdrop, self.covered = backdrop, backdrop.window
         self.side.data = {
-            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in _polygons(ground)],
-            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in _polygons(ground)],
+            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
+            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
         }
-        self.surface.data = _columns(ground.surface)
+        self.surface.data = _columns(backdrop.surface)
         for side in SIDES:
-            self.levels[side].data = _columns(ground.levels[side])
-            self.orbit_levels[side].data = _columns(ground.orbit_levels[side])
-            self.arrows[side].data = _columns(ground.arrows[side])
+            self.levels[side].data = _columns(backdrop.levels[side])
+            self.orbit_levels[side].data = _columns(backdrop.orbit_levels[side])
+            self.arrows[side].data = _columns(backdrop.arrows[side])
 
 
 def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
@@ -407,8 +407,8 @@ def _power_of_ten(size: float) -> float:
     return 10.0 ** math.floor(math.log10(size))
 
 
-def _polygons(ground: Backdrop) -> list[tuple[Floats, list[Floats]]]:
-    return list(zip(ground.minus_outer, ground.minus_holes, strict=True))
+def _polygons(backdrop: Backdrop) -> list[tuple[Floats, list[Floats]]]:
+    return list(zip(backdrop.minus_outer, backdrop.minus_holes, strict=True))
 
 
 def _line_source() -> ColumnDataSource:

@@ -155,7 +155,7 @@ class _Curve:
 
     def unpainted(self, cell: float) -> _Curve:
         """Return the part that enters a square of side `cell` for the first time, with the edges to and from it."""
-        new = first_visits(self.points, cell)
+        new = first_in_cells(self.points, cell)
         touched = new.copy()
         touched[1:] |= new[:-1]
         touched[:-1] |= new[1:]
@@ -164,22 +164,22 @@ class _Curve:
         return _Curve(self.points[index], (self.fixed & new)[index], gaps)
 
 
-def first_visits(points: Floats, cell: float) -> Mask:
+def first_in_cells(points: Floats, cell: float) -> Mask:
     """Return (n,) which points are the first in their square of side `cell`."""
     first = np.ones(len(points), dtype=bool)
     points = np.ascontiguousarray(points)
     x_low, x_high, y_low, y_high = _bounds(points, first)
     columns, rows = 1 + int((x_high - x_low) / cell), 1 + int((y_high - y_low) / cell)
-    _first_visits(points, x_low, y_low, cell, np.zeros((columns, rows), dtype=bool), first)
+    _first_in_cells(points, x_low, y_low, cell, np.zeros((columns, rows), dtype=bool), first)
     return first
 
 
 @_compiled
-def _first_visits(points, x_low, y_low, cell, visited, first):
+def _first_in_cells(points, x_low, y_low, cell, occupied, first):
     for i in range(points.shape[0]):
         column, row = int((points[i, 0] - x_low) / cell), int((points[i, 1] - y_low) / cell)
-        first[i] = not visited[column, row]
-        visited[column, row] = True
+        first[i] = not occupied[column, row]
+        occupied[column, row] = True
 
 
 @_compiled
@@ -232,7 +232,7 @@ def distinct_pixels(points: Floats, limit: int = 1000) -> Indices:
     span = max(x_high - x_low, y_high - y_low) if len(points) else 0.0
     if span == 0.0:
         return np.arange(min(len(points), 1))
-    return np.flatnonzero(first_visits(points, 2 * span / RESOLUTION))[:limit]
+    return np.flatnonzero(first_in_cells(points, 2 * span / RESOLUTION))[:limit]
 
 
 def envelope(t: Floats, y: Floats, columns: int = 1200) -> tuple[Floats, Floats]:

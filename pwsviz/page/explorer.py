@@ -73,7 +73,7 @@ TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
 
 
-class _Calm(param.Parameterized):
+class _NeverBusy(param.Parameterized):
     busy = param.Boolean(default=False)
 
 
@@ -110,7 +110,7 @@ class Explorer(pn.viewable.Viewer):
         self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
-        self._behind: set[str] = set()
+        self._changed_settings: set[str] = set()
         self.tabs = self._make_tabs()
         for tab in self.views.values():
             if isinstance(tab, LongTab):
@@ -133,16 +133,16 @@ class Explorer(pn.viewable.Viewer):
         return self.views[self.scene.view]
 
     def _follow(self, *events: Any) -> None:
-        waiting = bool(self._behind)
-        self._behind |= {event.name for event in events}
+        waiting = bool(self._changed_settings)
+        self._changed_settings |= {event.name for event in events}
         if not waiting:
             self.scheduler.call_soon(self._catch_up)
 
     def _catch_up(self) -> None:
         """Bring the page up to date with the scene."""
-        behind, self._behind = self._behind, set()
+        changed, self._changed_settings = self._changed_settings, set()
         self.refresh()
-        if behind & set(self.view.settings):
+        if changed & set(self.view.settings):
             self.view.redraw()
         self._changes += 1
         self.scheduler.call_later(ADDRESS_RESTS, partial(self._write_address, self._changes))
@@ -164,9 +164,9 @@ class Explorer(pn.viewable.Viewer):
         )
         if submitted:
             self._stop_others(view)
-            self.scheduler.call_later(SOON, partial(self._promise, view, wanted))
+            self.scheduler.call_later(SOON, partial(self._show_begun, view, wanted))
 
-    def _promise(self, view: Tab, wanted: Any) -> None:
+    def _show_begun(self, view: Tab, wanted: Any) -> None:
         """Show that a computation is running, if it is still the one submitted."""
         if self.scheduler.busy("view") and self.scheduler.submitted("view") == (self.scene.view, wanted):
             view.begin()
@@ -288,7 +288,7 @@ class Explorer(pn.viewable.Viewer):
         )
         with edit_readonly(page):
             # In place of the server's: each change of that one visits all pages, and it would keep this page in memory.
-            page.busy = _Calm().param.busy
+            page.busy = _NeverBusy().param.busy
         # The page is looked up in the browser: of a model passed as an argument, Panel visits all parts at each change.
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
@@ -302,12 +302,12 @@ class Explorer(pn.viewable.Viewer):
         undo = pmui.IconButton(
             icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=(4, 0, 4, 4)
         )
-        self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
+        self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "can_undo")
         undo.on_click(lambda _: self.history.undo())
         redo = pmui.IconButton(
             icon="redo", description="Redo (Ctrl+Y)", disabled=True, size="small", margin=(4, 4, 4, 0)
         )
-        self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "repeatable")
+        self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "can_redo")
         redo.on_click(lambda _: self.history.redo())
         export = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
         export.on_click(lambda _: self.export.open(self._page_address()))

@@ -70,9 +70,9 @@ class ExportDialog(pn.viewable.Viewer):
             close_on_click=True,
             show_close_button=True,
         )
-        self.dialog.param.watch(self._let_go, "open")
+        self.dialog.param.watch(self._drop_files, "open")
 
-    def _let_go(self, event: Any) -> None:
+    def _drop_files(self, event: Any) -> None:
         """Drop the files once the dialog is closed: they may be large."""
         if not event.new:
             self.numbers.objects = []

@@ -74,11 +74,11 @@ class PortraitPanel(pn.viewable.Viewer):
         if self.scheduler.submit(
             "runs", wanted, lambda cancel, _: self.results.pictures(wanted, cancel), self._show, patience=0.1
         ):
-            self._promise(wanted)
+            self._remind_later(wanted)
         elif self.shown is not None and self.shown.inputs == wanted:
             self._mark_starts()
 
-    def _promise(self, wanted: PortraitInputs) -> None:
+    def _remind_later(self, wanted: PortraitInputs) -> None:
         """Show a progress bar if the portrait has not come after `REMIND` milliseconds."""
 
         def remind() -> None:
@@ -95,7 +95,7 @@ class PortraitPanel(pn.viewable.Viewer):
 
     @staticmethod
     def _declaration(pictures: Pictures) -> core.PiecewiseSystem:
-        return pictures.inputs.selected[0].ground.declaration
+        return pictures.inputs.selected[0].problem.declaration
 
     def _show(self, outcome: Pictures | Exception) -> None:
         self.progress.visible = False
@@ -152,17 +152,17 @@ class PortraitPanel(pn.viewable.Viewer):
         window = self.portrait.covered
         if window is None or not window.shows_well(visible):
             window = visible.scaled(1.3 if self._visible else 2.0)
-        ground, axes = self.shown.inputs.selected[0].ground, self.shown.inputs.axes
+        problem, axes = self.shown.inputs.selected[0].problem, self.shown.inputs.axes
         levels = self.shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
         self.scheduler.submit(
-            "ground",
-            (ground.declaration, ground.values, window, levels, axes),
-            lambda _cancel, _report: self.results.backdrop(ground, window, levels, axes),
-            self._show_ground,
+            "backdrop",
+            (problem.declaration, problem.values, window, levels, axes),
+            lambda _cancel, _report: self.results.backdrop(problem, window, levels, axes),
+            self._show_backdrop,
             patience=0.1,
         )
 
-    def _show_ground(self, outcome: Any) -> None:
+    def _show_backdrop(self, outcome: Any) -> None:
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
         else:

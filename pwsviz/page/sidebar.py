@@ -90,17 +90,17 @@ class Sidebar(pn.viewable.Viewer):
         self.trajectories = Trajectories(scene)
         self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
         self.fields: dict[str, NumberField] = {}  # of the parameters and coordinates of the system
-        self._stock: dict[tuple[str, bool], list[NumberField]] = {}
+        self._made: dict[tuple[str, bool], list[NumberField]] = {}
         self._placed: dict[str, list[NumberField]] = {}
         self._built_for: core.PiecewiseSystem | None = None
         self._preset: core.PiecewiseSystem | None = None  # of the preset whose note is shown
         self.methods.param.watch(self._take_methods, "value")
         scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
         scene.param.watch(self._choose, ["system", "own", "axes"])
-        scene.param.watch(self._dim, ["system", "own", "methods", "locate", "perturbation_order"])
+        scene.param.watch(self._enable, ["system", "own", "methods", "locate", "perturbation_order"])
         self._sync()
         self._choose()
-        self._dim()
+        self._enable()
 
     def _number(self, field: str, label: str, **options: Any) -> NumberField:
         return NumberField(label, partial(self._read, field), partial(self.scene.accept, field), **options)
@@ -120,8 +120,8 @@ class Sidebar(pn.viewable.Viewer):
             for p in system.parameters
         }
         coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
-        stock = {key: list(fields) for key, fields in self._stock.items()}
-        self.fields = {key: self._field(stock, key, **options) for key, options in (parameters | coordinates).items()}
+        spare = {key: list(fields) for key, fields in self._made.items()}
+        self.fields = {key: self._field(spare, key, **options) for key, options in (parameters | coordinates).items()}
         self._built_for = system
         self.plane.value = None  # else the browser keeps showing the names of the previous system
         self.plane.options = {_plane_name(system, axes): axes for axes in planes(system)}
@@ -130,15 +130,15 @@ class Sidebar(pn.viewable.Viewer):
         self._place(self.parameters, [self.fields[key] for key in parameters])
         self._place(self.coordinates, [self.fields[key] for key in coordinates])
 
-    def _field(self, stock: dict[tuple[str, bool], list[NumberField]], key: str, **options: Any) -> NumberField:
+    def _field(self, spare: dict[tuple[str, bool], list[NumberField]], key: str, **options: Any) -> NumberField:
         """Return an unused field of the same kind (parameter or coordinate, with a slider or without), or a new one."""
         kind = key.partition(".")[0], options.get("bounds") is not None
-        if stock.get(kind):
-            field = stock[kind].pop(0)
-            field.become(read=partial(self._read, key), accept=partial(self.scene.accept, key), **options)
+        if spare.get(kind):
+            field = spare[kind].pop(0)
+            field.rebind(read=partial(self._read, key), accept=partial(self.scene.accept, key), **options)
             return field
         field = self._number(key, **options)
-        self._stock.setdefault(kind, []).append(field)
+        self._made.setdefault(kind, []).append(field)
         return field
 
     def _place(self, box: Any, fields: list[NumberField]) -> None:
@@ -162,7 +162,7 @@ class Sidebar(pn.viewable.Viewer):
         if self.scene.axes in self.plane.options.values():
             self.plane.value = self.scene.axes
 
-    def _dim(self, *_: Any) -> None:
+    def _enable(self, *_: Any) -> None:
         """Enable the controls that have an effect, and say which methods are left out."""
         self.methods.param.update(options=self.scene.offered, value=self.scene.used)
         self.methods_note.object = method_notes(self.scene)

@@ -14,7 +14,7 @@ Values = tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True)
-class Ground:
+class InitialValueProblem:
     """A system at its parameter values, and a start."""
 
     declaration: core.PiecewiseSystem = field(hash=False)  # slow to hash, and keys are looked up often
@@ -22,7 +22,7 @@ class Ground:
     x0: Start
 
     @classmethod
-    def of(cls, scene: Scene, start: Start | None = None) -> Ground:
+    def of(cls, scene: Scene, start: Start | None = None) -> InitialValueProblem:
         """Read it from a scene, with the selected start or another one."""
         values = tuple(sorted(scene.values.items()))
         return cls(scene.declaration, values, scene.x0 if start is None else start)
@@ -61,7 +61,7 @@ class Scheme:
 class RunInputs:
     """Exactly what one trajectory depends on."""
 
-    ground: Ground
+    problem: InitialValueProblem
     scheme: Scheme
     tau: float
     t_end: float
@@ -81,7 +81,7 @@ class ErrorInputs:
 class StudyInputs:
     """Exactly what one order study depends on: neither the step size nor the end time of the scene."""
 
-    ground: Ground
+    problem: InitialValueProblem
     scheme: Scheme
 
 
@@ -89,7 +89,7 @@ class StudyInputs:
 class CostInputs:
     """Exactly what one comparison of run times depends on."""
 
-    ground: Ground
+    problem: InitialValueProblem
     t_end: float
     methods: tuple[str, ...]
     peers: tuple[str, ...]
@@ -97,14 +97,14 @@ class CostInputs:
     @classmethod
     def of(cls, scene: Scene) -> CostInputs:
         """Read it from a scene."""
-        return cls(Ground.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
+        return cls(InitialValueProblem.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
 
 
 @dataclass(frozen=True)
 class StabilityInputs:
     """Exactly what one stability study depends on."""
 
-    ground: Ground
+    problem: InitialValueProblem
     t_end: float
     methods: tuple[str, ...]
     part: str
@@ -115,7 +115,7 @@ class StabilityInputs:
         """Read it from a scene, leaving out settings that have no effect on its part."""
         part = scene.stability_part
         coordinate = scene.stability_coordinate if part != "drift" else 0
-        return cls(Ground.of(scene), min(scene.t_end, STABILITY_END), tuple(scene.used), part, coordinate)
+        return cls(InitialValueProblem.of(scene), min(scene.t_end, STABILITY_END), tuple(scene.used), part, coordinate)
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
@@ -132,8 +132,8 @@ def other_inputs(scene: Scene) -> tuple[RunInputs, ...]:
 
 def study_inputs(scene: Scene) -> StudyInputs:
     """Return the inputs of the order study of a scene."""
-    return StudyInputs(Ground.of(scene), Scheme.of(scene, scene.order_method))
+    return StudyInputs(InitialValueProblem.of(scene), Scheme.of(scene, scene.order_method))
 
 
 def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:
-    return RunInputs(Ground.of(scene, start), Scheme.of(scene, method), scene.tau, scene.t_end)
+    return RunInputs(InitialValueProblem.of(scene, start), Scheme.of(scene, method), scene.tau, scene.t_end)

@@ -20,7 +20,7 @@ from pwsviz.geometry.polyline_reduction import Floats, Mask, distinct_pixels, en
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.requests import CostInputs, Ground, RunInputs, Scheme, StabilityInputs, StudyInputs
+from pwsviz.results.requests import CostInputs, InitialValueProblem, RunInputs, Scheme, StabilityInputs, StudyInputs
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
 
@@ -224,9 +224,9 @@ class Results:
             "summary", inputs, cancel, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
 
-    def backdrop(self, ground: Ground, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
+    def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
         """Return the backdrop of the portrait on a window, with these level sets besides the usual ones."""
-        still = replace(ground, x0=())
+        still = replace(problem, x0=())
         key = (still, window, levels, axes)
         return self._cache.get("backdrop", key, lambda: backdrop(still.build(), window, dict(levels), axes))
 
@@ -268,9 +268,9 @@ class Results:
 
 def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
     run = core.integrate(
-        inputs.ground.build(),
+        inputs.problem.build(),
         (0.0, inputs.t_end),
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         tau=inputs.tau,
         cancel=cancel,
         max_steps=MAX_STEPS,
@@ -288,9 +288,9 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
     They are counted on a run, since the reference solution might look for a next crossing forever.
     """
     run = core.integrate(
-        inputs.ground.build(),
+        inputs.problem.build(),
         (0.0, STUDY_HORIZON),
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         tau=STUDY_PROBE,
         method=inputs.scheme.method,
         record="crossings",
@@ -310,9 +310,9 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
 
 def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
     return core.order_study(
-        inputs.ground.build(),
+        inputs.problem.build(),
         STUDY_TAUS,
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         crossings=_studied_crossings(inputs, cancel),
         cancel=cancel,
         progress=report,
@@ -321,7 +321,7 @@ def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStu
 
 
 def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) -> core.WorkPrecision:
-    system, start = inputs.ground.build(), inputs.ground.x0
+    system, start = inputs.problem.build(), inputs.problem.x0
     probe = core.integrate(
         system,
         (0.0, inputs.t_end),
@@ -348,9 +348,9 @@ def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) ->
 def _stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: Report) -> core.StabilityStudy:
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     return core.stability_study(
-        inputs.ground.build(),
+        inputs.problem.build(),
         (0.0, inputs.t_end),
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         methods=inputs.methods,
         coordinate=inputs.coordinate,
         parts=parts,
@@ -387,7 +387,7 @@ def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: A
         times=crossings.t[marks],
         kinds=tuple(str(crossings.kind[k]) for k in marks),
         jumps=_jumps(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
-        start=(inputs.ground.x0[axes[0]], inputs.ground.x0[axes[1]]),
+        start=(inputs.problem.x0[axes[0]], inputs.problem.x0[axes[1]]),
         levels=_levels(run),
     )
 

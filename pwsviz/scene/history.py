@@ -26,8 +26,8 @@ NOT_UNDONE = ("name", "view")
 class History(param.Parameterized):
     """Remembers the settings of a scene before each of the last `MAX_STEPS_BACK` gestures."""
 
-    possible = param.Boolean(default=False, doc="Whether there is anything to undo.")
-    repeatable = param.Boolean(default=False, doc="Whether there is anything to redo.")
+    can_undo = param.Boolean(default=False, doc="Whether there is anything to undo.")
+    can_redo = param.Boolean(default=False, doc="Whether there is anything to redo.")
 
     def __init__(self, scene: Scene, clock: Callable[[], float] = monotonic) -> None:
         super().__init__()
@@ -46,7 +46,7 @@ class History(param.Parameterized):
             self._past = [*self._past, self._now][-MAX_STEPS_BACK:]
         self._gesture, self._now = (same if follows else names, at), self.scene.settings()
         self._future = []
-        self.param.update(possible=True, repeatable=False)
+        self.param.update(can_undo=True, can_redo=False)
 
     def undo(self) -> None:
         """Undo the last gesture, if there is one."""
@@ -64,4 +64,4 @@ class History(param.Parameterized):
         self.scene.restore({**settings, **{name: getattr(self.scene, name) for name in NOT_UNDONE if name != "name"}})
         self._past, self._future = past, future
         self._now, self._gesture = self.scene.settings(), (frozenset(), -ONE_GESTURE)
-        self.param.update(possible=bool(past), repeatable=bool(future))
+        self.param.update(can_undo=bool(past), can_redo=bool(future))

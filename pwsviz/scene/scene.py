@@ -87,7 +87,7 @@ class Scene(param.Parameterized):
     stability_coordinate = param.Integer(default=0, bounds=(0, None), doc="The variable along the map's other axis.")
 
     def __init__(self, **params: Any) -> None:
-        self._whole = False
+        self._no_defaults = False
         super().__init__(**params)
         chosen = self.declaration
         missing = {"values": dict(chosen.values), "starts": (chosen.x0,), "t_end": self._long_enough()}
@@ -120,10 +120,10 @@ class Scene(param.Parameterized):
         return [name for name in self.methods if name in offered] or offered[:1]
 
     @property
-    def steady(self) -> list[str]:
+    def fixed_step(self) -> list[str]:
         """Those of `used` with a fixed step size, and so an order; if there are none, the first such of `offered`."""
-        steady = [name for name in self.used if not core.METHODS[name].adaptive]
-        return steady or [name for name in self.offered if not core.METHODS[name].adaptive][:1]
+        fixed_step = [name for name in self.used if not core.METHODS[name].adaptive]
+        return fixed_step or [name for name in self.offered if not core.METHODS[name].adaptive][:1]
 
     @property
     def selected_method(self) -> str:
@@ -133,7 +133,7 @@ class Scene(param.Parameterized):
     @property
     def order_method(self) -> str:
         """The integrator whose order is studied."""
-        return self.study_method if self.study_method in self.steady else self.steady[0]
+        return self.study_method if self.study_method in self.fixed_step else self.fixed_step[0]
 
     def build(self) -> core.PiecewiseSystem:
         """Return the chosen system at the chosen parameter values."""
@@ -147,7 +147,7 @@ class Scene(param.Parameterized):
 
     def restore(self, settings: Mapping[str, Any]) -> None:
         """Set all settings at once to those of a scene, as `settings` returned them."""
-        with self._as_a_whole():
+        with self._without_defaults():
             self.param.update(**settings)
 
     def load(self, settings: Mapping[str, Any]) -> None:
@@ -171,13 +171,13 @@ class Scene(param.Parameterized):
         self.restore(fresh.settings())
 
     @contextmanager
-    def _as_a_whole(self) -> Iterator[None]:
+    def _without_defaults(self) -> Iterator[None]:
         """Within this context, a change of `system` does not reset the starts and the parameter values."""
-        self._whole = True
+        self._no_defaults = True
         try:
             yield
         finally:
-            self._whole = False
+            self._no_defaults = False
 
     def use(self, system: core.PiecewiseSystem) -> None:
         """Choose a system that the user declared, with its own start and parameter values.
@@ -191,12 +191,12 @@ class Scene(param.Parameterized):
             raise ValueError("A portrait needs two variables at least.")
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1)}
         checked_start(system, 0.0, system.x0)
-        with self._as_a_whole():
+        with self._without_defaults():
             self.param.update(own=system, system=OWN, stability_coordinate=0, **changes)
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
-        if self._whole:
+        if self._no_defaults:
             return
         if self.system == OWN and self.own is None:
             raise ValueError("There is no system of one's own yet.")

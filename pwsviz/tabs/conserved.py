@@ -45,7 +45,7 @@ class ConservedTab(Tab):
         """Reduce the errors of the runs to the resolution of a screen."""
         curves = self.results.error_curves(inputs.runs, cancel)
         marks = self.results.landmarks(inputs.runs[0], inputs.axes, cancel)
-        return ErrorPicture(inputs.runs[0].ground.declaration, curves, marks)
+        return ErrorPicture(inputs.runs[0].problem.declaration, curves, marks)
 
     def build(self) -> list[Any]:
         """One figure."""

@@ -45,7 +45,7 @@ class OrderTab(LongTab):
         """Make the choice of the integrator, and the plot."""
         self.view = OrderView(self.error)
         methods = choice(
-            self.scene, "study_method", lambda: {name: name for name in self.scene.steady}, ("system", "methods")
+            self.scene, "study_method", lambda: {name: name for name in self.scene.fixed_step}, ("system", "methods")
         )
         return [methods, self.progress, self.plot(self.view.figure)]
 

@@ -28,7 +28,7 @@ class SchemeTab(Tab):
         """Derive and typeset the scheme, and evaluate the constants along the run."""
         scheme, run, diagnosis = inputs.scheme, self.results.run(inputs, cancel), self.results.diagnosis(inputs, cancel)
         return scheme_markup(
-            inputs.ground.build(), scheme.method, diagnosis, run, locate=scheme.locate,
+            inputs.problem.build(), scheme.method, diagnosis, run, locate=scheme.locate,
             perturbation_order=scheme.perturbation_order, perturbation_scale=scheme.perturbation_scale,
         )  # fmt: skip
 

@@ -63,8 +63,8 @@ class Scheduler:
         self._submitted[lane] = inputs
         if quiet == 0.0:
             compute = partial(self._in_turn, compute)
-        told = _Seldom(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
-        report = told if advance is not None else _nobody
+        throttled = _Throttle(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
+        report = throttled if advance is not None else _ignore
         self._numbers[lane] = number = self._numbers.get(lane, 0) + 1
         deliver = partial(self._deliver, partial(self._show_latest, lane, number, show))
         job = Job(lambda cancel: compute(cancel, report), deliver, quiet, patience)
@@ -143,7 +143,7 @@ class Scheduler:
             show(*outcome)
 
 
-class _Seldom:
+class _Throttle:
     """Passes progress on, but drops reports less than `BETWEEN_REPORTS` after the last."""
 
     def __init__(self, tell: Callable[..., None]) -> None:
@@ -157,5 +157,5 @@ class _Seldom:
         self._tell(done, total, part)
 
 
-def _nobody(_done: int, _total: int, _partial: object) -> None:
+def _ignore(_done: int, _total: int, _partial: object) -> None:
     """Ignore progress."""

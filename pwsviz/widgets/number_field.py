@@ -83,7 +83,7 @@ class NumberField(pn.viewable.Viewer):
         place = min(max(math.log10(value) if self._log else value, low), high)
         return {"start": low, "end": high, "value": place, "step": (high - low) / 400, "label": f"{label}, slider"}
 
-    def become(
+    def rebind(
         self,
         label: str,
         read: Callable[[], float],
