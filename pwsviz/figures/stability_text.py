@@ -148,7 +148,7 @@ def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
     """Say where the tangency is, and how close to it each integrator finds the right crossings."""
     name = study.coordinate_name
     if not grazing.found:
-        return [f"No tangency: at no {name} in the range looked at does the trajectory touch the surface in passing."]
+        return [f"No tangency: at no {name} in the range searched does the trajectory touch the surface in passing."]
     place = ", ".join(f"{v:.4g}" for v in grazing.state)
     start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
     sentences = [f"{start} ({place}). Runs of τ = {grazing.tau:.3g} beside it:"]

@@ -199,7 +199,7 @@ class Scene(param.Parameterized):
         if self._no_defaults:
             return
         if self.system == OWN and self.own is None:
-            raise ValueError("There is no system of one's own yet.")
+            raise ValueError("There is no system of your own yet: write one first.")
         chosen = self.declaration
         self.param.update(
             values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=(0, 1), stability_coordinate=0,
@@ -328,7 +328,7 @@ class Scene(param.Parameterized):
 
     def _checked_system(self, _: str, value: object) -> str:
         if value == OWN and self.own is None:
-            raise ValueError("There is no system of one's own yet.")
+            raise ValueError("There is no system of your own yet: write one first.")
         return str(self._checked_choice("system", value))
 
     def _checked_choice(self, name: str, value: object) -> object:
@@ -369,7 +369,7 @@ class Scene(param.Parameterized):
         d = len(self.declaration.variables)
         whole = isinstance(value, tuple) and len(value) == 2 and all(type(i) is int and 0 <= i < d for i in value)
         if not isinstance(value, tuple) or not whole or value[0] == value[1]:
-            raise ValueError(f"“{value}” are no two of the {d} variables, counted from 0.")
+            raise ValueError(f"“{value}” does not name two of the {d} variables: take two different numbers below {d}.")
         return value
 
     def _checked_values(self, name: str, value: object) -> dict[str, float]:
