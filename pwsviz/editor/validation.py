@@ -136,7 +136,7 @@ def split(text: str) -> list[str]:
     return [item.strip().replace("\n", " ") for item in items if item.strip()]
 
 
-class _Left(NamedTuple):
+class _LeftSide(NamedTuple):
     """The left-hand side of an equation, in plain characters and as markup."""
 
     said: str
@@ -161,7 +161,7 @@ class _Check:
         self.declaration = self.declare()
 
     def run(self) -> Checked:
-        self.judge()
+        self.check_declaration()
         maths = {name: self.typeset(name) for name in _EXPRESSIONS}
         maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
         system = None if self.complaints else self.build()
@@ -212,7 +212,7 @@ class _Check:
         texts = {name: self.items[name] for name in _EXPRESSIONS}
         return Declaration(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
 
-    def judge(self) -> None:
+    def check_declaration(self) -> None:
         """Complain about the declaration, in the fields that could be read."""
         found = list(self.declaration.problems)
         if self.variables and (words := miscounted(self.x0, "number", self.variables)):
@@ -222,17 +222,17 @@ class _Check:
             if problem.field in readable:
                 self.complain(problem.field, _capital(problem.message) if problem.entry is None else problem.message)
 
-    def left(self, name: str, k: int) -> _Left:
+    def left(self, name: str, k: int) -> _LeftSide:
         """Return the left-hand side for expression `k` of a field."""
         kind, _, word = name.partition("_")
         if kind == "psi":
             return _quantity(word, k, len(self.items[name]))
         if kind == "g":
-            return _Left("g", "<mi>g</mi>")
+            return _LeftSide("g", "<mi>g</mi>")
         variable, shown = self.variables[k], markup(Symbol(self.variables[k]))
         if kind == "f":
-            return _Left(f"{variable}′", f'<mrow>{shown}<mo lspace="0" rspace="0">′</mo></mrow>')
-        return _Left(f"{variable} after the jump", f"<msub><mrow>{shown}</mrow><mtext>after</mtext></msub>")
+            return _LeftSide(f"{variable}′", f'<mrow>{shown}<mo lspace="0" rspace="0">′</mo></mrow>')
+        return _LeftSide(f"{variable} after the jump", f"<msub><mrow>{shown}</mrow><mtext>after</mtext></msub>")
 
     def called(self, name: str, entry: int | None) -> str:
         """Return the name that messages use for the vector field of a side, or for one expression."""
@@ -260,7 +260,7 @@ class _Check:
         if verdict.left_over is None:
             return Finding("", False)
         derived = f"<mfrac><mi>d</mi><mrow><mi>d</mi><mi>t</mi></mrow></mfrac><mo>&#8290;</mo>{left.shown}"
-        return Finding("", False, _equation(_Left(f"d/dt {left.said}", derived), verdict.left_over))
+        return Finding("", False, _equation(_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
 
     def build(self) -> core.PiecewiseSystem | None:
         """Return the system, or None after a complaint if it is refused or cannot start."""
@@ -303,16 +303,16 @@ def _number(text: str, what: str) -> float:
     return float(constant)
 
 
-def _quantity(word: str, k: int, count: int) -> _Left:
+def _quantity(word: str, k: int, count: int) -> _LeftSide:
     """Return the name of a conserved quantity of a side, with its number if there are several."""
     sign, shown = _SIGNS[word]
     if count == 1:
-        return _Left(f"ψ{sign}", f"<msub><mi>ψ</mi><mo>{shown}</mo></msub>")
+        return _LeftSide(f"ψ{sign}", f"<msub><mi>ψ</mi><mo>{shown}</mo></msub>")
     number = f"<mrow><mn>{k + 1}</mn><mo>{shown}</mo></mrow>"
-    return _Left(f"ψ{sign} no. {k + 1}", f"<msub><mi>ψ</mi>{number}</msub>")
+    return _LeftSide(f"ψ{sign} no. {k + 1}", f"<msub><mi>ψ</mi>{number}</msub>")
 
 
-def _equation(left: _Left, right: Expr, more: str = "") -> str:
+def _equation(left: _LeftSide, right: Expr, more: str = "") -> str:
     """Typeset an equation, with a plain-text version for screen readers."""
     said = escape(f"{left.said} = {TOO_LONG if too_long(right) else to_text(right)}")
     inside = f"{left.shown}<mo>=</mo>{markup(right)}{more}"
@@ -326,7 +326,7 @@ def _parameter_maths(parameter: core.Parameter) -> str:
     if ends is not None:
         low, high = (markup(sympy.Float(end)) for end in ends)
         within = f"<mo>∈</mo><mrow><mo>[</mo>{low}<mo>,</mo>{high}<mo>]</mo></mrow>"
-    return _equation(_Left(parameter.name, markup(name)), value, within)
+    return _equation(_LeftSide(parameter.name, markup(name)), value, within)
 
 
 def _declared(parameter: core.Parameter, value: float) -> str:
