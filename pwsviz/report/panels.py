@@ -73,8 +73,8 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     a, b = scene.axes
     starts = [(start[a], start[b]) for start in scene.starts]
     frame = view.show_orbits(scene.declaration, pictures, starts, scene.selected)
-    problem = inputs.selected[0].problem
-    view.show_backdrop(results.backdrop(problem, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
+    ground = inputs.selected[0].problem
+    view.show_backdrop(results.backdrop(ground, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
     _let_lie(view.figure, HEIGHT["portrait"])
     return view.figure, *_measured((*inputs.selected, *inputs.others), results)
 
