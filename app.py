@@ -1,4 +1,4 @@
-"""The entry of `panel serve app.py`."""
+"""The application that `panel serve app.py` runs."""
 
 import sys
 
@@ -6,7 +6,8 @@ import panel as pn
 
 from pwsviz.page.explorer import Explorer
 
-# Work runs in threads beside the event loop. By Python's usual 5 ms a slider would wait for dozens of turns.
+# Seconds between thread switches. Computations run in threads beside the event loop; at Python's default of 5 ms a
+# slider would wait for dozens of switches.
 sys.setswitchinterval(5e-4)
 pn.extension(respect_explicit_sizing=True)
 Explorer().page().servable()

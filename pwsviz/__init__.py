@@ -1,4 +1,4 @@
-"""The explorer: what a person sees of `core`.
+"""The explorer: a web page, a benchmark and a report built on `core`.
 
-Imports point one way: explorer → views → {scene, results} → core.
+Imports point one way: page → tabs → figures → {results, scene} → core.
 """

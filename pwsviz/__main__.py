@@ -1,4 +1,4 @@
-"""python -m pwsviz serve | report | bench."""
+"""The command line: python -m pwsviz serve | report | bench."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["main"]
 Command = Callable[[argparse.Namespace], int]
 
 GIVEN_UP = 130
-"""Exit status after Ctrl+C: 128 and the number of the signal, as shells have it."""
+"""Exit status after Ctrl+C: 128 + SIGINT (2), the convention of shells."""
 
 _EPILOG = """\
 examples:
@@ -24,7 +24,7 @@ examples:
 
 environment:
   PWSVIZ_CACHE   folder for compiled integrators, writable by you alone; by default pwsviz in the user's cache.
-                 The time loop is compiled once on a machine, in some ten seconds, and loaded from there ever after.
+                 The time loop is compiled once on a machine, in some ten seconds, and then loaded from there.
 """
 
 _SERVE = """\
@@ -34,14 +34,14 @@ examples:
   python -m pwsviz serve --address 0.0.0.0 --port 80 --allow-websocket-origin pws.example.org --num-procs 4 --no-show
   python -m pwsviz serve -- --prefix /explorer        what follows -- goes to `panel serve` as it is
 
-Behind another name than localhost (a proxy, a tunnel, another machine) the browser says which name it was given,
-and the server refuses names it does not know: tell it each one by --allow-websocket-origin.
+If the page is reached by another name than localhost (a proxy, a tunnel, another machine), allow that name by
+--allow-websocket-origin: the server refuses browsers that opened the page by a name it does not know.
 
-A process computes a picture once for all its visitors. Several (--num-procs) serve more visitors at a time, but each
-has a cache of its own: the same picture is computed, and held, up to N times. Compiled integrators are shared.
-(Windows cannot fork: there it is one process.) Ctrl+C ends them all; a signal from elsewhere has to be sent to the
-whole process group.
-The first scene is prepared while the server starts, so that the first visitor need not wait.
+A process computes a picture once for all its visitors. Several processes (--num-procs N) serve more visitors at a
+time, but each has its own cache: the same picture may be computed, and held, N times. Compiled integrators are shared.
+Windows cannot fork, so there is only one process there. Ctrl+C ends all processes; a signal from elsewhere has to be
+sent to the whole process group.
+The first scene is computed while the server starts, so that the first visitor need not wait.
 
 environment:
   PWSVIZ_CACHE   folder for compiled integrators, writable by you alone; by default pwsviz in the user's cache
@@ -50,7 +50,7 @@ environment:
 _REPORT = """\
 Writes report.html, a page that holds all it needs (some 2 MB, most of it BokehJS) and opens from the file system, and
 beside it the data of every figure as CSV (some 30 MB in all, at the integrators' own steps). Files of these names are
-replaced. The figures take less than a minute, the benchmark some minutes. After Ctrl+C what was computed is there.
+replaced. The figures take less than a minute, the benchmark some minutes. Ctrl+C keeps what was written so far.
 
 examples:
   python -m pwsviz report --out figures
@@ -66,7 +66,7 @@ environment:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
+    """Run the command line and return its exit status."""
     given = _parser().parse_args(arguments)
     command: Command = given.command
     try:
@@ -144,8 +144,8 @@ def _whole(text: str, most: int) -> int:
     return int(text)
 
 
-# The commands import what they need themselves: help should be there at once, and serving forks, which a process with
-# compiled code and threads should not do.
+# Each command imports what it needs when it runs: the help then appears at once, and `serve` may fork, which is unsafe
+# in a process that has loaded compiled code and started threads.
 
 
 def _serve(given: argparse.Namespace) -> int:
@@ -156,7 +156,7 @@ def _serve(given: argparse.Namespace) -> int:
     except Unavailable as why:
         print(why, file=sys.stderr)
         return 1
-    except KeyboardInterrupt:  # the usual way to end it
+    except KeyboardInterrupt:  # the usual way to stop the server
         pass
     return 0
 

@@ -1,1 +1,1 @@
-"""A system of one's own: typed, checked, drawn."""
+"""The editor of a user's own system."""

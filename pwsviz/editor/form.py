@@ -1,4 +1,4 @@
-"""The form in which a person types a system of their own; the mathematics appears as they type."""
+"""The form in which a user types a system; it typesets and checks the expressions meanwhile."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ from pwsviz.widgets.panes import TEXT_CSS, heading
 __all__ = ["SystemEditor"]
 
 QUIET = 0.25
-"""Seconds without a key pressed before what stands there is checked."""
+"""Seconds without a change before the fields are checked."""
 
 CURRENT = "The system on the page"
+"""Menu entry that fills in the present system."""
 
 MATHS_CSS = """
 .maths { overflow-x: auto; overflow-y: hidden; padding: 2px 0 6px 14px; }
@@ -32,12 +33,12 @@ math { display: block; width: fit-content; font-size: 1.05rem; padding: 4px 0; }
 """
 
 PAIR_CSS = ":host { flex-wrap: wrap; gap: 0 12px; } :host > * { flex: 1 1 220px !important; min-width: 0; }"
-"""Side by side where both can be read, else one below the other."""
+"""Side by side where each has at least 220 px, else one below the other."""
 
 FIELD_SX = {"& .MuiInputBase-input": {"fontFamily": "ui-monospace, Menlo, Consolas, monospace", "fontSize": "0.9rem"}}
 
 _LINES = {"parameters": 2, "f_minus": 2, "f_plus": 2, "psi_minus": 1, "psi_plus": 1, "jump": 1}
-"""Fields of several lines, and how many they show when empty."""
+"""Fields of several lines, and the number of lines shown when empty."""
 
 _HINTS = {
     "name": "",
@@ -65,23 +66,23 @@ _HELP = {
 }
 
 Deliver = Callable[[Callable[[Any], None], Any], None]
-"""Hands an outcome to what shows it, in the event loop of the page."""
+"""Calls a function with its argument in the event loop of the page."""
 
 
 class SystemEditor(pn.viewable.Viewer):
-    """Fields for a system, checked as one types, off the event loop. Empty, and at rest, until something is filled in.
+    """Fields for a system, checked in a thread while the user types. They are empty at first.
 
     Parameters
     ----------
     on_use : callable
-        Takes the system when the person wants it; may raise ValueError with words for them.
+        Called with the system when the user applies it; may raise ValueError with a message for the user.
     deliver : callable, optional
-        Is called from a thread with a function and its argument, and calls it in the event loop; by default in that of
-        the page being served, or at once where there is none.
+        Called from a thread with a function and its argument, which it calls in the event loop; by default in that of
+        the page being served, or at once if there is none.
     current : callable, optional
         Returns the system on the page, to start from.
     on_ready : callable, optional
-        Is told of each system that could be used, in the event loop: to get ready for it.
+        Called in the event loop with each valid system, to prepare for its use.
     """
 
     def __init__(
@@ -130,7 +131,7 @@ class SystemEditor(pn.viewable.Viewer):
     # Filling it in ---------------------------------------------------------------------------------------------------
 
     def load(self, system: core.PiecewiseSystem) -> None:
-        """Fill in a system, to be changed."""
+        """Fill in a system, and check it at once."""
         self.fill(Draft.of(system))
 
     def fill(self, draft: Draft) -> None:
@@ -159,12 +160,12 @@ class SystemEditor(pn.viewable.Viewer):
 
     def _check(self, draft: Draft, quiet: float) -> None:
         self.draft = draft
-        # The button changes with the outcome only: what changes twice in a moment, the browser may put back.
+        # The button waits for the outcome: of two changes in quick succession, the browser may restore the first.
         self._system, self._wanted = None, False
         self._lane.submit(Job(lambda _: check(draft), partial(self._deliver, partial(self._show, draft)), quiet=quiet))
 
     def _show(self, draft: Draft, outcome: Checked | Exception) -> None:
-        """Show what came of a check, unless something else has been typed since."""
+        """Show the outcome of a check, unless the fields have changed since."""
         if draft != self.draft:
             return
         if isinstance(outcome, Exception):
@@ -188,7 +189,7 @@ class SystemEditor(pn.viewable.Viewer):
         text.param.update(**changed)
 
     def _use(self) -> None:
-        """Use what stands there; if that is not checked yet, as soon as it is, unless more is typed."""
+        """Apply the system; if it is not checked yet, as soon as it is, unless the fields change."""
         self._wanted = self._system is None
         if self._system is None:
             return
@@ -198,11 +199,11 @@ class SystemEditor(pn.viewable.Viewer):
             self.status.object = complaint(reason)
 
     def settle(self, timeout: float) -> bool:
-        """Wait until nothing is left to check; return whether that came true in time. For use without a server."""
+        """Wait at most `timeout` seconds; return whether all checks are done. For use without a server."""
         return self._lane.join(timeout)
 
     def close(self) -> None:
-        """Give up all work: the person has left."""
+        """Cancel all checks: the session has ended."""
         self._lane.cancel()
 
     # Its look --------------------------------------------------------------------------------------------------------
@@ -214,7 +215,7 @@ class SystemEditor(pn.viewable.Viewer):
         return pn.Row(*map(self._field, names), margin=0, sizing_mode="stretch_width", stylesheets=[PAIR_CSS])
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Top to bottom in the order one writes a system down."""
+        """Return the fields in a column, in the order in which one writes a system down."""
         return pn.Column(
             self.menu,
             self._pair("name", "variables"),
@@ -256,5 +257,5 @@ def _verdict(outcome: Checked) -> str:
 
 
 def _without_icons(words: str) -> str:
-    """Keep the fields, which show icons for ``:material/name:``, from doing so in what a person typed."""
+    """Return a text in which fields do not replace ``:material/name:`` by an icon."""
     return words.replace(":material/", ":\u2060material/")

@@ -1,4 +1,4 @@
-"""A system as a person types it: texts, what is wrong with each of them, and the system they make."""
+"""A system as a user types it: reads the texts, and returns the system or what is wrong with each text."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from pwsviz.text.mathml import TOO_LONG, markup, too_long
 
 __all__ = ["FIELDS", "Checked", "Draft", "Finding", "check", "examples", "split"]
 
-MAX_CHARACTERS = 1000  #: of one field
-MAX_NAME = 60  #: characters of the system's name
-MAX_VARIABLES = 8
-MAX_PARAMETERS = 20
-MAX_DERIVATIVES = 3000  #: nodes of the trees of all first derivatives of one expression
-_COMPLAINTS = 3  #: about one field; more would bury the first
+MAX_CHARACTERS = 1000  #: characters of one field, which bound the time of parsing it
+MAX_NAME = 60  #: characters of the name of the system
+MAX_VARIABLES = 8  #: variables, which bound the time of analysing and compiling the system
+MAX_PARAMETERS = 20  #: parameters, each of which has a field on the page
+MAX_DERIVATIVES = 3000  #: nodes of the expression trees of all first derivatives of one expression
+_COMPLAINTS = 3  #: complaints about one field that are shown; more would bury the first
 _LONGEST = 400  #: characters of one complaint
 
-#: The fields, and what they are called on the page.
+#: The label of each field on the page.
 FIELDS: Mapping[str, str] = MappingProxyType(
     {
         "name": "Name",
@@ -53,10 +53,10 @@ _SIGNS = {"minus": ("₋", "−"), "plus": ("₊", "+")}
 
 @dataclass(frozen=True)
 class Draft:
-    """What stands in the fields. Lists are separated by commas, semicolons or new lines."""
+    """The texts in the fields. Entries of lists are separated by commas, semicolons or new lines."""
 
     name: str = ""
-    """Of the system, for people."""
+    """Of the system."""
     variables: str = ""
     """Names."""
     f_minus: str = ""
@@ -70,7 +70,7 @@ class Draft:
     psi_plus: str = ""
     """Expressions, fewer than there are variables; or none."""
     parameters: str = ""
-    """Such as ``k = 3 in [0.1, 10]``, the range being optional."""
+    """Entries such as ``k = 3 in [0.1, 10]``; the range is optional."""
     x0: str = ""
     """A number for each variable."""
     jump: str = ""
@@ -78,7 +78,7 @@ class Draft:
 
     @classmethod
     def of(cls, system: core.PiecewiseSystem) -> Draft:
-        """Write a system as a person would type it, at its current parameter values."""
+        """Return a system as a user would type it, at its current parameter values."""
         lists = {n: "\n".join(getattr(system, n) or ()) for n in ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump")}
         return cls(
             name=system.name,
@@ -92,40 +92,40 @@ class Draft:
 
 @dataclass(frozen=True)
 class Finding:
-    """What is found out about one conserved quantity, or about there being none."""
+    """The result of checking one conserved quantity, or of looking for one where none is given."""
 
     words: str
-    """For people, without markup."""
+    """A sentence without markup."""
     conserved: bool
-    """Whether a quantity is kept."""
+    """Whether the quantity is conserved."""
     maths: str = ""
-    """What is left over, or what was found, as ``<math>`` elements."""
+    """The time derivative if it is not 0, or the quantity found, as ``<math>`` elements."""
 
 
 @dataclass(frozen=True)
 class Checked:
-    """What comes of a draft."""
+    """The result of checking a draft."""
 
     system: core.PiecewiseSystem | None = None
-    """The system, if every field is right."""
+    """The system, if every field is valid."""
     complaints: Mapping[str, str] = field(default_factory=dict)
-    """Field -> what is wrong with it and what would do; “system” for what concerns no field alone."""
+    """Field -> what is wrong with it and what would do; “system” for what concerns several fields."""
     maths: Mapping[str, str] = field(default_factory=dict)
-    """Field -> ``<math>`` elements, escaped, of what can be read of it."""
+    """Field -> ``<math>`` elements, escaped, of the expressions that could be read."""
     conserved: Mapping[int, tuple[Finding, ...]] = field(default_factory=dict)
-    """Side (−1 or +1) -> what is found out about its conserved quantities."""
+    """Side (−1 or +1) -> the findings on its conserved quantities."""
 
 
 def check(draft: Draft) -> Checked:
-    """Read all fields of a draft, each by itself, and say what is wrong with each.
+    """Read and check all fields of a draft.
 
-    Nothing is evaluated as code, and the sizes that are read are bounded, so that any text takes bounded time.
+    Nothing is evaluated as code, and all sizes are bounded, so that any text takes bounded time.
     """
     return _Check(draft).run()
 
 
 def split(text: str) -> list[str]:
-    """Split a list at commas, semicolons and new lines that stand in no brackets; empty entries count for nothing."""
+    """Split a list at commas, semicolons and new lines outside brackets, and drop empty entries."""
     items, depth = [""], 0
     for character in re.sub(r"\r\n?|\n", "\n", text):
         depth = max(0, depth + (character in "([") - (character in ")]"))
@@ -136,8 +136,8 @@ def split(text: str) -> list[str]:
     return [item.strip().replace("\n", " ") for item in items if item.strip()]
 
 
-class _Left(NamedTuple):
-    """What stands on the left of an equation."""
+class _LeftSide(NamedTuple):
+    """The left-hand side of an equation, in plain characters and as markup."""
 
     said: str
     shown: str
@@ -147,10 +147,10 @@ _T = TypeVar("_T")
 
 
 class _Check:
-    """One pass over a draft: the fields are read one by one, then what they declare is judged as a whole."""
+    """One pass over a draft: reads the fields one by one, then checks the declaration as a whole."""
 
     def __init__(self, draft: Draft) -> None:
-        self.texts = {name: getattr(draft, name).replace("−", "-") for name in FIELDS}  # as pages write a minus
+        self.texts = {name: getattr(draft, name).replace("−", "-") for name in FIELDS}  # U+2212, as copied from a page
         self.complaints: dict[str, list[str]] = {}
         self.refuse_long_texts()
         self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name != "name"}
@@ -161,7 +161,7 @@ class _Check:
         self.declaration = self.declare()
 
     def run(self) -> Checked:
-        self.judge()
+        self.check_declaration()
         maths = {name: self.typeset(name) for name in _EXPRESSIONS}
         maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
         system = None if self.complaints else self.build()
@@ -170,7 +170,7 @@ class _Check:
         return Checked(system, complaints, maths, conserved)
 
     def complain(self, name: str, words: str) -> None:
-        """Write down what is wrong with a field, as a sentence."""
+        """Add a complaint about a field, as a sentence."""
         words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
         self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
 
@@ -193,7 +193,7 @@ class _Check:
             self.complain("variables", "Name the variables, as in: x, y")
 
     def each(self, name: str, read: Callable[[str], _T], most: int) -> tuple[_T, ...]:
-        """Read the entries of a list, and complain of those that cannot be read."""
+        """Read the entries of a list, and complain about those that cannot be read."""
         texts = self.items[name]
         if len(texts) > most:
             self.complain(name, f"There are {len(texts)} here: {most} at most")
@@ -212,8 +212,8 @@ class _Check:
         texts = {name: self.items[name] for name in _EXPRESSIONS}
         return Declaration(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
 
-    def judge(self) -> None:
-        """Complain of what is wrong with what is declared, in the fields that could be read."""
+    def check_declaration(self) -> None:
+        """Complain about the declaration, in the fields that could be read."""
         found = list(self.declaration.problems)
         if self.variables and (words := miscounted(self.x0, "number", self.variables)):
             found.append(Problem("x0", words))
@@ -222,28 +222,28 @@ class _Check:
             if problem.field in readable:
                 self.complain(problem.field, _capital(problem.message) if problem.entry is None else problem.message)
 
-    def left(self, name: str, k: int) -> _Left:
-        """What stands on the left of an expression of a field."""
+    def left(self, name: str, k: int) -> _LeftSide:
+        """Return the left-hand side for expression `k` of a field."""
         kind, _, word = name.partition("_")
         if kind == "psi":
             return _quantity(word, k, len(self.items[name]))
         if kind == "g":
-            return _Left("g", "<mi>g</mi>")
+            return _LeftSide("g", "<mi>g</mi>")
         variable, shown = self.variables[k], markup(Symbol(self.variables[k]))
         if kind == "f":
-            return _Left(f"{variable}′", f'<mrow>{shown}<mo lspace="0" rspace="0">′</mo></mrow>')
-        return _Left(f"{variable} after the jump", f"<msub><mrow>{shown}</mrow><mtext>after</mtext></msub>")
+            return _LeftSide(f"{variable}′", f'<mrow>{shown}<mo lspace="0" rspace="0">′</mo></mrow>')
+        return _LeftSide(f"{variable} after the jump", f"<msub><mrow>{shown}</mrow><mtext>after</mtext></msub>")
 
     def called(self, name: str, entry: int | None) -> str:
-        """What messages call the field of a side, or an expression."""
+        """Return the name that messages use for the vector field of a side, or for one expression."""
         return f"f{_SIGNS[name.removeprefix('f_')][0]}" if entry is None else self.left(name, entry).said
 
     def typeset(self, name: str) -> str:
-        """Typeset the expressions of a field that can be read."""
+        """Typeset the expressions of a field that could be read."""
         return "".join(_equation(self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
 
     def findings(self, side: int, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
-        """Say what is found out about each quantity of a side, or what is found where none is given."""
+        """Return a finding on each given quantity of a side; if none is given, on those found symbolically."""
         word = SIDES[side]
         if self.items[f"psi_{word}"]:
             return tuple(self.finding(word, k, verdict) for k, verdict in enumerate(self.declaration.verdicts[side]))
@@ -253,17 +253,17 @@ class _Check:
         return tuple(Finding(words, True, _equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
     def finding(self, word: str, k: int, verdict: Verdict) -> Finding:
-        """Say that a quantity is conserved, or typeset what is left over; the complaint says the rest."""
+        """Say that a quantity is conserved, or typeset its time derivative; the reason is in a complaint."""
         left = self.left(f"psi_{word}", k)
         if not verdict.objection:
             return Finding(f"{left.said} is conserved: its time derivative along f{_SIGNS[word][0]} is 0.", True)
         if verdict.left_over is None:
             return Finding("", False)
         derived = f"<mfrac><mi>d</mi><mrow><mi>d</mi><mi>t</mi></mrow></mfrac><mo>&#8290;</mo>{left.shown}"
-        return Finding("", False, _equation(_Left(f"d/dt {left.said}", derived), verdict.left_over))
+        return Finding("", False, _equation(_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
 
     def build(self) -> core.PiecewiseSystem | None:
-        """Make the system, and see that it can start."""
+        """Return the system, or None after a complaint if it is refused or cannot start."""
         texts: dict[str, Any] = {name: self.items[name] for name in _EXPRESSIONS} | {"g": self.declaration.g[0]}
         names = {"name": self.texts["name"].strip(), "variables": self.variables, "parameters": self.parameters}
         field = "system"
@@ -303,17 +303,17 @@ def _number(text: str, what: str) -> float:
     return float(constant)
 
 
-def _quantity(word: str, k: int, count: int) -> _Left:
-    """Name a conserved quantity of a side, with its number where there are several."""
+def _quantity(word: str, k: int, count: int) -> _LeftSide:
+    """Return the name of a conserved quantity of a side, with its number if there are several."""
     sign, shown = _SIGNS[word]
     if count == 1:
-        return _Left(f"ψ{sign}", f"<msub><mi>ψ</mi><mo>{shown}</mo></msub>")
+        return _LeftSide(f"ψ{sign}", f"<msub><mi>ψ</mi><mo>{shown}</mo></msub>")
     number = f"<mrow><mn>{k + 1}</mn><mo>{shown}</mo></mrow>"
-    return _Left(f"ψ{sign} no. {k + 1}", f"<msub><mi>ψ</mi>{number}</msub>")
+    return _LeftSide(f"ψ{sign} no. {k + 1}", f"<msub><mi>ψ</mi>{number}</msub>")
 
 
-def _equation(left: _Left, right: Expr, more: str = "") -> str:
-    """Typeset an equation, and say it in plain characters."""
+def _equation(left: _LeftSide, right: Expr, more: str = "") -> str:
+    """Typeset an equation, with a plain-text version for screen readers."""
     said = escape(f"{left.said} = {TOO_LONG if too_long(right) else to_text(right)}")
     inside = f"{left.shown}<mo>=</mo>{markup(right)}{more}"
     return f'<math display="block" alttext="{said}" aria-label="{said}"><mrow>{inside}</mrow></math>'
@@ -326,7 +326,7 @@ def _parameter_maths(parameter: core.Parameter) -> str:
     if ends is not None:
         low, high = (markup(sympy.Float(end)) for end in ends)
         within = f"<mo>∈</mo><mrow><mo>[</mo>{low}<mo>,</mo>{high}<mo>]</mo></mrow>"
-    return _equation(_Left(parameter.name, markup(name)), value, within)
+    return _equation(_LeftSide(parameter.name, markup(name)), value, within)
 
 
 def _declared(parameter: core.Parameter, value: float) -> str:
@@ -335,7 +335,7 @@ def _declared(parameter: core.Parameter, value: float) -> str:
 
 
 def _typed(number: float) -> str:
-    """Shortest text of a number."""
+    """Return the shortest text of a number."""
     return repr(float(number)).removesuffix(".0")
 
 

@@ -1,1 +1,1 @@
-"""What is exported: tables and programs."""
+"""What can be exported: tables, pictures and programs."""

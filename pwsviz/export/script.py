@@ -1,6 +1,6 @@
-"""A Python program that recomputes a scene with `core` alone: what the page runs, to read and to change.
+"""A Python program that recomputes a scene with `core` alone, as the page does.
 
-What a person typed enters it through `repr` and nowhere else, so it cannot be anything but text there.
+What a user typed enters the program only through `repr`, so that it cannot be anything but text there.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from pwsviz.scene.scene import OWN, Scene
 from pwsviz.scene.validation import MAX_STEPS
 
 MAX_LINE = 100
+"""Characters of a call on one line; a longer one has a line for each argument."""
 
 _USUAL: Mapping[str, object] = {
     "tau": 1e-2,
@@ -26,7 +27,7 @@ _USUAL: Mapping[str, object] = {
     "coordinate": 0,
     "peers": ("scipy",),
 }
-"""What `core` takes where nothing is said."""
+"""Defaults of `core`, which the program does not repeat."""
 
 _FIGURES = '''\
 def show(run):
@@ -42,15 +43,15 @@ def show(run):
 def snippet(scene: Scene, study: str = "") -> str:
     """Return the program: the system, its run from each start with each integrator, and a study.
 
-    It passes the arguments that the page passes, leaving out what `core` takes anyway, and prints the figures of the
-    status lines.
+    It passes the arguments that the page passes, except the defaults of `core`, and prints the figures that the page
+    shows below the portrait.
 
     Parameters
     ----------
     scene : Scene
-        What the page shows.
+        The settings.
     study : str
-        Lines of the view that is open, such as `order_program` returns; empty where it makes no study.
+        Lines of the open view, such as `order_program` returns; empty if it makes no study.
     """
     paragraphs = ["import numpy as np\n\nimport core", _system(scene), _figures(scene), _runs(scene)]
     if study:
@@ -71,7 +72,7 @@ def _system(scene: Scene) -> str:
 
 
 def _declaration(system: core.PiecewiseSystem) -> dict[str, str]:
-    """Return the arguments that declare a system, at the usual values of its parameters."""
+    """Return the arguments that declare a system, with the default values of its parameters."""
     optional = ("psi_minus", "psi_plus", "jump", "doc")
     names = ["name", "variables", "f_minus", "f_plus", "g", *(name for name in optional if getattr(system, name))]
     given = {name: repr(getattr(system, name)) for name in names}
@@ -87,7 +88,7 @@ def _parameter(parameter: core.Parameter) -> str:
 
 
 def _figures(scene: Scene) -> str:
-    """Return the function that prints the figures of a run; with that of ψ, where any is known."""
+    """Return the function that prints the figures of a run, with the change of ψ if any ψ is known."""
     if not (scene.declaration.psi_minus or scene.declaration.psi_plus):
         return "\n" + _FIGURES.replace("WORST", "")
     return "\n" + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(run.change_of_psi()):.1e}")
@@ -129,9 +130,9 @@ def order_program(scene: Scene, inputs: StudyInputs) -> str:
         start | _texts(_scheme(inputs.scheme)) | method | {"crossings": "crossings"},
     )
     return f"""\
-# The order: at crossings {STUDY_CROSSINGS}, or fewer where there are fewer.
+# The order: at crossings {STUDY_CROSSINGS}, or at earlier ones if there are fewer.
 {looked}
-last = len(run.crossings.passed) - 1  # the stretch after it is looked at too
+last = len(run.crossings.passed) - 1  # the segment after it is studied, too
 crossings = {STUDY_CROSSINGS} if last >= {STUDY_CROSSINGS[-1]} else sorted({{-(-last // 3), -(-2 * last // 3), last}})
 {study}
 print(f"{{study.method}} against {{study.reference}}")
@@ -182,7 +183,7 @@ def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
 
 
 def _scheme(scheme: Scheme) -> dict[str, object]:
-    """Return what is not usual about a scheme, its method apart."""
+    """Return the settings of a scheme that differ from their defaults, except its method."""
     names = ("tolerance", "transition", "perturbation_order", "perturbation_scale")
     given = {name: getattr(scheme, name) for name in names}
     return {name: value for name, value in given.items() if value is not None and value != _USUAL[name]}
@@ -193,7 +194,7 @@ def _adaptive(method: str) -> bool:
 
 
 def _x0(scene: Scene, variable: str | None = None) -> dict[str, str]:
-    """Return the argument for the selected start, or for a loop variable; none where it is the usual one."""
+    """Return the argument x0: a loop variable, or the selected start unless it is the default."""
     if variable is None and repr(scene.x0) == repr(scene.declaration.x0):
         return {}
     return {"x0": variable or repr(scene.x0)}
@@ -204,7 +205,7 @@ def _span(scene: Scene) -> str:
 
 
 def _unusual(given: Mapping[str, object], anyway: bool = False) -> dict[str, str]:
-    """Return the arguments that `core` would not take by itself."""
+    """Return the arguments that differ from the defaults of `core`, or all of them."""
     return _texts({name: value for name, value in given.items() if anyway or value != _USUAL[name]})
 
 
@@ -219,7 +220,7 @@ def _call(
     rest: Iterable[str] = (),
     most: int | None = MAX_LINE,
 ) -> str:
-    """Return a call, on one line if it fits."""
+    """Return a call, on one line if it has at most `most` characters."""
     arguments = [*positional, *(f"{key}={text}" for key, text in (keywords or {}).items()), *rest]
     line = f"{name}({', '.join(arguments)})"
     if most is None or ("\n" not in line and len(line) <= most):

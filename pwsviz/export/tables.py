@@ -1,6 +1,6 @@
-"""What is exported of a view: its numbers as CSV or NPZ, its picture as PNG, under a name that says what it is.
+"""Export of a view: its numbers as CSV or NPZ, its picture as PNG.
 
-A table is columns by name. They need not be of one length: a run has more steps than crossings.
+A table is a mapping of names to columns, whose lengths may differ: a run has more steps than crossings.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ Table = Mapping[str, ArrayLike]
 """Columns (n,) of numbers or words, by name."""
 
 CHANGE = "change_of_psi"
-"""Name of the column of |Δψ|; plain, since it is the name of a file in an NPZ."""
+"""Name of the column of |Δψ|; in ASCII, as it names a file in an NPZ."""
 
 ROWS = 50_000
-"""Written at a time, so that a long run need not be held as text."""
+"""Rows formatted at a time, so that a long run is never held as text."""
 
 _OURS = {"about", "method", "start", "side", CHANGE, "kind", "number"}
-"""Columns that are no variables of a system; those of crossings begin with “crossing_”."""
+"""Names of columns that are not variables; those of crossings begin with “crossing_”."""
 
 
 # Files ---------------------------------------------------------------------------------------------------------------
 
 
 def csv_bytes(table: Table, about: str = "") -> bytes:
-    """Return a table as comma-separated values in UTF-8, floats to the last digit.
+    """Return a table as comma-separated values in UTF-8, with floats to the last digit.
 
     The first line is a comment: this package, its version and `about`. Short columns end in empty cells.
-    Words that a spreadsheet would take for a formula are marked as text.
+    Words that a spreadsheet would take for formulas are marked as text.
 
     Parameters
     ----------
     table : mapping of name to (n,) array
         Columns.
     about : str
-        Where it comes from: the link of the scene.
+        Origin of the numbers, such as the link of the scene.
     """
     columns = _columns(table)
     text = io.StringIO(newline="")
@@ -66,7 +66,7 @@ def csv_bytes(table: Table, about: str = "") -> bytes:
 
 
 def npz_bytes(table: Table, about: str = "") -> bytes:
-    """Return a table as what `numpy.load` reads without pickle: the columns, and a text “about”.
+    """Return a table as an NPZ that `numpy.load` reads without pickle: the columns, and a text “about”.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def npz_bytes(table: Table, about: str = "") -> bytes:
         As in `csv_bytes`.
     """
     file = io.BytesIO()
-    with zipfile.ZipFile(file, "w") as archive:  # not numpy.savez, which has no place for a variable called file
+    with zipfile.ZipFile(file, "w") as archive:  # not numpy.savez, which refuses a column named file
         for name, column in {**_columns(table), "about": np.array(_origin(about))}.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
                 np.lib.format.write_array(entry, column, allow_pickle=False)
@@ -93,10 +93,10 @@ def _plain(text: str) -> str:
 
 
 def _origin(about: str) -> str:
-    """Return one line on where a file comes from."""
+    """Return one line on the origin of a file."""
     try:
         release = version("pwsviz")
-    except PackageNotFoundError:  # it runs from its source
+    except PackageNotFoundError:  # not installed
         release = "from source"
     return _on_one_line(f"pwsviz {release} {about}".strip())
 
@@ -110,7 +110,7 @@ def _columns(table: Table) -> dict[str, NDArray[Any]]:
 
 
 def _cells(column: NDArray[Any]) -> Iterable[object]:
-    cells: list[object] = column.tolist()  # of a float, the writer gives every digit
+    cells: list[object] = column.tolist()  # the writer gives floats to the last digit
     return map(_harmless, cells) if column.dtype.kind == "U" else cells
 
 
@@ -133,7 +133,7 @@ def run_table(run: core.Trajectory) -> dict[str, NDArray[Any]]:
     Columns
     -------
     t, the variables by name, side, change_of_psi (|Δψ| since the start); crossing_t, crossing_<variable>,
-    crossing_side (the one entered, 0 where the run stopped), crossing_kind.
+    crossing_side (the side entered, 0 if the run stopped there), crossing_kind.
     """
     crossings = run.crossings
     return {
@@ -149,18 +149,18 @@ def run_table(run: core.Trajectory) -> dict[str, NDArray[Any]]:
 
 
 def runs_table(runs: Mapping[str, core.Trajectory]) -> dict[str, NDArray[Any]]:
-    """Return several runs side by side, each column named after its run: “dmm2.t”."""
+    """Return several runs side by side, with the title of the run before each column name: “dmm2.t”."""
     return {f"{title}.{name}": column for title, run in runs.items() for name, column in run_table(run).items()}
 
 
 def order_table(study: core.OrderStudy) -> dict[str, NDArray[Any]]:
-    """Return both errors of an order study over its step sizes, and the orders fitted.
+    """Return both errors of an order study over its step sizes, and the fitted orders.
 
     Columns
     -------
     tau, state_error_after_<k>, time_error_<k> for crossing number k (0: before the first); after (the numbers k),
-    compared_at (times of the states), state_slope, time_slope (NaN before the first), each with the least and the
-    greatest step size of its fit; method, floor and reference of the study, once each.
+    compared_at (times at which states are compared), state_slope, time_slope (NaN before the first), each with the
+    least and the greatest step size of its fit; method, floor and reference of the study, once each.
     """
     after = (0, *study.crossings)
     gap = np.full((1, 2), np.nan)
@@ -178,7 +178,7 @@ def order_table(study: core.OrderStudy) -> dict[str, NDArray[Any]]:
 
 
 def _by_name(variables: Sequence[str], states: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-    """Return the coordinates of states (n, d) by name; of a variable called as one of our columns, marked."""
+    """Return the columns of states (n, d) by variable, with a prefix where a column of ours has the same name."""
     clash = {name for name in variables if name in _OURS or name.startswith("crossing_")}
     names = [f"variable_{name}" if name in clash else name for name in variables]
     return dict(zip(names, states.T, strict=True))
@@ -214,9 +214,9 @@ if (view != null) {
 
 
 def png_callback(plot: figure) -> str:
-    """Return JavaScript that saves a figure as it is seen, at the resolution of the device, on the page's own ground.
+    """Return JavaScript that saves a figure as seen, at the resolution of the device, on the background of the page.
 
-    It takes the name of the file from an argument ``name``, and is meant for `js_on_click` of a button on the page:
+    It takes the name of the file from an argument ``name``, and is meant for `js_on_click` of a button:
     ``button.js_on_click(args={"name": "portrait.png"}, code=png_callback(plot))``.
     """
     return _SAVE_PICTURE.replace("ID", plot.id)

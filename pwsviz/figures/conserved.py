@@ -1,4 +1,4 @@
-"""The conserved quantity: how far each integrator has let ψ drift, against time."""
+"""The plot of the conserved quantity: |change of ψ| that each integrator has made, against time."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ from pwsviz.results.results import ErrorCurve
 from pwsviz.text.words import rounded_up
 
 FLOOR = MACHINE_EPSILON / 8
-"""Smaller errors, exact zeros among them, are drawn here: a logarithmic axis has no place for them."""
+"""|Change of ψ| at which smaller ones and exact zeros are drawn, since a logarithmic axis has no place for them."""
 
 CEILING = 1e9
-"""Where a curve ends: that of a method that blows up would leave no room for the others."""
+"""|Change of ψ| at which a curve ends: a method that blows up would leave no room for the others."""
 
 MOST_BANDS = 400
-"""More visits than this would be a grey mist; then sides and ticks are left out."""
+"""Most crossings for which segments and ticks are drawn; more of them could not be told apart."""
 
 TELLABLE = 3.0
-"""Two marks on the axis at least this factor apart can be read beside each other."""
+"""Least ratio of two marks on the axis whose labels can be read beside each other."""
 
 NOWHERE = 1e-300
-"""Of a mark that is not shown: below anything the axis shows."""
+"""Height of a mark that is not to be seen: below the axis."""
 
 STEADY = 1e-12
-"""Errors no larger than this are round-off, whatever they do in time."""
+"""|Change of ψ| up to which it is round-off, whether it grows in time or not."""
 
 SUMMARY = "Absolute change of the conserved quantity against time, on a logarithmic axis"
 
@@ -62,7 +62,7 @@ class ConservedView:
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.06),
         )
-        self._ground()
+        self._band_glyphs()
         self._curve_glyphs()
         self._tick_glyphs()
         _, *entries, _ = legend_below(
@@ -77,7 +77,7 @@ class ConservedView:
         )
         self.entries = dict(zip(SIDES, entries, strict=True))
 
-    def _ground(self) -> None:
+    def _band_glyphs(self) -> None:
         plot = self.figure
         self.segments, self.bands = {}, {}
         for side, colour in SIDES.items():
@@ -120,20 +120,20 @@ class ConservedView:
         plot.add_layout(self.now)
 
     def show(self, errors: Sequence[ErrorCurve], landmarks: Landmarks | None = None) -> None:
-        """Draw the errors of one scene.
+        """Draw the errors of the runs of one scene.
 
         Parameters
         ----------
         errors : sequence of ErrorCurve
             One for each integrator.
         landmarks : Landmarks, optional
-            Of the first integrator's run. Without them all crossings look alike, and are found in the portrait only
-            where it has a mark for them.
+            Of the first integrator's run. Without them all crossings have the same marker, and a crossing under the
+            pointer is marked in the portrait only if it has a mark there.
         """
         lines = [line_of(curve.method) for curve in errors]
         heights = [drawable(curve.error[1:]) for curve in errors]
         self.curves.data = {
-            "xs": [curve.t[1:] for curve in errors],  # at the start there is no error yet, by definition
+            "xs": [curve.t[1:] for curve in errors],  # without the start, where the change is 0 by definition
             "ys": heights,
             "method": [curve.method for curve in errors],
             "colour": [line.colour for line in lines],
@@ -172,25 +172,25 @@ class ConservedView:
         )
 
     def _show_round_off(self, level: float) -> None:
-        """Mark what rounding does to ψ, unless there is none, or it is that of numbers near 1 and has its mark."""
+        """Mark the round-off of ψ, unless it is unknown, or too close to machine epsilon, which has its own mark."""
         told = np.isfinite(level) and max(level / MACHINE_EPSILON, MACHINE_EPSILON / max(level, NOWHERE)) >= TELLABLE
         self.levels.move(MACHINE_EPSILON, FLOOR, max(level, FLOOR) if told else NOWHERE)
 
 
 def drawable(error: Floats) -> Floats:
-    """Raise what is too small for the axis to its floor, and leave out what is beyond the ceiling; NaN stays a gap."""
-    beyond = np.maximum.accumulate(error > CEILING)  # once beyond, an envelope would come back at every other point
+    """Return errors raised to `FLOOR`, with NaN from the first one beyond `CEILING` on; NaN stays a gap."""
+    beyond = np.maximum.accumulate(error > CEILING)  # for good: an envelope zigzags back
     return np.where(beyond, np.nan, np.maximum(error, FLOOR))
 
 
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:
-    """Return in a sentence how far each integrator lets ψ drift; empty where no ψ is known."""
+    """Return the drift of ψ of each integrator in a sentence; empty if no ψ is known."""
     told = [words for curve in curves if (words := _drift(curve))]
     return "; ".join(told) + "." if told else ""
 
 
 def _drift(curve: ErrorCurve) -> str:
-    """Say whether the error keeps growing, or stays below a bound; nothing where there is no error."""
+    """Say whether the error of one integrator drifts or stays below a bound; empty if no ψ is known."""
     known = np.isfinite(curve.error) | np.isinf(curve.error)
     t, error = curve.t[known], curve.error[known]
     if not len(error):

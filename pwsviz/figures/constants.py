@@ -1,4 +1,4 @@
-"""The constants of the paper’s theory for a run, as a table in HTML."""
+"""The constants of the theory of the paper for a run, as a table in HTML."""
 
 from __future__ import annotations
 
@@ -72,9 +72,9 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
     method
         A key of `core.METHODS`.
     diagnosis
-        The constants, as from `core.diagnose`; None where they are not known.
+        The constants, as from `core.diagnose`; None if they are not known.
     run
-        Whose they are.
+        The run along which they are evaluated.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
         HTML without scripts.
     """
     if diagnosis is None:
-        return "<p>They are worked out from a run; there is none yet.</p>"
+        return "<p>They are computed from a run; there is none yet.</p>"
     count = len(diagnosis.alpha2)
     if not count:
         return f"<p>{escape(diagnosis.summary)} The constants are those of crossings.</p>"
@@ -113,7 +113,7 @@ def _warnings(warnings: Sequence[str], zeno: bool) -> str:
 
 
 def _readable(warning: str) -> str:
-    """A warning of `core.diagnose` with its symbols as the table has them."""
+    """Return a warning of `core.diagnose` with the symbols of the table."""
     for plain, symbol in (
         ("alpha_hat^2/M_hat", "α̂²/M̂"), ("alpha^2/M", "α²/M"), ("tau_-^*", "τ₋*"), ("tau_+^*", "τ₊*"), ("tau", "τ"),
     ):  # fmt: skip
@@ -122,7 +122,7 @@ def _readable(warning: str) -> str:
 
 
 def _stand_in(method: str) -> str:
-    """Say of which step the discrete constants are, where it is another's than the method's own."""
+    """Say which method's steps the discrete constants are of, if not those of this method."""
     whole = stand_in(method)
     if whole.name == method:
         return ""
@@ -141,7 +141,7 @@ def _shown(value: float) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
-    """Return a table whose first column names its rows. Cells are markup: escape what is not."""
+    """Return a table whose first column holds the row headers; all cells are markup, so escape plain text."""
     top = "".join(f'<th scope="col">{cell}</th>' for cell in head)
     body = "".join(
         f'<tr><th scope="row">{row[0]}</th>{"".join(f"<td>{cell}</td>" for cell in row[1:])}</tr>' for row in rows

@@ -1,4 +1,4 @@
-"""Work-precision diagrams: an error against what it costs, one curve for each integrator."""
+"""The work-precision diagram: an error against its cost, with one curve for each integrator."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EXTERNAL_LINES = {
     "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
     "heyoka": Line("#B4B4B4", (20, 6), "cross", 1.6),
 }
-"""Looks of the integrators made by others: without colour, with dashes and markers that none of ours has."""
+"""Looks of external solvers: grey, with dashes and markers that none of our methods has."""
 
 
 class CostView:
@@ -54,14 +54,16 @@ class CostView:
         legend_below(plot, 3, [({"field": "label"}, lines)])
 
     def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
-        """Draw a study, or what there is of it.
+        """Draw a study, or the part that is computed.
 
         Parameters
         ----------
+        study
+            The study.
         across
-            What stands on the horizontal axis.
+            The cost on the horizontal axis.
         up
-            Which error stands on the vertical one.
+            The error on the vertical axis.
         """
         self._across.axis_label, self._up.axis_label = ACROSS[across], UP[up]
         level = study.floor[up] or MACHINE_EPSILON
@@ -86,7 +88,7 @@ class CostView:
 
 
 class _Drawn:
-    """What is drawn of one curve: points with a cost and an error, and gaps between them."""
+    """The drawn form of one curve: points with a cost and an error, and gaps between them."""
 
     def __init__(self, curve: CostCurve, across: Across, up: Up) -> None:
         self.curve, self._across = curve, across
@@ -98,16 +100,16 @@ class _Drawn:
 
     @property
     def least(self) -> float:
-        """The least error above zero."""
+        """The least error above zero, infinite if there is none."""
         above = self.error[self.there & (self.error > 0)]
         return float(above.min(initial=np.inf))
 
     def height(self, bottom: float) -> Floats:
-        """Errors (m,) as they are drawn; nan: a gap."""
+        """Return (m,) errors as drawn: 0 at `bottom`, and NaN for a gap."""
         return np.where(self.there, np.where(self.error > 0, self.error, bottom), np.nan)
 
     def points(self, bottom: float) -> Iterator[dict[str, Any]]:
-        """A row for each point."""
+        """Yield the columns of each point."""
         for k in np.flatnonzero(self.there).tolist():
             cost = float(self.cost[k])
             yield {

@@ -24,7 +24,9 @@ UP: Mapping[str, str] = {
 """Titles of the axes."""
 
 TARGETS = (1e-3, 1e-6, 1e-9)
-_IN_MEMORY = 1e-3  #: seconds of getting ready that are no compiling
+"""Errors for which the text names the cheapest integrator."""
+
+_IN_MEMORY = 1e-3  #: seconds of preparing below which nothing was compiled or loaded
 
 
 def cost_of(curve: CostCurve, across: Across) -> Floats:
@@ -33,12 +35,12 @@ def cost_of(curve: CostCurve, across: Across) -> Floats:
 
 
 def error_of(curve: CostCurve, up: Up) -> Floats:
-    """Return (m,) errors of a kind."""
+    """Return (m,) errors of one kind."""
     return {"state": curve.state_error, "time": curve.time_error, "invariant": curve.invariant_error}[up]
 
 
 def setting_text(curve: CostCurve, k: int) -> str:
-    """Return a setting as one reads it: “τ = 0.01”."""
+    """Return a setting as text: “τ = 0.01”."""
     name = "τ" if curve.setting_name == "tau" else curve.setting_name
     return f"{name} = {curve.setting[k]:.3g}"
 
@@ -49,7 +51,7 @@ def cost_words(cost: float, across: Across) -> str:
 
 
 def cost_text(study: core.WorkPrecision, across: Across, up: Up) -> str:
-    """Return a study in plain words: which is fastest to an accuracy, what compiling took, and what is missing."""
+    """Return a study in words: which integrator is cheapest for an error, compile times, and what is missing."""
     if not any(np.isfinite(error_of(curve, up)).any() for curve in study.curves):
         start = f"There is no {UP[up]} to show: {_why_none(study, up)}."
     else:
@@ -71,10 +73,10 @@ def _why_none(study: core.WorkPrecision, up: Up) -> str:
 
 
 def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> str:
-    """Return the cheapest integrator to an error, and how the best of the peers compares."""
+    """Return the cheapest integrator for an error, and how the best of the other kind (ours or external) compares."""
     best = sorted(filter(None, (_reach(curve, target, across, up) for curve in study.curves)), key=lambda one: one[0])
     if not best:
-        return f"None gets to an error of {target:.0e}."
+        return f"None reaches an error of {target:.0e}."
     cost, curve, k = best[0]
     word = "Fastest" if across == "seconds" else "Fewest evaluations"
     text = f"{word} to an error of {target:.0e}: {curve.title} ({setting_text(curve, k)}), {cost_words(cost, across)}"
@@ -87,7 +89,7 @@ def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) 
 
 
 def _reach(curve: CostCurve, target: float, across: Across, up: Up) -> tuple[float, CostCurve, int] | None:
-    """Return the least cost of a setting whose error is as small as the target, and which it is."""
+    """Return the least cost of a setting with an error up to the target, with its curve and index; None if none is."""
     cost = np.where(error_of(curve, up) <= target, cost_of(curve, across), np.nan)
     if np.isnan(cost).all():
         return None
@@ -109,11 +111,11 @@ def _about_evaluations(study: core.WorkPrecision) -> str:
 def _compiling(study: core.WorkPrecision) -> str:
     took = [(curve.title, curve.compile_seconds) for curve in study.curves if np.isfinite(curve.compile_seconds)]
     compiled = [f"{title} {duration(seconds)}" for title, seconds in took if seconds >= _IN_MEMORY]
-    return f"To compile or to load from disk, in no other time: {listed(compiled)}." if compiled else ""
+    return f"To compile or to load from disk, not part of the run times: {listed(compiled)}." if compiled else ""
 
 
 def _missing(study: core.WorkPrecision) -> Iterator[str]:
-    """Return what is not there or not right, and why, for each integrator and reason once."""
+    """Yield a sentence on each missing or wrong result, once for each integrator and reason."""
     for word in (WAITING, CANCELLED):
         count = sum(curve.status.count(word) for curve in study.curves)
         if count:

@@ -1,4 +1,4 @@
-"""Stars that are dragged, chosen and removed by hand: what the browser does by itself, and what it tells the server."""
+"""Gestures on the stars: they are dragged, selected and removed in the browser, which reports that to the server."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ ground.dataset.gestures = "on"
 
 const FINGER = 22, MOUSE = 11, STILL = 4   // pixels
 const DOUBLE = 400, PAUSE = 50             // milliseconds
-let held = null      // the star under the hand
-let dropped = null   // the one that was there last, until the server has heard of it
-let last_tap = null  // of a finger on a star
+let held = null      // the star being dragged or clicked
+let dropped = null   // the star dropped last, until the server has confirmed it
+let last_tap = null  // last tap of a finger on a star
 let pointed = false  // whether the pointer is over the figure
 
 const reach = event => event.pointerType == "mouse" ? MOUSE : FINGER
@@ -42,7 +42,7 @@ const star_at = event => {
 const say = (act, index, x, y) => {
   hand.data = { act: [act], index: [index], x: [x], y: [y], count: [hand.data.count[0] + 1] }
 }
-const put = star => {  // in place: the server knows it from `say`
+const put = star => {  // changed in place, so not sent; the server knows it from `say`
   if (star.index >= starts.data.x.length) { return }
   starts.data.x[star.index] = star.x
   starts.data.y[star.index] = star.y
@@ -110,14 +110,14 @@ ground.addEventListener("pointercancel", event => {
   if (held?.pointer == event.pointerId) { drop() }
 }, { capture: true })
 
-// After Bokeh's own, which sets the cursor too.
+// Added after Bokeh's own listener, which sets the cursor, too.
 ground.addEventListener("pointermove", event => { if (star_at(event) != null) { ground.style.cursor = "grab" } })
 ground.addEventListener("pointerenter", () => { pointed = true })
 ground.addEventListener("pointerleave", () => { pointed = false })
 
 ground.addEventListener("touchstart", event => { if (held != null) { event.preventDefault() } }, { passive: false })
 
-starts.connect(starts.properties.data.change, () => {  // answers to what was said some time ago
+starts.connect(starts.properties.data.change, () => {  // the server's answer may be older than the drag
   if (held?.moved) {
     put(held)
   } else if (dropped != null && starts.data.heard[0] < dropped.count) {
@@ -131,7 +131,7 @@ const NO_TEXT = ["range", "checkbox", "radio", "button", "submit"]
 const typing = node => node.isContentEditable || ["TEXTAREA", "SELECT"].includes(node.tagName)
   || node.tagName == "INPUT" && !NO_TEXT.includes(node.type)
 const keydown = event => {
-  if (!ground.isConnected) { return document.removeEventListener("keydown", keydown) }  // its figure was made anew
+  if (!ground.isConnected) { return document.removeEventListener("keydown", keydown) }  // the figure has been rebuilt
   if (event.key != "Delete" && event.key != "Backspace" || event.repeat || held != null) { return }
   const path = event.composedPath()
   if (path.some(typing) || !(pointed || path[0] == ground)) { return }
@@ -140,28 +140,28 @@ const keydown = event => {
 }
 document.addEventListener("keydown", keydown)
 """
-"""Takes what begins on a star before the tools of the figure see it: all other gestures are theirs as ever."""
+"""JavaScript that handles gestures beginning on a star before the tools of the figure, which handle all others."""
 
 
 def attach_gestures(plot: figure, starts: ColumnDataSource) -> ColumnDataSource:
-    """Let the stars of a figure be moved by hand.
+    """Let the user drag, select and remove the stars of a figure.
 
     Parameters
     ----------
     plot : figure
-        Where they are.
+        The figure.
     starts : ColumnDataSource
-        A row for each star, with columns x, y, chosen (one of them is) and heard: the last `count` the server knew of
-        when it sent them.
+        A row for each star, with columns x, y, chosen (true of one star), and heard: the last `count` that the server
+        had received when it sent the row.
 
     Returns
     -------
     ColumnDataSource
-        One row, replaced at each act of the hand: act ("drag", "drop", "select" or "remove"), index of the star, x and
-        y where it is now (of the first two), and count of the acts so far.
+        One row, replaced at each gesture: act ("drag", "drop", "select" or "remove"), index of the star, its place x, y
+        after a drag or drop, and count of the gestures so far.
     """
     hand = ColumnDataSource({"act": [""], "index": [0], "x": [0.0], "y": [0.0], "count": [0]})
     attach = CustomJS(args={"plot": plot, "starts": starts, "hand": hand}, code=GESTURES)
-    plot.js_on_change("inner_width", attach)  # once it is laid out, the figure has its element
-    plot.js_on_event(MouseEnter, attach)  # and again where it was given another one of the same size
+    plot.js_on_change("inner_width", attach)  # when the figure is laid out, its element exists
+    plot.js_on_event(MouseEnter, attach)  # and again if it was given a new element of the same size
     return hand

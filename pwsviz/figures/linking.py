@@ -1,4 +1,4 @@
-"""A crossing that is pointed at in one view is marked in the other too: by the browser alone."""
+"""Linking of two figures: a crossing under the pointer in one is marked in the other, in the browser alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ POINT = """
 const put = (source, columns) => {
   const name = Object.keys(columns)[0], before = source.data[name], after = columns[name]
   if (before.length == after.length && after.every((value, k) => value == before[k])) { return }
-  source.setv({ data: columns }, { sync: false })  // the server has no use for it
+  source.setv({ data: columns }, { sync: false })  // not needed by the server
 }
 const point = (x, y, t) => {
   put(portrait, x == null || !Number.isFinite(x) ? { x: [], y: [] } : { x: [x], y: [y] })
@@ -36,7 +36,7 @@ const [i] = cb_data?.index?.indices ?? []
 if (i == null) { point() } else {
   const { t, x, y, number, method } = ticks.data
   let place = [x[i], y[i]]
-  if (!Number.isFinite(x[i])) {  // not told: then where the portrait has the mark of this crossing
+  if (!Number.isFinite(x[i])) {  // place unknown: use the mark of this crossing in the portrait, if any
     const j = marks.data.number.findIndex((other, k) => other == number[i] && marks.data.method[k] == method[i])
     place = j < 0 ? [null, null] : [marks.data.x[j], marks.data.y[j]]
   }
@@ -46,7 +46,7 @@ if (i == null) { point() } else {
 
 
 def link_crossings(portrait: PortraitView, conserved: ConservedView) -> None:
-    """Mark a crossing that is pointed at in one of the views in the other too; the server hears nothing of it."""
+    """Let a crossing under the pointer in one figure be marked in both, without the server."""
     args = {
         "portrait": portrait.pointed, "conserved": conserved.pointed,
         "marks": portrait.crossings, "ticks": conserved.instants,

@@ -1,4 +1,4 @@
-"""Order plots: an error against the step size, one curve for each number of crossings, with the slopes fitted."""
+"""The order plot: an error against the step size, one curve for each number of crossings, with fitted slopes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LINES = (
     Line(GREEN, (3, 3), "triangle", 1.6),
     Line(ORANGE, (10, 4, 2, 4), "diamond", 1.6),
 )
-"""Looks of the curves; other colours than those of the integrators, which they do not tell apart."""
+"""Looks of the curves; they do not stand for integrators, whose looks are in `style`."""
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,12 @@ class Row:
 
     name: str
     short: str
+    """The name in the legend."""
     error: Floats
+    """(m,) error at each step size."""
     slope: float
     window: tuple[float, float]
+    """Least and greatest step size of the fit."""
 
     @property
     def label(self) -> str:
@@ -42,7 +45,7 @@ class Row:
 
 
 def state_rows(study: core.OrderStudy) -> list[Row]:
-    """State error before the first crossing and after each of the later ones."""
+    """Return the curves of the state error before the first crossing and after each of the studied ones."""
     names = [("before the first crossing", "before")]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     return [
@@ -52,7 +55,7 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
 
 
 def time_rows(study: core.OrderStudy) -> list[Row]:
-    """Error of the time of each of the crossings looked at."""
+    """Return the curves of the error of the time of each studied crossing."""
     return [
         Row(name, name, study.time_error[k], float(study.time_slope[k]), _ends(study.time_window[k]))
         for k, name in enumerate(f"crossing {count}" for count in study.crossings)
@@ -127,7 +130,7 @@ class OrderView:
         drawn = [(row, LINES[k % len(LINES)], np.isfinite(row.error) & (row.error > 0)) for k, row in enumerate(rows)]
         self.curves.data = {
             "xs": [taus for _ in drawn],
-            "ys": [np.where(there, row.error, np.nan) for row, _, there in drawn],  # nan: a gap
+            "ys": [np.where(there, row.error, np.nan) for row, _, there in drawn],  # NaN leaves a gap
             "colour": [line.colour for _, line, _ in drawn],
             "dash": [list(line.dash) for _, line, _ in drawn],
             "label": [row.label for row, _, _ in drawn],
@@ -150,7 +153,7 @@ class OrderView:
         self._show_guides(taus, rows, floor, order)
 
     def _show_guides(self, taus: Floats, rows: list[Row], floor: float, order: int) -> None:
-        """Draw lines of whole slopes through one point above the curves, down to the lowest error."""
+        """Draw lines of integer slopes through one point above the curves, down to the lowest error."""
         errors = np.concatenate([row.error[np.isfinite(row.error) & (row.error > 0)] for row in rows])
         top, bottom = 3 * float(errors.max(initial=floor)), min(float(errors.min(initial=1.0)), floor)
         near, far = float(taus.min()), float(taus.max())
@@ -166,7 +169,7 @@ class OrderView:
 
 
 def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:
-    """Return the power law fitted to a curve, at the ends of the window of the fit."""
+    """Return the fitted power law (τ, error) at the ends of its fit; None if there is no fit."""
     low, high = row.window
     used = (taus >= low * (1 - 1e-9)) & (taus <= high * (1 + 1e-9)) & np.isfinite(row.error) & (row.error > 0)
     if not np.isfinite(row.slope) or used.sum() < 2:

@@ -1,7 +1,7 @@
 """The phase portrait: orbits over the sides, the surface, the field and the level sets of ψ.
 
-Stars stand where the trajectories start. They are placed, chosen, dragged and removed by hand, with mouse or finger;
-the browser moves them (`gestures`), and tells the server where to.
+Stars mark the starts of the trajectories. The user places, selects, drags and removes them with mouse or finger; the
+browser moves them (see `gestures`), and reports the new places to the server.
 """
 
 from __future__ import annotations
@@ -46,24 +46,24 @@ KIND_MARKERS = {
 KIND_COLOURS = {
     "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": ORANGE,
 }  # fmt: skip
-"""Besides the markers; those of one colour never meet at one crossing."""
+"""Colours of crossings; kinds of the same colour differ in their marker."""
 
 PALE_STAR = "#F7DDA2"
-"""Of the other starts than the selected one; a black number is legible on it as on the other."""
+"""Fill of the stars of other starts, on which a black number is legible."""
 
 RIM = "#9A6700"
-"""Around the stars; black would be lost on a dark page."""
+"""Outline of the stars; black would be lost on a dark page."""
 
 NEAR = 1.2
-"""How far out, in sizes of the first orbit, another integrator's may still widen the view."""
+"""Size, relative to the first orbit, of the window within which orbits of other integrators may widen the view."""
 
 OTHERS = 3.0
-"""How far out trajectories from other starts may."""
+"""The same for orbits from other starts."""
 
 SUMMARY = "Phase portrait"
 
 POINTED_SIZE = 19
-"""Pixels across the ring around the crossing pointed at: a mark, and some room."""
+"""Diameter in pixels of the ring around the crossing under the pointer: a mark, and some room."""
 
 
 class PortraitView:
@@ -72,23 +72,23 @@ class PortraitView:
     Parameters
     ----------
     on_window : callable
-        Told the part of the plane on the screen whenever that changes.
+        Called with the visible part of the plane whenever that changes.
     on_place : callable
-        Told where (x, y) the person clicked on empty ground.
+        Called with (x, y) when the user clicks on the plane, beside all stars.
     on_move : callable
-        Told which start (from 0) was dragged where (x, y): some twenty times a second on the way, and at the end.
-        Who refuses a move calls `show_starts`, or the star stays where it was dropped.
+        Called with (index, x, y) when the user drags a start: some twenty times a second, and at the end. To refuse a
+        move, call `show_starts`; otherwise the star stays where it was dropped.
     on_remove, on_select : callable
-        Told which start is to go, or to be selected.
+        Called with the index of the start to remove or to select.
 
     Attributes
     ----------
     frame : Window or None
-        What the view is fitted to, unless the person has zoomed.
+        The part of the plane to which the view is fitted, unless the user has zoomed.
     covered : Window or None
         The part of the plane the backdrop covers.
     dragging : bool
-        Whether a star is under the person's hand; the view then stays as it is.
+        Whether a star is being dragged; the view then stays as it is.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class PortraitView:
         self.dragging = False
         self._fitted_to: Hashable = None
         self._box: Window | None = None
-        self._ground: Backdrop | None = None
+        self._backdrop: Backdrop | None = None
         self._visible: Window | None = None
         self._heard = 0
         self._acts: dict[str, Callable[[int, float, float], None]] = {
@@ -114,13 +114,13 @@ class PortraitView:
             "remove": lambda index, _x, _y: on_remove(index),
             "select": lambda index, _x, _y: on_select(index),
         }
-        self._ground_glyphs()
+        self._backdrop_glyphs()
         self._orbit_glyphs()
         self._crossing_glyphs()
         self._start_glyphs()
         self._add_legend()
         self._watch_window(on_window)
-        self._watch_hand(on_place)
+        self._watch_gestures(on_place)
 
     @staticmethod
     def _plot() -> figure:
@@ -135,7 +135,7 @@ class PortraitView:
         plot.grid.visible = False
         return plot
 
-    def _ground_glyphs(self) -> None:
+    def _backdrop_glyphs(self) -> None:
         plot = self.figure
         self.side = ColumnDataSource({"xs": [], "ys": []})
         self.tint = plot.multi_polygons("xs", "ys", source=self.side, color=SIDES[-1], alpha=0.13, line_width=0)
@@ -167,7 +167,7 @@ class PortraitView:
             "x", "y", source=self.crossings, marker="marker", size=7, fill_color="white", line_color="colour",
             line_width=2,
         )  # fmt: skip
-        reach = plot.scatter("x", "y", source=self.crossings, size=16, alpha=0.0)  # a mark is small to hit
+        reach = plot.scatter("x", "y", source=self.crossings, size=16, alpha=0.0)  # easier to hit than the mark
         self.hover = HoverTool(
             renderers=[reach],
             tooltips=[
@@ -225,22 +225,22 @@ class PortraitView:
             axis.on_change("start", tell)
             axis.on_change("end", tell)
 
-    # The hand --------------------------------------------------------------------------------------------------------
+    # Gestures --------------------------------------------------------------------------------------------------------
 
-    def _watch_hand(self, on_place: Callable[[float, float], None]) -> None:
+    def _watch_gestures(self, on_place: Callable[[float, float], None]) -> None:
         def place(event: Event) -> None:
             if not isinstance(event, PointEvent) or event.x is None or event.y is None:
                 return
             x, y = float(event.x), float(event.y)
-            if self._visible is None or self._visible.holds(np.array([[x, y]])).all():  # else on an axis
+            if self._visible is None or self._visible.holds(np.array([[x, y]])).all():  # else the click was on an axis
                 on_place(x, y)
 
         self.figure.on_event(Tap, place)
         self.hand = attach_gestures(self.figure, self.starts)
-        self.hand.on_change("data", lambda _attribute, _old, new: self._obey(new))
+        self.hand.on_change("data", lambda _attribute, _old, new: self._handle_gesture(new))
 
-    def _obey(self, said: dict[str, Sequence[Any]]) -> None:
-        """Pass on what the browser says the hand has done."""
+    def _handle_gesture(self, said: dict[str, Sequence[Any]]) -> None:
+        """Pass on a gesture that the browser reports."""
         act, index, x, y, self._heard = (said[name][0] for name in ("act", "index", "x", "y", "count"))
         self.dragging = act == "drag"
         if act in self._acts and 0 <= index < len(self.starts.data["x"]) and math.isfinite(x) and math.isfinite(y):
@@ -253,18 +253,18 @@ class PortraitView:
     def show_orbits(
         self, system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
     ) -> Window:
-        """Draw the trajectories, fit the view if it no longer suits them, and return the part of the plane to cover.
+        """Draw the trajectories, fit the view if it no longer suits them, and return the part it is fitted to.
 
         Parameters
         ----------
         system : core.PiecewiseSystem
-            Whose they are.
+            The system.
         pictures : Pictures
-            Their curves, in the plane of ``pictures.inputs.axes``.
+            The curves, in the plane of ``pictures.inputs.axes``.
         starts : sequence of (float, float)
-            Where in that plane all trajectories start by now; the person may have gone on meanwhile.
+            The present starts in that plane; the user may have moved them since the curves were submitted.
         selected : int
-            Which of them is selected.
+            Index of the selected start.
         """
         axes = pictures.inputs.axes
         self._name(system, axes)
@@ -275,7 +275,7 @@ class PortraitView:
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._box = extent(pictures.orbits, pictures.others)
-        return self._fit((pictures.inputs.selected[0].ground.declaration, axes), self._box)
+        return self._fit((pictures.inputs.selected[0].problem.declaration, axes), self._box)
 
     def _show_crossings(self, orbits: Sequence[Orbit]) -> None:
         kinds = [kind for orbit in orbits for kind in orbit.kinds]
@@ -291,9 +291,9 @@ class PortraitView:
         )
 
     def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
-        """Put the stars where the trajectories start: also where a move was refused, to bring its star back."""
+        """Put the stars at the starts; after a refused move this puts its star back."""
         chosen = [k == selected for k in range(len(starts))]
-        self.starts.data = {  # sent if the hand said anything since: it may have moved them in the browser alone
+        self.starts.data = {  # sent after each gesture, as `heard` differs: the browser may have moved them by itself
             "x": [float(x) for x, _ in starts],
             "y": [float(y) for _, y in starts],
             "number": [str(k + 1) for k in range(len(starts))],
@@ -304,45 +304,45 @@ class PortraitView:
         }
 
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
-        """Say what is on the axes, and name in the legend only what is there."""
+        """Label the axes, and show only what is drawn in the legend."""
         self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, axes)
         self.surface_entry.label = value(surface_name(system))
         self.surface_entry.visible = self.tint_entry.visible = shows_surface(system, axes)
 
     def _fit(self, what: Hashable, box: Window) -> Window:
-        """Keep a view that holds the orbits at a fair size, or is held itself; else take a new one.
+        """Fit the view to `box`, unless a star is being dragged or the present view shows the box large enough.
 
-        A new system, or another plane, always gets its own.
+        Another system, or another plane, always gets a new view.
         """
         news = what != self._fitted_to
         if self.frame is None or news or not (self.dragging or _holds(self.frame, box)):
             self.frame, self._fitted_to = box, what
             assign(self.corners, x=[box.x_low, box.x_high], y=[box.y_low, box.y_high])
-            for axis in ranges(self.figure):  # as far as digits tell points apart, and no farther out than is of use
+            for axis in ranges(self.figure):  # zoom in as far as floats resolve, and out as far as is useful
                 axis.min_interval = 1e-9 * _power_of_ten(max(map(abs, box)))
                 axis.max_interval = 1e4 * _power_of_ten(max(box.width, box.height))
         if news:
             refit(self.figure)
         return self.frame
 
-    def show_backdrop(self, ground: Backdrop) -> None:
-        """Draw what lies under the orbits."""
-        if ground is self._ground:
+    def show_backdrop(self, backdrop: Backdrop) -> None:
+        """Draw the backdrop of the orbits."""
+        if backdrop is self._backdrop:
             return
-        self._ground, self.covered = ground, ground.window
+        self._backdrop, self.covered = backdrop, backdrop.window
         self.side.data = {
-            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in _polygons(ground)],
-            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in _polygons(ground)],
+            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
+            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
         }
-        self.surface.data = _columns(ground.surface)
+        self.surface.data = _columns(backdrop.surface)
         for side in SIDES:
-            self.levels[side].data = _columns(ground.levels[side])
-            self.orbit_levels[side].data = _columns(ground.orbit_levels[side])
-            self.arrows[side].data = _columns(ground.arrows[side])
+            self.levels[side].data = _columns(backdrop.levels[side])
+            self.orbit_levels[side].data = _columns(backdrop.orbit_levels[side])
+            self.arrows[side].data = _columns(backdrop.arrows[side])
 
 
 def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
-    """Return the columns of crossings of these kinds that say how each is marked; "crossing" is any kind, unsaid."""
+    """Return the columns that give the look of crossings of these kinds; "crossing" stands for an unknown kind."""
     return {
         "label": ["crossing" if kind == "transversal" else kind for kind in kinds],
         "kind": kinds,
@@ -354,7 +354,7 @@ def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
 def portrait_text(
     system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
 ) -> str:
-    """Return what the portrait shows, in a sentence for those who cannot see it."""
+    """Return what the portrait shows, in sentences for screen readers."""
     across, up = (system.variables[k] for k in pictures.inputs.axes)
     x, y = starts[selected]
     count = len(starts)
@@ -367,14 +367,15 @@ def portrait_text(
 
 
 def extent(orbits: Sequence[Orbit], others: Sequence[Orbit] = ()) -> Window:
-    """Return the box that shows the first orbit whole, closed surfaces of its size, and the others near it.
+    """Return the box of the first orbit, closed surfaces of comparable size, and the orbits near it.
 
     Parameters
     ----------
     orbits : sequence of Orbit
         One for each integrator, from the selected start.
     others : sequence of Orbit
-        The same from the other starts, start by start. Another start counts farther out than another integrator.
+        The same from the other starts, start by start. Those of the first integrator count, farther out (`OTHERS`)
+        than the orbits of other integrators (`NEAR`).
     """
     first = Window.around(np.concatenate([orbits[0].path, orbits[0].surface]))
     points = np.concatenate([*(orbit.path for orbit in orbits), orbits[0].surface])
@@ -396,18 +397,18 @@ def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any
 
 
 def _holds(frame: Window, box: Window) -> bool:
-    """Whether the box is inside the frame, to a hair, and not much smaller in either direction."""
+    """Whether the box lies in the frame, enlarged by 6 %, and has at least 40 % of its width and height."""
     room = frame.scaled(1.06)
     return room.covers(box) and min(box.width / frame.width, box.height / frame.height) >= 0.4
 
 
 def _power_of_ten(size: float) -> float:
-    """The size's order of magnitude: bounds on a range that change seldom, as every change refits the view."""
+    """Return the power of ten below a size: bounds of a range should change seldom, as each change refits the view."""
     return 10.0 ** math.floor(math.log10(size))
 
 
-def _polygons(ground: Backdrop) -> list[tuple[Floats, list[Floats]]]:
-    return list(zip(ground.minus_outer, ground.minus_holes, strict=True))
+def _polygons(backdrop: Backdrop) -> list[tuple[Floats, list[Floats]]]:
+    return list(zip(backdrop.minus_outer, backdrop.minus_holes, strict=True))
 
 
 def _line_source() -> ColumnDataSource:

@@ -1,4 +1,4 @@
-"""The scheme: a system's equations, the method derived from them, and the constants of its theory, as HTML."""
+"""The scheme as HTML: the equations of a system, the method derived from them, and the constants of its theory."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def scheme_markup(
     perturbation_order: int | None = None,
     perturbation_scale: float = 1.0,
 ) -> str:
-    """Return what is solved, by what scheme, and what the theory says of this run.
+    """Return the equations, the scheme, and the constants of the theory for a run.
 
     Parameters
     ----------
@@ -54,18 +54,18 @@ def scheme_markup(
     method
         A key of `core.METHODS`.
     diagnosis
-        The constants of `run`, as from `core.diagnose`; None where they are not known.
+        The constants of `run`, as from `core.diagnose`; None if they are not known.
     run
-        The run that was looked at.
+        The run along which they are evaluated.
     locate
         Whether crossings are located (Mannshardt), or stepped over.
     perturbation_order, perturbation_scale
-        p and c of the disturbance c·τᵖ of crossing times; None for none.
+        p and c of the perturbation c·τᵖ of crossing times; an order of None for no perturbation.
 
     Returns
     -------
     str
-        HTML without scripts, in which nothing a person typed is markup; `SCHEME_STYLE` is its style sheet.
+        HTML without scripts, in which everything a user typed is escaped; `SCHEME_STYLE` is its style sheet.
     """
     derived = _derived(system.laws, tuple(names_of(system).items()), method)
     transition = _Sheet({})
@@ -86,7 +86,7 @@ def scheme_markup(
 
 
 class _Sheet:
-    """Equations and words one after another, with the LaTeX source of the equations."""
+    """A sequence of equations and paragraphs, with the LaTeX source of the equations."""
 
     def __init__(self, names: Names) -> None:
         self.names = names
@@ -102,7 +102,7 @@ class _Sheet:
         self.source.append(f"{left} = {latex(right, self.names)}")
 
     def rate(self, variable: str, right: Expr) -> None:
-        """Δx/τ = …, one component of a step."""
+        """Add the equation Δx/τ = … of one component of a step."""
         change = Symbol(f"change of {variable}")
         left = change / Symbol(r"\tau")
         names = {**self.names, change: rf"\Delta {self.names[Symbol(variable)]}"}
@@ -126,11 +126,11 @@ class _Sheet:
         self._parts.append(table(head, rows))
 
 
-# What is the same for every value of the parameters ------------------------------------------------------------------
+# Independent of the values of the parameters -------------------------------------------------------------------------
 
 
 class _Derived(NamedTuple):
-    """What is worked out once for a system and a method."""
+    """What is derived once for a system and a method."""
 
     system: str
     scheme: str
@@ -146,7 +146,7 @@ def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str) -> 
 
 
 def _groups(laws: Laws) -> Iterator[tuple[str, str, Mode]]:
-    """Sign, heading and laws of each side; of both at once where they are the same."""
+    """Yield sign, heading and mode of each side; once for both if their laws agree."""
     minus, plus = laws.modes[-1], laws.modes[1]
     same = (minus.field, minus.conserved) == (plus.field, plus.conserved)
     for key, mode in ((0, plus),) if same else ((-1, minus), (1, plus)):
@@ -169,7 +169,7 @@ def _write_system(sheet: _Sheet, laws: Laws) -> None:
 
 
 def _alone(entries: Sequence[Expr] | sympy.MatrixBase) -> Shown:
-    """Leave the brackets off a single entry."""
+    """Return a single entry without brackets."""
     return entries[0] if len(entries) == 1 else entries
 
 
@@ -199,7 +199,7 @@ def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
 
 
 def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, Mode], None] | None) -> None:
-    """Λᵗ of every mode, and what follows from it."""
+    """Write Λᵗ of each mode, followed by what `write` adds to it."""
     sheet.say(
         "The multiplier Λᵗ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
         "the start of a step and 1 its end, paper (eq:twoSchemes)."
@@ -227,12 +227,12 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
 
 
 def _names_time(laws: Laws) -> bool:
-    """Whether a conserved quantity names time."""
+    """Whether a conserved quantity depends on time."""
     return any(psi.has(TIME) for mode in laws.modes.values() for psi in mode.conserved)
 
 
 def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
-    """The discrete field fᵗ of dmm2: written out where ψ fixes the orbit, else as it is put together."""
+    """Write the discrete field fᵗ of dmm2: explicitly if ψ determines the orbit, else by its construction."""
     discrete = mode.discrete
     if mode.conserved and discrete.factor is None:
         sheet.say("The mean field is moved across Λᵗ by as little as will do (the minimal-norm scheme):")

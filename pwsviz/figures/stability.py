@@ -1,4 +1,4 @@
-"""Stability: the map of outcomes, drift in long runs, and runs beside a tangency; each a fixed figure."""
+"""The figures of a stability study: the map of outcomes, the drift in long runs, and runs near a tangency."""
 
 from __future__ import annotations
 
@@ -33,14 +33,18 @@ class StabilityView:
         return self._of(part).figure
 
     def show(self, study: core.StabilityStudy, part: Part, method: str, what: Shown = "outcome") -> None:
-        """Draw one part of a study, or what there is of it.
+        """Draw one part of a study, or what is computed of it.
 
         Parameters
         ----------
+        study
+            The study.
+        part
+            The part to draw.
         method
-            Which integrator the map is of; the others show all.
+            The integrator of the map; the other parts show all integrators.
         what
-            "outcome" or "error": what the colours of the map mean.
+            What the colours of the map show: "outcome" or "error".
         """
         drawn = self._of(part)
         if isinstance(drawn, MapFigure):

@@ -1,4 +1,4 @@
-"""Drift in long runs, and runs beside a tangency: |Δψ| on logarithmic axes, a curve for each integrator."""
+"""Drift in long runs, and runs near a tangency: |Δψ| on logarithmic axes, a curve for each integrator."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 __all__ = ["DriftFigure", "GrazingFigure"]
 
 _CURVE = ("xs", "ys", "method", "colour", "dash", "width")
-_WIDEST = 2.5  #: of a curve
+_WIDEST = 2.5  #: pixels of line width
 
 
 class DriftFigure:
@@ -46,7 +46,7 @@ class DriftFigure:
         self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)])[1]
 
     def show(self, study: core.StabilityStudy) -> None:
-        """Draw what there is of the long runs."""
+        """Draw what is computed of the long runs."""
         drift, methods = study.drift, study.methods
         if drift is None:
             self.curves.data = {name: [] for name in self.curves.data}
@@ -103,7 +103,7 @@ class GrazingFigure:
         self._entries = legend_below(plot, 3, entries, widest=195)[1:3]
 
     def show(self, study: core.StabilityStudy) -> None:
-        """Draw what there is of the runs beside a tangency."""
+        """Draw what is computed of the runs near a tangency."""
         grazing = study.grazing
         for source in (self.curves, *self.points, self.wrong):
             source.data = {name: [] for name in source.data}
@@ -143,14 +143,14 @@ def _columns(methods: tuple[str, ...], xs: list[Floats], ys: list[Floats]) -> di
 
 
 def _heights(grazing: Grazing, k: int, side: int) -> Floats:
-    """Errors of an integrator on one side as drawn: at the floor where no ψ is known, nan where not computed."""
+    """Return the errors of an integrator on one side as drawn: the floor if no ψ is known, NaN if not computed."""
     error = grazing.error[k, side]
     there = grazing.crossings[k, side] >= 0
     return np.where(there, drawable(np.where(np.isfinite(error), error, 0.0)), np.nan)
 
 
 def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, heights: Floats) -> list[dict[str, Any]]:
-    """A row for each run of an integrator on one side."""
+    """Return the columns of each run of an integrator on one side."""
     error, found, expected = grazing.error[k, side], grazing.crossings[k, side], grazing.expected[side]
     return [
         {

@@ -1,4 +1,4 @@
-"""Outcomes of runs over step size and start, as a map."""
+"""The map of outcomes of runs, over step size and start."""
 
 from __future__ import annotations
 
@@ -38,11 +38,13 @@ __all__ = ["COLOURS", "MapFigure", "Shown"]
 Shown = Literal["outcome", "error"]
 
 FLOOR = MACHINE_EPSILON / 8
+"""|Δψ| at the lower end of the colour scale; smaller ones have the same colour."""
+
 CEILING = 1.0
-"""Errors beyond these have the colours of these."""
+"""|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
 COLOURS: Mapping[int, str] = {
-    core.Status.COMPLETED: SKY,  # so is every run that does what the solution does
+    core.Status.COMPLETED: SKY,  # and every run that does what the solution does
     WRONG_CROSSINGS: ORANGE,
     WENT_ON: OCHRE,
     core.Status.ESCAPED: VERMILION,
@@ -57,7 +59,7 @@ COLOURS: Mapping[int, str] = {
     core.Status.CROSSING_LIMIT: GREY,
     NO_START: "#404040",
 }
-"""Colours of the outcomes."""
+"""Colour of each outcome."""
 
 _CELLS = ("left", "right", "bottom", "top", "tau", "value", "words", "crossings", "error")
 
@@ -91,7 +93,7 @@ class MapFigure:
         self._legend = plot.legend[0]
 
     def _limit_glyphs(self) -> None:
-        """Lines at the largest step size that works, each named."""
+        """Make the labelled lines at the largest step size that works for each integrator."""
         self.limits = ColumnDataSource({name: [] for name in ("x", "y", "text", "colour", "dash")})
         self.figure.vspan("x", source=self.limits, line_color="#FFFFFF", line_width=5)
         self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
@@ -102,7 +104,7 @@ class MapFigure:
         )  # fmt: skip
 
     def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
-        """Draw the map of one integrator, or what there is of it, and where each integrator stops working."""
+        """Draw what is computed of the map of one integrator, and the largest step size of each integrator."""
         self.figure.yaxis[0].axis_label = f"{study.coordinate_name} at the start"
         self._legend.visible, self.bar.visible = what == "outcome", what == "error"
         cells = {} if study.map is None else _cells(study.map, study.methods.index(method))
@@ -128,13 +130,13 @@ class MapFigure:
 
 
 def _edges(centres: Floats) -> Floats:
-    """Return (n + 1,) edges of cells about (n,) increasing centres."""
+    """Return (n + 1,) edges of cells around (n,) increasing centres."""
     middles = (centres[1:] + centres[:-1]) / 2
     return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
 
 
 def _cells(found: OutcomeMap, k: int) -> dict[str, Floats | list[str]]:
-    """Return the cells of one integrator that are computed, a row each."""
+    """Return the columns of the computed cells of one integrator."""
     row, column = np.nonzero(found.outcome[k] != NOT_YET)
     across, up = np.exp(_edges(np.log(found.taus))), _edges(found.values)
     outcome, error, works = (a[k][row, column] for a in (found.outcome, found.error, found.works))

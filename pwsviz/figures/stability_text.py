@@ -1,4 +1,4 @@
-"""A stability study in plain words, and as columns."""
+"""A stability study in words, and as a table."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ _SHORT: Mapping[int, str] = {
 }
 
 SIDES = ("less", "more")
-"""The two sides of a tangency, as its arrays have them."""
+"""The two sides of a tangency, in the order of the arrays of a `Grazing`."""
 
 Columns = dict[str, ArrayLike]
 
 
 def cell_words(code: int, expected: int) -> str:
-    """Return what came of a run in a few words, where nothing is known of the solution with a word on that."""
+    """Return the outcome of a run in a few words; if the outcome of the solution is not known, say that instead."""
     if expected not in ENDINGS and code != NO_START:
         return "the reference gives up"
     return _SHORT[code]
@@ -61,14 +61,14 @@ def side_words(study: core.StabilityStudy, side: int) -> str:
 
 
 def stability_text(study: core.StabilityStudy, part: str, method: str) -> str:
-    """Return one part of a study in plain words: the same as its figure shows, for those who cannot see it.
+    """Return one part of a study in words: the same as its figure shows, also for screen readers.
 
     Parameters
     ----------
     part
-        "largest_tau", "map" (which tells of the former too), "drift" or "grazing".
+        "largest_tau", "map" (which includes the former), "drift" or "grazing".
     method
-        Which integrator the map is of.
+        The integrator of the map.
     """
     words = []
     if part in ("largest_tau", "map") and study.largest_tau is not None:
@@ -85,7 +85,7 @@ def stability_text(study: core.StabilityStudy, part: str, method: str) -> str:
 
 
 def _limits(study: core.StabilityStudy, largest: LargestTau) -> list[str]:
-    """A sentence for each integrator on the largest step size that works."""
+    """Return a sentence for each integrator on the largest step size that works."""
     sentences = []
     for k, name in enumerate(study.methods):
         tau, beyond, reason = largest.tau[k], largest.beyond[k], largest.reason[k]
@@ -103,7 +103,7 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> list[str]:
 
 
 def _outcomes(study: core.StabilityStudy, found: OutcomeMap, method: str) -> list[str]:
-    """How often each outcome comes in the map of one integrator."""
+    """Return the shares of the outcomes in the map of one integrator."""
     k = study.methods.index(method)
     done = found.outcome[k] != NOT_YET
     total = int(done.sum())
@@ -122,12 +122,12 @@ def _outcomes(study: core.StabilityStudy, found: OutcomeMap, method: str) -> lis
 
 
 def _share(part: float) -> str:
-    """Return a part of the whole in per cent, never 0% of what there is nor 100% of what is not all."""
+    """Return a share above 0 in per cent, not rounded to 0% or 100%."""
     return f"{part:.0%}" if 0.005 <= part <= 0.995 or part == 1.0 else ("under 1%" if part < 0.5 else "over 99%")
 
 
 def _drift(study: core.StabilityStudy, drift: Drift) -> list[str]:
-    """The worst error of each integrator in a long run, and where it stopped."""
+    """Return the worst error of each integrator in its long run, and where it stopped."""
     sentences = [f"{plural(drift.steps, 'step')} of τ = {drift.tau:.3g}."]
     for name, error, status, message in zip(study.methods, drift.error, drift.status, drift.message, strict=True):
         known = np.flatnonzero(np.isfinite(error))
@@ -145,10 +145,10 @@ def _drift(study: core.StabilityStudy, drift: Drift) -> list[str]:
 
 
 def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
-    """Where the tangency is, and how close to it each integrator still finds the right crossings."""
+    """Say where the tangency is, and how close to it each integrator finds the right crossings."""
     name = study.coordinate_name
     if not grazing.found:
-        return [f"No tangency: at no {name} in the range looked at does the trajectory touch the surface in passing."]
+        return [f"No tangency: at no {name} in the range searched does the trajectory touch the surface in passing."]
     place = ", ".join(f"{v:.4g}" for v in grazing.state)
     start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
     sentences = [f"{start} ({place}). Runs of τ = {grazing.tau:.3g} beside it:"]
@@ -170,7 +170,7 @@ def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
 
 
 def stability_table(study: core.StabilityStudy, part: str) -> Columns:
-    """Return one part of a study as columns (n,) by name; without rows where it is not computed."""
+    """Return one part of a study as columns (n,) by name; none if it is not computed."""
     methods = np.array(study.methods)
     if part == "largest_tau" and study.largest_tau is not None:
         largest = study.largest_tau

@@ -1,4 +1,4 @@
-"""Colours, dashes and the common look of the figures: calm, and readable without telling colours apart."""
+"""Colours, dashes and the common look of the figures, legible without telling colours apart."""
 
 from __future__ import annotations
 
@@ -21,23 +21,33 @@ from bokeh.plotting import figure
 
 import core
 
-# The palette of Okabe and Ito, legible in the common kinds of colour blindness, on light and dark ground alike.
-BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
-# Four more, as far from those and from one another as these are, in the same kinds of colour blindness.
-VIOLET, OCHRE, BROWN, BERRY = "#9000F0", "#C0A860", "#786030", "#903C6C"
+# The palette of Okabe and Ito, which is legible in the common kinds of colour blindness, on light and on dark ground.
+BLUE = "#0072B2"
+VERMILION = "#D55E00"
+GREEN = "#009E73"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+PURPLE = "#CC79A7"
+# Four more, as distinct from these and from one another as these are, in the same kinds of colour blindness.
+VIOLET = "#9000F0"
+OCHRE = "#C0A860"
+BROWN = "#786030"
+BERRY = "#903C6C"
+# Neutral ones.
 GREY = "#808080"
 SAND = "#A89A80"
 
 SIDES = {-1: SKY, 1: SAND}
-HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 720px)"
-"""Of a figure on the page: what the screen has left, within reason."""
+"""Colour of each side of the surface."""
 
+HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 720px)"
+"""CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
 PLOT_STYLES = {"height": HEIGHT, "flex": "none"}
 
 
 class Line(NamedTuple):
-    """How one curve is drawn."""
+    """The look of one curve."""
 
     colour: str
     dash: tuple[int, ...]
@@ -61,10 +71,10 @@ LOOKS: dict[str, tuple[Line, ...]] = {
     "Projected": (Line(OCHRE, (6, 2), "plus", 2.4),),
     "TaylorSeries": (Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),),
 }
-"""Of each family's integrators, in their order, and then again from the first: no two agree in colour, nor in dash."""
+"""Looks of the integrators of each family, in their order (cyclically); all differ in colour and in dash."""
 
 LEGEND_GLYPH = 34
-"""Pixels of line in a legend: the longest pattern of dashes once and a little more."""
+"""Pixels of line in a legend: a little more than one period of the longest dash pattern."""
 
 
 def line_of(method: str) -> Line:
@@ -81,7 +91,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     Parameters
     ----------
     summary : str
-        What the figure shows, for those who cannot see it.
+        What the figure shows, for screen readers.
     **options
         Passed on to `bokeh.plotting.figure`.
     """
@@ -96,7 +106,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "html_attributes": {"role": "img", "aria-label": summary},
     }
     plot = figure(**{**settings, **options})
-    for wheel in plot.select(WheelZoomTool):  # the bare wheel scrolls the page
+    for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
         wheel.update(modifiers="ctrl", zoom_on_axis=False)
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
@@ -104,20 +114,20 @@ def plain_figure(summary: str, **options: Any) -> figure:
 
 
 def describe(plot: figure, words: str) -> None:
-    """Say what a figure shows now, for those who cannot see it; the browser takes it over at once."""
+    """Set the description of a figure for screen readers; the browser applies it at once."""
     plot.html_attributes = {**plot.html_attributes, "aria-label": words}
 
 
 @dataclass(frozen=True)
 class NamedLevels:
-    """Heights marked across a plot."""
+    """Horizontal lines across a plot, labelled at its right edge."""
 
     ticker: FixedTicker
     names: CustomJSTickFormatter
     spans: list[Span]
 
     def move(self, *levels: float) -> None:
-        """Put the marks at other heights."""
+        """Move the lines to other heights."""
         self.names.args = {**self.names.args, "levels": list(levels)}
         self.ticker.ticks = list(levels)
         for span, level in zip(self.spans, levels, strict=True):
@@ -125,11 +135,11 @@ class NamedLevels:
 
 
 def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
-    """Name heights of a logarithmic plot at its right edge, where no curve runs, each with a line across."""
+    """Draw labelled lines across a logarithmic plot; the labels are at its right edge, where no curve runs."""
     ticker = FixedTicker(ticks=list(levels))
     look: dict[str, Any] = {"line_color": GREY, "line_dash": "dotted", "line_width": 1.5}
     spans = [Span(location=level, dimension="width", **look) for level in levels]
-    # By height: the browser counts only the ticks in view.
+    # Labels are looked up by height, since the browser numbers only the ticks in view.
     args = {"names": list(levels.values()), "levels": list(levels)}
     names = CustomJSTickFormatter(args=args, code="return names[levels.indexOf(tick)] ?? ''")
     labels: dict[str, Any] = {"ticker": ticker, "formatter": names}
@@ -140,7 +150,7 @@ def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
 
 
 def fit_to_corners(plot: figure, x: list[float], y: list[float]) -> ColumnDataSource:
-    """Let the ranges hold two corners, which are not drawn, and follow nothing else; return their source."""
+    """Let the ranges follow two invisible corner points and nothing else; return the source of these points."""
     corners = ColumnDataSource({"x": x, "y": y})
     renderer = plot.scatter("x", "y", source=corners, alpha=0.0, size=1)
     for axis in ranges(plot):
@@ -149,7 +159,7 @@ def fit_to_corners(plot: figure, x: list[float], y: list[float]) -> ColumnDataSo
 
 
 def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
-    """Return the ranges of a figure, which all follow data."""
+    """Return the ranges of a figure; TypeError unless they follow data."""
     across, up = plot.x_range, plot.y_range
     if not (isinstance(across, DataRange1d) and isinstance(up, DataRange1d)):
         raise TypeError("the ranges of a figure on this page follow its data")
@@ -157,23 +167,23 @@ def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
 
 
 def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], widest: int = 115) -> list[LegendItem]:
-    """Put a legend under the plot, where it covers nothing, and return its entries.
+    """Put a legend below the plot, where it covers nothing, and return its entries.
 
     Parameters
     ----------
     plot : figure
-        Gets the legend.
+        The figure.
     columns : int
-        Entries a row, at the most.
-    widest : int
-        Pixels that an entry may need: of a narrow plot a row has so many fewer.
+        Most entries in a row.
     entries : list of (label, renderer)
         A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
+    widest : int
+        Pixels that an entry may need; rows of a narrow plot have fewer entries accordingly.
     """
     items = [LegendItem(label=label, renderers=[renderer]) for label, renderer in entries]
     look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
     legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
-    # The page's theme narrows the glyphs in the browser, so far that dashes could not be told apart.
+    # In the browser the theme of the page narrows the glyphs so far that dashes could not be told apart.
     legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
     fewer = f"legend.ncols = Math.max(1, Math.min({columns}, Math.floor(cb_obj.outer_width / {widest})))"
     plot.js_on_change("outer_width", CustomJS(args={"legend": legend}, code=fewer))
@@ -182,25 +192,25 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], wid
 
 
 def unseen(columns: Iterable[str]) -> ColumnDataSource:
-    """Return a source of one mark that is nowhere.
+    """Return a source of one mark without a place (NaN).
 
-    A legend may be drawn before the first marks have arrived at their glyph; the browser fails to draw a mark of none.
+    A legend may be drawn before the first marks arrive, and the browser cannot draw the entry of a glyph without marks.
     """
     words = {"marker": "circle", "colour": GREY, "fill": GREY, "label": "crossing"}
     return ColumnDataSource({name: [words.get(name, np.nan)] for name in columns})
 
 
 def assign(source: ColumnDataSource, **columns: Any) -> None:
-    """Give a source of plain columns new data, unless they are what it has: what is not sent need not be painted."""
+    """Give a source new data unless they equal its own, which saves sending and painting them."""
     if any(not np.array_equal(source.data[name], values) for name, values in columns.items()):
         source.data = columns
 
 
 def refit(plot: figure) -> None:
-    """Forget a zoom made by hand: the ranges follow their data again.
+    """Undo the user's zoom, so that the ranges follow their data again.
 
-    The browser resumes following whenever a setting of the range changes; the one touched here matters only for a
-    single point.
+    The browser resumes following whenever a property of the range changes; ``default_span``, toggled here, matters only
+    for data of a single point.
     """
     for axis in ranges(plot):
         axis.default_span = 1.0 if axis.default_span == 2.0 else 2.0

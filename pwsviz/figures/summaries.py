@@ -1,4 +1,4 @@
-"""What stands in words beside a figure: runs, studies, integrators that are left out."""
+"""Texts beside the figures: on runs, on order studies, on methods that are left out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
 
 
 def run_line(summary: Summary) -> str:
-    """Return one run in figures, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
+    """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
     figures = f"{plural(summary.steps, 'step')}, {plural(summary.crossings, 'crossing')}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'
@@ -23,14 +23,14 @@ def run_line(summary: Summary) -> str:
 
 
 def run_lines(summaries: Sequence[Summary]) -> str:
-    """Return a line for each run and, once for all that stopped for the same reason, where and why the first did."""
+    """Return a line for each run and, for each reason to stop, the message of the first run that stopped for it."""
     messages = {summary.status: summary.message for summary in reversed(summaries)}
     messages.pop(core.Status.COMPLETED, None)
     return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in messages.values())
 
 
 def swatch(method: str) -> str:
-    """Return a short piece of an integrator's line."""
+    """Return a sample of the line of an integrator, as SVG."""
     line = line_of(method)
     dashes = " ".join(map(str, line.dash))
     return (
@@ -40,7 +40,7 @@ def swatch(method: str) -> str:
 
 
 def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
-    """Return the slopes of a study in words: the same as the plot shows, for those who cannot see it."""
+    """Return the slopes of an order study in words: the same as the plot shows, also for screen readers."""
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
     words = f"{study.method}: {slopes}. Measured against: {study.reference}."
     if not any(math.isfinite(row.slope) for row in rows):
@@ -52,7 +52,7 @@ def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
 
 
 def method_notes(scene: Scene) -> str:
-    """Return which of the chosen integrators are left out of what, and why."""
+    """Return which integrators are left out of which studies, and why."""
     resting = [name for name in core.METHODS if name not in scene.offered]
     notes = []
     if resting:

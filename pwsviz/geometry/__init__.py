@@ -1,1 +1,1 @@
-"""Polylines and planes: what is drawn of a curve, and where."""
+"""Polylines at screen resolution, and the plane of the portrait."""

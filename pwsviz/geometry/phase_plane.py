@@ -1,4 +1,4 @@
-"""What lies under the curves of a phase portrait: sides, surface, field and level sets, on a window of the plane."""
+"""The backdrop of a phase portrait: sides, surface, field and level sets, on a window of the plane."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from pwsviz.geometry.polyline_reduction import Floats, simplify
 from pwsviz.geometry.projection import Axes, shows_field, shows_levels, shows_surface
 
 GRID = 160
-"""Points across the longer side of the grid on which surfaces and level sets are traced."""
+"""Cells along the longer side of the grid on which surfaces and level sets are traced."""
 
 ARROWS = 24
-"""Arrows across the longer side."""
+"""Arrows of the field along the longer side."""
 
 LEVELS = 7
-"""Level sets a side, besides those through the orbits."""
+"""Level sets drawn on each side, besides those through the orbits."""
 
 
 class Window(NamedTuple):
@@ -45,21 +45,21 @@ class Window(NamedTuple):
 
     @classmethod
     def around(cls, points: Floats) -> Window:
-        """Return the box of some points, with a margin; rows with NaN do not count."""
+        """Return the bounding box of points (n, 2) with a margin, ignoring NaN."""
         low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
         size, away = float((high - low).max()), float(np.abs(high + low).max()) / 2
-        if size <= 1e-6 * max(away, 1e-3):  # a point: as much around it as it is away from the origin
+        if size <= 1e-6 * max(away, 1e-3):  # one point: its largest |coordinate| becomes the margin, or 1
             size = 5 * max(away, 1.0)
         margin = 0.2 * size
         return cls(*(float(end) for end in (low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin)))
 
     def holds(self, points: Floats) -> NDArray[np.bool_]:
-        """Which of the points lie within."""
+        """Return (n,) which of the points (n, 2) lie within."""
         x, y = points[:, 0], points[:, 1]
         return (self.x_low <= x) & (x <= self.x_high) & (self.y_low <= y) & (y <= self.y_high)
 
     def scaled(self, factor: float) -> Window:
-        """Return the window grown about its middle."""
+        """Return the window scaled about its centre."""
         x, y = (self.x_low + self.x_high) / 2, (self.y_low + self.y_high) / 2
         w, h = factor * self.width / 2, factor * self.height / 2
         return Window(x - w, x + w, y - h, y + h)
@@ -70,13 +70,13 @@ class Window(NamedTuple):
         return across and self.y_low <= other.y_low and other.y_high <= self.y_high
 
     def shows_well(self, other: Window) -> bool:
-        """Whether `other`, drawn on this window, is covered and not much smaller."""
+        """Whether this backdrop suits the view `other`: it covers it and is at most four times as large."""
         return self.covers(other) and self.width <= 4 * other.width and self.height <= 4 * other.height
 
 
 @dataclass(frozen=True)
 class Backdrop:
-    """The ground of a portrait; every line is a (k, 2) array with rows of NaN between pieces."""
+    """The backdrop of a portrait; each curve is a (k, 2) array with rows of NaN between its pieces."""
 
     window: Window
     surface: Floats
@@ -90,16 +90,16 @@ class Backdrop:
 def backdrop(
     system: core.PiecewiseSystem, window: Window, orbits: dict[int, tuple[float, ...]], axes: Axes = (0, 1)
 ) -> Backdrop:
-    """Trace everything that depends on the system and the window alone, as it is at t = 0.
+    """Trace what depends only on the system and the window, at t = 0.
 
     Parameters
     ----------
     system : core.PiecewiseSystem
-        What of it cannot be drawn in the plane (see `projection`) is left empty.
+        The system. What cannot be drawn in the plane (see `projection`) is left empty.
     window : Window
         The part of the plane to cover.
     orbits : dict
-        For each side the values of ψ that the visible orbits have there.
+        Values of ψ of the visible orbits on each side (−1, +1).
     axes : (int, int)
         The variables that span the plane.
     """
@@ -117,14 +117,14 @@ def backdrop(
 
 
 def closed_surface(system: core.PiecewiseSystem, window: Window, axes: Axes = (0, 1)) -> Floats:
-    """Return the points (k, 2) of those pieces of the surface that are closed within a window."""
+    """Return the points (k, 2) of the pieces of the surface that are closed curves within a window."""
     lines = _Plane(system, window, axes).surface()
     loops = [line for line in lines if len(line) > 3 and np.array_equal(line[0], line[-1])]
     return np.concatenate([*loops, np.empty((0, 2))])
 
 
 class _Plane:
-    """A grid on the window, with the system's functions on it."""
+    """The functions of the system on a grid over the window."""
 
     def __init__(self, system: core.PiecewiseSystem, window: Window, axes: Axes) -> None:
         self.system = system
@@ -135,18 +135,18 @@ class _Plane:
 
     @cached_property
     def psi(self) -> dict[int, Floats | None]:
-        """Conserved quantities of either side on the grid."""
+        """The first conserved quantity of each side on the grid, or None."""
         return {side: self._conserved(side) for side in (-1, 1)}
 
     def _axes(self, count: int) -> tuple[Floats, Floats]:
-        """Square cells, `count` of them along the longer side."""
+        """Return grid lines in x and y: nearly square cells, `count` of them along the longer side."""
         w = self.window
         cell = max(w.width, w.height) / count
         nx, ny = max(2, round(w.width / cell)), max(2, round(w.height / cell))
         return np.linspace(w.x_low, w.x_high, nx + 1), np.linspace(w.y_low, w.y_high, ny + 1)
 
     def _states(self, x: Floats, y: Floats) -> Floats:
-        """States over points of the plane; where there are more variables, nothing drawn depends on them."""
+        """Return states over points of the plane; further variables are 0, as nothing drawn depends on them."""
         states = np.zeros((*x.shape, self.system.dimension))
         states[..., self.axes[0]], states[..., self.axes[1]] = x, y
         return states
@@ -155,7 +155,7 @@ class _Plane:
         return np.asarray(self.system.switching(0.0, self._states(x, y)), dtype=float)
 
     def _conserved(self, side: int) -> Floats | None:
-        """Return ψ on the grid, None where there is none or its level sets have no place in the plane."""
+        """Return ψ on the grid; None if there is none, or its level sets cannot be drawn in the plane."""
         if not shows_levels(self.system):
             return None
         with np.errstate(all="ignore"):
@@ -163,17 +163,17 @@ class _Plane:
         return np.ma.masked_invalid(psi[..., 0]) if psi.shape[-1] else None
 
     def contour(self, values: Floats, level: float) -> list[Floats]:
-        """Lines of one level, thinned to what the grid resolves."""
+        """Return the contour lines of one level, simplified to within 1/4000 of the longer side."""
         lines: Any = contour_generator(self.x, self.y, values, line_type=LineType.Separate).lines(level)
         tolerance = max(self.window.width, self.window.height) / 4000
         return [line[simplify(line, tolerance)] for line in lines]
 
     def surface(self) -> list[Floats]:
-        """Pieces of the curve g = 0, where it is one."""
+        """Return the pieces of the curve g = 0; none if it is no curve in the plane."""
         return self.contour(self.g, 0.0) if shows_surface(self.system, self.axes) else []
 
     def minus_rings(self) -> list[list[Floats]]:
-        """Outlines of the ground where g < 0, each followed by those of its holes."""
+        """Return the outlines of the regions where g < 0, each followed by those of its holes."""
         if not shows_surface(self.system, self.axes):
             return []
         inside = contour_generator(self.x, self.y, self.g, fill_type=FillType.OuterOffset)
@@ -182,7 +182,7 @@ class _Plane:
         return [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(pieces, offsets, strict=True)]
 
     def usual_levels(self, side: int) -> tuple[float, ...]:
-        """Levels that part the visible ground of a side into strips of equal area."""
+        """Return quantiles of ψ, so that the level sets divide the visible part of a side into strips of equal area."""
         psi = self.psi[side]
         if psi is None:
             return ()
@@ -190,7 +190,7 @@ class _Plane:
         return tuple(np.quantile(there, (np.arange(LEVELS) + 0.5) / LEVELS)) if there.size else ()
 
     def level_sets(self, side: int, levels: tuple[float, ...]) -> Floats:
-        """Trace level sets of ψ, cut off at the surface."""
+        """Return level sets of ψ on one side, cut off at the surface."""
         psi = self.psi[side]
         if psi is None:
             return _joined([])
@@ -198,7 +198,7 @@ class _Plane:
         return _joined([piece for line in lines for piece in self._cut(line, side)])
 
     def _cut(self, line: Floats, side: int) -> list[Floats]:
-        """Split a line into the pieces on one side, ending on the surface (linearly between vertices)."""
+        """Return the pieces of a line on one side, cut where g, interpolated linearly, changes sign."""
         g = side * self._switching(line[:, 0], line[:, 1])
         change = np.flatnonzero(g[:-1] * g[1:] < 0)
         share = g[change] / (g[change] - g[change + 1])
@@ -211,7 +211,7 @@ class _Plane:
         return [piece for piece in pieces if len(piece) > 1]
 
     def arrows(self, side: int) -> Floats:
-        """Directions of the field of one side, as open arrows of equal length."""
+        """Return the directions of the field of one side, as open arrows of equal length."""
         if not shows_field(self.system):
             return np.empty((0, 2))
         x, y = (values.ravel() for values in np.meshgrid(*self._axes(ARROWS)))
@@ -228,7 +228,7 @@ class _Plane:
 
 
 def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> Floats:
-    """One row per vertex: tail, tip, barb, tip, barb, and a gap."""
+    """Return six rows for each arrow: tail, tip, barb, tip, barb, and a gap."""
     forward = 0.5 * length * np.column_stack([u, v])
     sideways = 0.28 * np.column_stack([-forward[:, 1], forward[:, 0]])
     middle = np.column_stack([x, y])
@@ -238,6 +238,6 @@ def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> F
 
 
 def _joined(lines: list[Floats]) -> Floats:
-    """One array of all lines, each followed by a gap."""
+    """Return one array of all lines, each followed by a gap."""
     gap = np.full((1, 2), np.nan)
     return np.concatenate([part for line in lines for part in (line, gap)] or [gap])

@@ -1,11 +1,11 @@
-"""Long curves at the resolution of a screen: no more vertices than the eye can use.
+"""Reduction of long curves to the resolution of a screen.
 
-A million states pass through here between two frames of a dragged slider; so the loops are compiled. Every reduction
-comes with a bound that the tests hold it to.
+A million states pass through here between two frames of a dragged slider, so the loops are compiled. Each reduction
+states a bound that the tests check.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
-# numba takes the types of what is compiled from the first call.
+# numba infers the types of compiled functions from their first call.
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 RESOLUTION = 1500
-"""Pixels along the longer side of a plot, at a generous guess."""
+"""Pixels assumed along the longer side of a plot, more than most screens give it."""
 
 _compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
 
 
 def simplify(points: Floats, tolerance: float, pinned: Mask | None = None) -> Indices:
-    """Choose vertices by shape: many where the curve bends, few where it is straight.
+    """Choose the vertices of a simplified curve: many where it bends, few where it is straight.
 
     Parameters
     ----------
     points : (n, 2) array
         The curve.
     tolerance : float
-        The largest distance (Hausdorff) allowed between the curve and what remains of it.
+        Largest Hausdorff distance allowed between the curve and the simplified one.
     pinned : (n,) bool array, optional
-        Vertices to keep in any case. The two ends are always kept.
+        Vertices to keep in any case. Both ends are always kept.
 
     Returns
     -------
@@ -45,9 +45,9 @@ def simplify(points: Floats, tolerance: float, pinned: Mask | None = None) -> In
 
     Notes
     -----
-    One pass: from the last vertex kept an edge is drawn out for as long as all points passed lie within the tolerance
-    of it (the cone of admissible directions: Williams, Comput. J. 21, 1978; Sklansky, Gonzalez, Pattern Recogn. 12,
-    1980). An edge that would have to turn back is ended, too, so that no point is left beyond its end.
+    One pass: an edge from the last vertex kept is extended as long as all points passed lie within the tolerance of it
+    (the cone of admissible directions: Williams, Comput. J. 21, 1978; Sklansky, Gonzalez, Pattern Recogn. 12, 1980).
+    It also ends where the curve turns back, so that no point lies beyond its end.
     """
     kept = np.empty(len(points), dtype=np.intp)
     fixed = np.zeros(len(points), dtype=bool) if pinned is None else pinned
@@ -66,7 +66,7 @@ def _simplify(points, tolerance, fixed, kept):
         r = np.sqrt(x * x + y * y)
         within = r >= far and (open_ or (low_x * y - low_y * x >= 0.0 and high_x * y - high_y * x <= 0.0))
         if not open_ and tolerance == 0.0 and low_x * x + low_y * y <= 0.0:
-            within = False  # the cone is a line, and this is its other half
+            within = False  # the cone is a line, and this point lies in the opposite direction
         if i - 1 > anchor and (fixed[i - 1] or not within):
             anchor = kept[count] = i - 1
             count, far, open_ = count + 1, 0.0, True
@@ -91,25 +91,25 @@ def _simplify(points, tolerance, fixed, kept):
 def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None = None, limit: int = 4000) -> Floats:
     """Reduce a trajectory to at most `limit` vertices that draw the same picture.
 
-    First by shape alone, to a quarter of a pixel. An orbit that goes round so often that this is not enough repeats
-    itself on the screen: then only what reaches pixels not painted before is kept, in pieces. Where even that is
-    too much (a trajectory that fills an area), the pixels grow until it fits.
+    First it is simplified to within a quarter of a pixel. If too many vertices remain, the orbit repeats itself on the
+    screen; then only the pieces that reach pixels not painted before are kept. If even these are too many (a trajectory
+    that fills an area), the pixels are enlarged until the bound is met.
 
     Parameters
     ----------
     points : (n, 2) array
-        The trajectory; states that are not finite are left out.
+        The trajectory; states that are not finite leave a gap.
     pinned : (n,) bool array, optional
-        Vertices that carry a kink, such as crossings, kept unless already painted.
+        Vertices with a kink, such as crossings, kept unless their pixel is already painted.
     shown : (n,) bool array, optional
-        Vertices to draw at all; the others leave a gap.
+        Vertices to draw; the others leave a gap.
     limit : int
         Bound on the rows returned.
 
     Returns
     -------
     (k, 2) array
-        Vertices, pieces parted by a row of NaN.
+        Vertices, with a row of NaN between pieces.
     """
     valid = np.ones(len(points), dtype=bool) if shown is None else shown.copy()
     fixed = np.zeros(len(points), dtype=bool) if pinned is None else pinned
@@ -130,7 +130,7 @@ def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None =
 
 @dataclass(frozen=True)
 class _Curve:
-    """A polyline with kinks to keep and gaps.
+    """A polyline with gaps, and with kinks to keep.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ class _Curve:
     broken: Mask
 
     def path(self, tolerance: float) -> Floats:
-        """Vertices chosen by shape, with NaN in the gaps."""
+        """Return the simplified curve, with a row of NaN in each gap."""
         pinned = self.fixed.copy()
         pinned[:-1] |= self.broken
         pinned[1:] |= self.broken
@@ -154,8 +154,8 @@ class _Curve:
         return np.insert(self.points[kept], 1 + np.flatnonzero(self.broken[kept[:-1]]), np.nan, axis=0)
 
     def unpainted(self, cell: float) -> _Curve:
-        """Only what enters a square of side `cell` for the first time, with the edges that lead there and away."""
-        new = first_visits(self.points, cell)
+        """Return the part that enters a square of side `cell` for the first time, with the edges to and from it."""
+        new = first_in_cells(self.points, cell)
         touched = new.copy()
         touched[1:] |= new[:-1]
         touched[:-1] |= new[1:]
@@ -164,27 +164,27 @@ class _Curve:
         return _Curve(self.points[index], (self.fixed & new)[index], gaps)
 
 
-def first_visits(points: Floats, cell: float) -> Mask:
-    """Mark the points that are the first of all in their square of side `cell`."""
+def first_in_cells(points: Floats, cell: float) -> Mask:
+    """Return (n,) which points are the first in their square of side `cell`."""
     first = np.ones(len(points), dtype=bool)
     points = np.ascontiguousarray(points)
     x_low, x_high, y_low, y_high = _bounds(points, first)
     columns, rows = 1 + int((x_high - x_low) / cell), 1 + int((y_high - y_low) / cell)
-    _first_visits(points, x_low, y_low, cell, np.zeros((columns, rows), dtype=bool), first)
+    _first_in_cells(points, x_low, y_low, cell, np.zeros((columns, rows), dtype=bool), first)
     return first
 
 
 @_compiled
-def _first_visits(points, x_low, y_low, cell, visited, first):
+def _first_in_cells(points, x_low, y_low, cell, occupied, first):
     for i in range(points.shape[0]):
         column, row = int((points[i, 0] - x_low) / cell), int((points[i, 1] - y_low) / cell)
-        first[i] = not visited[column, row]
-        visited[column, row] = True
+        first[i] = not occupied[column, row]
+        occupied[column, row] = True
 
 
 @_compiled
 def _bounds(points, valid):
-    """Least and greatest x and y of the valid points, of which those that are not finite are struck off."""
+    """Return least and greatest x and y of the valid points; points that are not finite are marked invalid."""
     x_low = y_low = np.inf
     x_high = y_high = -np.inf
     for i in range(points.shape[0]):
@@ -197,14 +197,14 @@ def _bounds(points, valid):
 
 
 def spliced(points: Floats, rows: Floats, places: Indices) -> tuple[Floats, Mask]:
-    """Insert rows into a curve, and mark them.
+    """Insert rows into a curve, and return the result with a mask of these rows.
 
     Parameters
     ----------
     points : (n, 2) array
     rows : (k, 2) array
     places : (k,) int array
-        Before which of the points each row goes; ascending.
+        Index of the point before which each row is inserted; ascending.
 
     Returns
     -------
@@ -227,30 +227,30 @@ def _spread(points, marks, out):
 
 
 def distinct_pixels(points: Floats, limit: int = 1000) -> Indices:
-    """Indices of points that do not hide one another, at most `limit` of them."""
+    """Return the indices of at most `limit` points, one in each square of two pixels."""
     x_low, x_high, y_low, y_high = _bounds(np.ascontiguousarray(points), np.ones(len(points), dtype=bool))
     span = max(x_high - x_low, y_high - y_low) if len(points) else 0.0
     if span == 0.0:
         return np.arange(min(len(points), 1))
-    return np.flatnonzero(first_visits(points, 2 * span / RESOLUTION))[:limit]
+    return np.flatnonzero(first_in_cells(points, 2 * span / RESOLUTION))[:limit]
 
 
 def envelope(t: Floats, y: Floats, columns: int = 1200) -> tuple[Floats, Floats]:
-    """Smallest and largest value in each pixel column, as one zigzag line.
+    """Return the least and greatest value in each pixel column, as one zigzag line.
 
     Parameters
     ----------
     t : (n,) array
-        Ascending.
+        Times, ascending.
     y : (n,) array
-        NaN where there is no value.
+        Values; NaN if there is none.
     columns : int
         Pixel columns across the plot.
 
     Returns
     -------
     t, y : (k,) arrays with k ≤ 2 columns
-        The series itself where it is short enough; else two points a column, at its first instant.
+        The series itself if it has at most 2 × columns points; else two points a column, at its first time.
     """
     if len(t) <= 2 * columns:
         return t, y

@@ -1,7 +1,7 @@
-"""What of a system can be drawn in the plane of two of its variables, and what the page says of the rest.
+"""What can be drawn of a system in the plane of two of its variables, and what the page says of the rest.
 
-Of a system with more variables the portrait shows trajectories as they are projected. A slice through a surface or a
-field is no projection, and would mislead: it is left out.
+If a system has more variables, the portrait shows the projections of trajectories. A slice through a surface or a field
+is not a projection and would mislead, so it is left out.
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from core.symbolic import TIME
 Name = TypeVar("Name")
 
 PLANE = 2
-"""Dimension of what fits on a screen."""
+"""Dimension of a portrait."""
 
 Axes = tuple[int, int]
 """The two variables, by number, that span the portrait."""
 
 
 def planes(system: core.PiecewiseSystem) -> list[Axes]:
-    """Return the choices of two variables to span the portrait."""
+    """Return all pairs of variables that can span the portrait."""
     return [(a, b) for b in range(system.dimension) for a in range(b)]
 
 
 def in_plane(x: Floats, axes: Axes) -> Floats:
-    """Return the two coordinates (n, 2) of states (n, d) that are shown, without a copy where possible."""
+    """Return the two shown coordinates (n, 2) of states (n, d), without a copy where possible."""
     a, b = axes
     return x[:, a : b + 1 : b - a] if a < b else x[:, (a, b)]
 
 
 def shows_surface(system: core.PiecewiseSystem, axes: Axes) -> bool:
-    """Whether g = 0 is a curve in the plane: g names no other variable."""
+    """Whether g = 0 is a curve in the plane: g depends on no other variable."""
     return not system.laws.g.free_symbols & set(_others(system.laws.x, axes))
 
 
@@ -44,17 +44,17 @@ def shows_field(system: core.PiecewiseSystem) -> bool:
 
 
 def shows_levels(system: core.PiecewiseSystem) -> bool:
-    """Whether trajectories run along level sets in the plane: ψ names no time."""
+    """Whether trajectories follow level sets in the plane: ψ does not depend on time."""
     return system.dimension == PLANE and not _psi_names_time(system)
 
 
 def surface_name(system: core.PiecewiseSystem) -> str:
-    """Return what the legend calls the surface."""
+    """Return the name of the surface in the legend."""
     return "S: g = 0 at t = 0" if _moves(system) else "S: g = 0"
 
 
 def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
-    """Return what stands beside the axes of the portrait."""
+    """Return the labels of the axes of the portrait."""
     across, up = (system.variables[k] for k in axes)
     if system.dimension == PLANE:
         return across, up
@@ -62,7 +62,7 @@ def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
 
 
 def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
-    """Return what the portrait leaves out, or shows at one time only, in sentences; none where that is nothing."""
+    """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
     sentences = []
     if system.dimension > PLANE:
         plane = ", ".join(system.variables[k] for k in axes)
@@ -77,7 +77,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
 
 
 def conserved_note(system: core.PiecewiseSystem) -> str:
-    """Return what there is to know about ψ beside its plot: that there is none, or more than one."""
+    """Return a note for the plot of ψ if a side has no ψ, or more than one; else nothing."""
     counts = {side: len(system.laws.modes[side].conserved) for side in (-1, 1)}
     if not any(counts.values()):
         return f"{system.name}: no conserved quantity is known on either side, so there is no change of it to show."

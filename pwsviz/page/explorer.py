@@ -1,4 +1,4 @@
-"""The page: controls on the left, the portrait in the middle, one more view beside it."""
+"""The page: controls on the left, the portrait in the middle, another view beside it."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.panes import PLAIN_SX, text_pane
 
 RESULTS = Results()
-"""Shared by all sessions of the server: a second visitor finds the first picture ready."""
+"""Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
 
 ADDRESS_RESTS = 400
-"""Milliseconds without a change after which the address bar is brought up to date."""
+"""Milliseconds without a change of the scene after which the address bar is updated."""
 
 SOON = 200
-"""Milliseconds after which a long study is said to be under way: one that is remembered is there before."""
+"""Milliseconds after which a study is shown to be running; a cached one is delivered before."""
 
 AHEAD = 0.05
-"""Seconds after which a system of one's own that is ready is compiled, wanted or not; its check has waited already."""
+"""Seconds after a successful check of a user's own system until it is compiled, in case the user applies it."""
 
 GRID_CSS = """
 :host { display: grid !important; grid-template-columns: repeat(auto-fit, minmax(min(100%, 430px), 1fr)); gap: 8px 20px;
@@ -57,28 +57,28 @@ PAGE_SX = {
 }  # fmt: skip
 
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
-"""Of a button in the header: the words of its theme are white there, on the assumption of a coloured bar."""
+"""Of a button in the header, whose theme assumes a coloured bar and sets white text."""
 
 LOADING_HTML = """{% extends "base.html" %}
 {% block loader_css %}{{ super() }}
 #loader:not(.error) { background: none; cursor: progress; }
 {% endblock %}"""
-"""The page being built: a wheel turns, and what is there already is seen, but not touched: Panel would not hear it."""
+"""While the page is built: the parts already there are visible but take no input, which Panel would lose."""
 
 THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
 
 TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "10px"}}
-"""Titles as narrow as they can be; on a narrow screen the row scrolls."""
+"""Titles as narrow as possible; on a narrow screen the row scrolls."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
 
 
-class _Calm(param.Parameterized):
+class _NeverBusy(param.Parameterized):
     busy = param.Boolean(default=False)
 
 
 class Explorer(pn.viewable.Viewer):
-    """One person's page: follows a scene, and computes what is visible of it off the event loop.
+    """The page of one session: follows a scene, and computes what is visible of it off the event loop.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class Explorer(pn.viewable.Viewer):
         self.results = results or RESULTS
         self.notice = text_pane("")
         if scene is None and pn.state.location is not None:
-            self.adopt(pn.state.location.search)  # before anything is asked for
+            self.adopt(pn.state.location.search)  # before anything is computed
         self.scheduler = Scheduler()
         self.views = {key: TABS[key](self.scene, self.results) for key in VIEWS}
         lines = [view.now for view in self.views.values() if view.now is not None]
@@ -110,7 +110,7 @@ class Explorer(pn.viewable.Viewer):
         self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
-        self._behind: set[str] = set()
+        self._changed_settings: set[str] = set()
         self.tabs = self._make_tabs()
         for tab in self.views.values():
             if isinstance(tab, LongTab):
@@ -133,22 +133,22 @@ class Explorer(pn.viewable.Viewer):
         return self.views[self.scene.view]
 
     def _follow(self, *events: Any) -> None:
-        waiting = bool(self._behind)
-        self._behind |= {event.name for event in events}
+        waiting = bool(self._changed_settings)
+        self._changed_settings |= {event.name for event in events}
         if not waiting:
             self.scheduler.call_soon(self._catch_up)
 
     def _catch_up(self) -> None:
         """Bring the page up to date with the scene."""
-        behind, self._behind = self._behind, set()
+        changed, self._changed_settings = self._changed_settings, set()
         self.refresh()
-        if behind & set(self.view.settings):
+        if changed & set(self.view.settings):
             self.view.redraw()
         self._changes += 1
         self.scheduler.call_later(ADDRESS_RESTS, partial(self._write_address, self._changes))
 
     def refresh(self) -> None:
-        """Ask for whatever the visible views lack."""
+        """Submit the computations that the visible views need and do not show yet."""
         self.portrait_panel.refresh()
         view = self.view
         view.reveal()
@@ -164,10 +164,10 @@ class Explorer(pn.viewable.Viewer):
         )
         if submitted:
             self._stop_others(view)
-            self.scheduler.call_later(SOON, partial(self._promise, view, wanted))
+            self.scheduler.call_later(SOON, partial(self._show_begun, view, wanted))
 
-    def _promise(self, view: Tab, wanted: Any) -> None:
-        """Say that something is under way, unless it was there at once."""
+    def _show_begun(self, view: Tab, wanted: Any) -> None:
+        """Show that a computation is running, if it is still the one submitted."""
         if self.scheduler.busy("view") and self.scheduler.submitted("view") == (self.scene.view, wanted):
             view.begin()
 
@@ -184,22 +184,22 @@ class Explorer(pn.viewable.Viewer):
         view.present(wanted, outcome)
 
     def _cancel(self) -> None:
-        """Give up the study under way; what there is of it stays."""
+        """Cancel the running study; its partial result stays on screen."""
         if self.scheduler.cancel("view") and isinstance(self.view, LongTab):
             self.view.stop()
 
     def _again(self) -> None:
-        """Begin the study anew."""
+        """Run the study again."""
         self.scheduler.forget("view")
         self.refresh()
 
     def _await_system(self, words: str) -> None:
         self.view.await_system(as_text(words))
 
-    # Own system, link, export -------------------------------------------------------------------------------------
+    # Own system, link, export ----------------------------------------------------------------------------------------
 
     def edit(self) -> None:
-        """Open the editor: on what was last written there, or else on the system at hand."""
+        """Open the editor, the first time with the system on the page."""
         core.compile_beside()
         if self.editor is None:
             self.editor = SystemEditor(self._use, current=self.scene.build, on_ready=self._prepare)
@@ -208,12 +208,12 @@ class Explorer(pn.viewable.Viewer):
         self.editing.open = True
 
     def _prepare(self, system: core.PiecewiseSystem) -> None:
-        """Have a typed system's first runs computed before they are asked for: compiling takes longer than a click."""
+        """Compute the first runs of a typed system in advance: compiling takes some seconds."""
         ahead = Scene()
         ahead.restore(self.scene.settings())
         try:
             ahead.use(system)
-        except ValueError:  # told when it is used
+        except ValueError:  # reported when the user applies the system
             return
         runs = run_inputs(ahead)
 
@@ -228,21 +228,21 @@ class Explorer(pn.viewable.Viewer):
         self.editing.open = False
 
     def adopt(self, search: str) -> None:
-        """Take over the scene that a link describes, and say what of it could not be."""
+        """Set the scene to what a link describes, and show the complaints about the link."""
         complaints = adopt(self.scene, search.removeprefix("?")) if search not in ("", "?") else []
         self.notice.object = "".join(as_text(words, "error") for words in complaints)
 
     def _write_address(self, changes: int) -> None:
-        """Bring the address bar up to date, once the scene rests; a scene too large for a link empties it."""
+        """Update the address bar unless the scene has changed since; a scene too large for a link empties it."""
         if changes != self._changes:
             return
         try:
             self.browser.query = query(self.scene)
-        except ValueError:  # “Take away” says so, to whoever wants the link
+        except ValueError:  # the export dialog says why there is no link
             self.browser.query = ""
 
     def _pieces(self) -> list[Piece]:
-        """What there is to export: the portrait's run, and the view beside it."""
+        """Return what can be exported: the run of the portrait, and the view beside it."""
         panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view]
         run = panel.shown.inputs.selected[0] if panel.shown else None
 
@@ -255,11 +255,11 @@ class Explorer(pn.viewable.Viewer):
         return pieces
 
     def settle(self, timeout: float) -> bool:
-        """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""
+        """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""
         return self.scheduler.settle(timeout)
 
     def close(self) -> None:
-        """Give up all work: the person has left."""
+        """Cancel all computations: the session has ended."""
         self.scheduler.close()
         if self.editor is not None:
             self.editor.close()
@@ -274,7 +274,7 @@ class Explorer(pn.viewable.Viewer):
         )  # fmt: skip
 
     def page(self) -> Any:
-        """Return the whole page, which gives up its work when the visitor leaves."""
+        """Return the page, whose computations are cancelled when the session ends."""
         pn.state.on_session_destroyed(lambda _context: self.close())
         page = Page(
             title="pwsviz",
@@ -287,9 +287,9 @@ class Explorer(pn.viewable.Viewer):
             template=LOADING_HTML,
         )
         with edit_readonly(page):
-            # No longer that of the server: its changes walk over all pages, and it would hold this one for good.
-            page.busy = _Calm().param.busy
-        # The page is looked up, not named: Panel walks over all that a component names whenever it changes.
+            # In place of the server's: each change of that one visits all pages, and it would keep this page in memory.
+            page.busy = _NeverBusy().param.busy
+        # The page is looked up in the browser: of a model passed as an argument, Panel visits all parts at each change.
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)
@@ -302,12 +302,12 @@ class Explorer(pn.viewable.Viewer):
         undo = pmui.IconButton(
             icon="undo", description="Undo (Ctrl+Z)", disabled=True, size="small", margin=(4, 0, 4, 4)
         )
-        self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "possible")
+        self.history.param.watch(lambda event: undo.param.update(disabled=not event.new), "can_undo")
         undo.on_click(lambda _: self.history.undo())
         redo = pmui.IconButton(
             icon="redo", description="Redo (Ctrl+Y)", disabled=True, size="small", margin=(4, 4, 4, 0)
         )
-        self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "repeatable")
+        self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "can_redo")
         redo.on_click(lambda _: self.history.redo())
         export = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
         export.on_click(lambda _: self.export.open(self._page_address()))

@@ -32,7 +32,7 @@ const page = new DOMParser().parseFromString(source.text, "text/html")
 navigator.clipboard.writeText(new DOMParser().parseFromString(page.body.textContent, "text/html").body.textContent)
 """,
 }
-"""What a button does to copy a field, and a pane: its text is markup, sent escaped once more."""
+"""JavaScript that copies the text of a field, and of a pane, whose markup arrives escaped twice."""
 
 
 class Piece(NamedTuple):
@@ -40,12 +40,12 @@ class Piece(NamedTuple):
 
     title: str
     table: Callable[[], Table | None]
-    """Returns its numbers; None while there are none."""
+    """Returns its numbers, or None while there are none."""
     figure: figure | None
 
 
 class ExportDialog(pn.viewable.Viewer):
-    """The dialog behind “Take away”; what it holds is made when it is opened.
+    """The dialog behind “Take away”; its contents are made when it is opened.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class ExportDialog(pn.viewable.Viewer):
         self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
-        self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # in it, what comes late hears a click too
+        self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
         self.dialog = pmui.Dialog(
             self.contents,
             title="Take away",
@@ -70,20 +70,20 @@ class ExportDialog(pn.viewable.Viewer):
             close_on_click=True,
             show_close_button=True,
         )
-        self.dialog.param.watch(self._let_go, "open")
+        self.dialog.param.watch(self._drop_files, "open")
 
-    def _let_go(self, event: Any) -> None:
-        """Forget the files once the dialog is closed: they may be large."""
+    def _drop_files(self, event: Any) -> None:
+        """Drop the files once the dialog is closed: they may be large."""
         if not event.new:
             self.numbers.objects = []
 
     def open(self, address: str) -> None:
-        """Show everything as it is now.
+        """Open the dialog on the present scene.
 
         Parameters
         ----------
         address : str
-            Of the page, without a query.
+            Address of the page, without a query.
         """
         try:
             self.link.param.update(value=f"{address}?{query(self.scene)}", error_state=False, helper_text="")
@@ -96,7 +96,7 @@ class ExportDialog(pn.viewable.Viewer):
         self.dialog.open = True
 
     def _make_contents(self) -> list[Any]:
-        """Made at the first opening: a page that does not hold them is there sooner."""
+        """Make the widgets at the first opening, so that the page itself loads sooner."""
         return [
             self.link, self._copy("Copy the link", self.link, "value"),
             heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
@@ -105,7 +105,7 @@ class ExportDialog(pn.viewable.Viewer):
 
     @staticmethod
     def _copy(label: str, source: Any, name: str) -> Any:
-        """Return a button that puts a text on the clipboard, in the browser alone."""
+        """Return a button that copies a text to the clipboard, without the server."""
         button = pmui.Button(label=label, icon="content_copy", variant="text", size="small", margin=0, sx=PLAIN_SX)
         button.js_on_click(args={"source": source}, code=COPY[name])
         return button
@@ -122,10 +122,10 @@ class ExportDialog(pn.viewable.Viewer):
         scene_link = self.link.value.partition("?")[2]
 
         async def data() -> io.BytesIO:
-            """Write it in a thread: a million rows take seconds, and other people's sliders do not wait.
+            """Write the file in a thread: a million rows take seconds, which must not block other sessions.
 
-            The browser saves what differs from what it has. So the time is written too, and a second click saves a
-            second file; taking the data back in between made it save some twice (the widget wrote its own back).
+            The browser saves a file only if its data differ from the last. The time is therefore written, too, so that
+            a second click saves a second file. (Clearing the data in between made the browser save some files twice.)
             """
             about = f"{scene_link} {datetime.now(UTC).isoformat()}"
             return await asyncio.to_thread(lambda: io.BytesIO(write(piece.table() or {}, about)))

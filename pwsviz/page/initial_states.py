@@ -1,4 +1,4 @@
-"""The starts of the trajectories: which is selected, one more, one less."""
+"""Buttons that select, add and remove starts of trajectories."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pwsviz.text.words import as_text
 from pwsviz.widgets.panes import text_pane
 
 ASIDE = 0.1
-"""How far from the selected start a new one is placed, in its own size."""
+"""Distance of a new start from the selected one in its first coordinate, relative to its largest |coordinate|."""
 
 
 class Trajectories(pn.viewable.Viewer):
@@ -42,7 +42,7 @@ class Trajectories(pn.viewable.Viewer):
             self.scene.selected = event.new - 1
 
     def _add(self) -> None:
-        """Place one beside the selected start."""
+        """Add a start beside the selected one, where there is none yet."""
         size = max(map(abs, self.scene.x0)) or 1.0
         first, *others = self.scene.x0
         while (placed := (float(f"{first + ASIDE * size:.6g}"), *others)) in self.scene.starts:

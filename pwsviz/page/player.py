@@ -1,4 +1,4 @@
-"""Play, pause, scrub: what the integrators do in time, moved in the browser alone."""
+"""The player: moves a marker along each trajectory in time, in the browser alone."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from pwsviz.figures.style import line_of
 from pwsviz.results.animation import Frames
 
 SPEEDS = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0, "4×": 4.0}
+"""Offered speeds, by label."""
+
 WHOLE = 12.0
-"""Seconds the whole run takes to play, at speed 1."""
+"""Seconds that the whole run takes to play at speed 1."""
 
 _ESM = """
 export function render({ model, data, el }) {
@@ -33,7 +35,7 @@ export function render({ model, data, el }) {
   speed.value = "1"
 
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)")
-  const CALM = 0.5  // seconds between pictures for those who do not want motion
+  const CALM = 0.5  // seconds between pictures where the user prefers reduced motion
   let time = 0, end = 0, ways = [], playing = false, before = null, due = 0, request = null
 
   // Index of the last step not after t, or -1.
@@ -52,7 +54,7 @@ export function render({ model, data, el }) {
       t: there.length > 0 ? time : null,
       x: there.map((way, k) => way.x[at[k]]), y: there.map((way, k) => way.y[at[k]]),
       colour: there.map(way => way.colour), marker: there.map(way => way.marker),
-      size: there.map((way, k) => Math.max(6, 18 - 8 * k)),  // none hides another
+      size: there.map((way, k) => Math.max(6, 18 - 8 * k)),  // smaller for later ones, so that none hides another
     }
     scrub.max = end
     scrub.value = time
@@ -60,7 +62,7 @@ export function render({ model, data, el }) {
     const words = `t = ${time.toPrecision(4)}`
     now.textContent = `${words}, ${crossed} crossing${crossed == 1 ? "" : "s"}`
     scrub.setAttribute("aria-valuetext", now.textContent)
-    data.setv({ now: shown }, { sync: false })  // the server has no use for it
+    data.setv({ now: shown }, { sync: false })  // not needed by the server
   }
   const label = () => {
     play.innerHTML = `<svg viewBox="0 0 16 16" width="16" aria-hidden="true"><path fill="currentColor"
@@ -90,7 +92,7 @@ export function render({ model, data, el }) {
     request = requestAnimationFrame(tick)
   }
   const toggle = () => { if (playing) { pause() } else { start() } }
-  // One step of the first integrator, or to its next crossing.
+  // Go to the next step of the first integrator, or to its next crossing.
   const step = (direction, by_crossings) => {
     const stops = ways.length == 0 ? [] : by_crossings ? ways[0].crossings : ways[0].t
     const here = last(time, stops)
@@ -152,12 +154,12 @@ for (const line of lines) {
 
 
 class Bar(pn.custom.JSComponent):
-    """Button, slider and speed; lives in the browser, and only ever hears from the server."""
+    """Button, slider and speed; runs in the browser, and sends nothing to the server."""
 
-    ways = param.List(default=[], doc="For each integrator its frames and its look, as plain lists.")
+    ways = param.List(default=[], doc="The frames and the look of each integrator, as plain lists.")
     speeds = param.Dict(default=SPEEDS)
     whole = param.Number(default=WHOLE)
-    now = param.Dict(default={}, doc="Time, and where the markers are; set in the browser, never sent.")
+    now = param.Dict(default={}, doc="Time and places of the markers; set in the browser, never sent.")
 
     _esm = _ESM
     _stylesheets: ClassVar[list[str]] = [_CSS]
@@ -166,15 +168,17 @@ class Bar(pn.custom.JSComponent):
 class Player(pn.viewable.Viewer):
     """Moves a marker for each integrator in the portrait, and a line in each view that time runs across.
 
-    The keys, once the focus is in it: space plays and pauses, the arrows go by one step, with shift by one crossing.
+    With the focus in it, space plays and pauses; the arrow keys move by one step, with shift by one crossing.
 
     Parameters
     ----------
-    portrait, lines
-        The figure it moves markers in, and the lines; it copes with any of them not being on the screen.
+    portrait : PortraitView
+        The figure in which it moves markers.
+    lines : sequence of Span
+        The lines it moves; none of them need be on the screen.
     """
 
-    open = param.Boolean(default=False, doc="Whether the controls are shown; until then nothing is made or sent.")
+    open = param.Boolean(default=False, doc="Whether the controls are shown; they are made when first shown.")
 
     def __init__(self, portrait: PortraitView, lines: Sequence[Span]) -> None:
         super().__init__()
@@ -191,8 +195,8 @@ class Player(pn.viewable.Viewer):
         """Whether it needs frames."""
         return bool(self.open)
 
-    def show(self, frames: Sequence[Frames]) -> None:  # type: ignore[override]  # of a Viewer it would start a server
-        """Take over the steps of each integrator; the time shown stays, where they reach so far."""
+    def show(self, frames: Sequence[Frames]) -> None:  # type: ignore[override]  # Viewer.show starts a server
+        """Set the frames of each integrator; the time shown stays, if the frames reach it."""
         if self.wanted and self.bar is not None:
             self.bar.ways = [_way(one) for one in frames]
 
@@ -209,12 +213,12 @@ class Player(pn.viewable.Viewer):
             self._place.objects = [self.bar] if self.open else []
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """A button; below it, while open, the controls."""
+        """Return a button and, while open, the controls below it."""
         return pn.Column(self.button, self._place, margin=0, sizing_mode="stretch_width")
 
 
 def _way(one: Frames) -> dict[str, Any]:
-    """Return frames as the browser takes them."""
+    """Return frames in the form that the browser takes."""
     x, y = one.places.T
     line = line_of(one.method)
     return {

@@ -1,4 +1,4 @@
-"""The portrait with its words, and the runs it shows."""
+"""The portrait with its player, its notes and the figures of its runs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 
 REMIND = 300
-"""Milliseconds after which a person begins to wonder whether anything happens."""
+"""Milliseconds of computing after which a progress bar appears."""
 
 
 class PortraitPanel(pn.viewable.Viewer):
@@ -33,11 +33,11 @@ class PortraitPanel(pn.viewable.Viewer):
     Parameters
     ----------
     scene, results, scheduler
-        What to show, where arrays come from, and who computes.
+        The settings, the source of arrays, and what runs the computations.
     lines : sequence of Span
-        What marks the player's time in other figures.
+        Lines in other figures that mark the time of the player.
     on_wait : callable
-        Told, in words, that another system is being prepared.
+        Called with a text while the integrators of another system are compiled.
     """
 
     def __init__(
@@ -69,17 +69,17 @@ class PortraitPanel(pn.viewable.Viewer):
         self._visible: Window | None = None
 
     def refresh(self) -> None:
-        """Ask for the picture of the scene as it is."""
+        """Submit the computation of the portrait of the present scene."""
         wanted = PortraitInputs(run_inputs(self.scene), other_inputs(self.scene), self.scene.axes)
         if self.scheduler.submit(
             "runs", wanted, lambda cancel, _: self.results.pictures(wanted, cancel), self._show, patience=0.1
         ):
-            self._promise(wanted)
+            self._remind_later(wanted)
         elif self.shown is not None and self.shown.inputs == wanted:
             self._mark_starts()
 
-    def _promise(self, wanted: PortraitInputs) -> None:
-        """Show that something is on its way, if it has not come by the time a person begins to wonder."""
+    def _remind_later(self, wanted: PortraitInputs) -> None:
+        """Show a progress bar if the portrait has not come after `REMIND` milliseconds."""
 
         def remind() -> None:
             self.progress.visible = self.scheduler.busy("runs") and self.scheduler.submitted("runs") == wanted
@@ -95,7 +95,7 @@ class PortraitPanel(pn.viewable.Viewer):
 
     @staticmethod
     def _declaration(pictures: Pictures) -> core.PiecewiseSystem:
-        return pictures.inputs.selected[0].ground.declaration
+        return pictures.inputs.selected[0].problem.declaration
 
     def _show(self, outcome: Pictures | Exception) -> None:
         self.progress.visible = False
@@ -116,14 +116,14 @@ class PortraitPanel(pn.viewable.Viewer):
         self._submit_frames()
 
     def _mark_starts(self) -> None:
-        """Draw the curves there are, with the starts as they are now."""
-        assert self.shown is not None  # noqa: S101  (called once there is a picture)
+        """Draw the present curves, with the starts of the scene."""
+        assert self.shown is not None  # noqa: S101  (called only after the first portrait)
         a, b = self.shown.inputs.axes
         starts = [(start[a], start[b]) for start in self.scene.starts]
         self.portrait.show_orbits(self._declaration(self.shown), self.shown, starts, self.scene.selected)
 
     def _submit_frames(self) -> None:
-        """Ask for the steps that the player shows, while it is open."""
+        """Submit the computation of the frames of the player, while it is open."""
         if self.player.wanted and self.shown is not None:
             inputs = self.shown.inputs.selected, self.shown.inputs.axes
             self.scheduler.submit(
@@ -145,42 +145,42 @@ class PortraitPanel(pn.viewable.Viewer):
         self._cover()
 
     def _cover(self) -> None:
-        """Ask for a backdrop that suits the visible part of the plane."""
+        """Submit the computation of a backdrop for the visible part of the plane."""
         if self.shown is None or self.portrait.frame is None:
             return
         visible = self._visible or self.portrait.frame
         window = self.portrait.covered
         if window is None or not window.shows_well(visible):
             window = visible.scaled(1.3 if self._visible else 2.0)
-        ground, axes = self.shown.inputs.selected[0].ground, self.shown.inputs.axes
-        levels = self.shown.orbits[0].levels  # it speaks for all: one that drifts has a new level each turn
+        problem, axes = self.shown.inputs.selected[0].problem, self.shown.inputs.axes
+        levels = self.shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
         self.scheduler.submit(
-            "ground",
-            (ground.declaration, ground.values, window, levels, axes),
-            lambda _cancel, _report: self.results.backdrop(ground, window, levels, axes),
-            self._show_ground,
+            "backdrop",
+            (problem.declaration, problem.values, window, levels, axes),
+            lambda _cancel, _report: self.results.backdrop(problem, window, levels, axes),
+            self._show_backdrop,
             patience=0.1,
         )
 
-    def _show_ground(self, outcome: Any) -> None:
+    def _show_backdrop(self, outcome: Any) -> None:
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
         else:
             self.portrait.show_backdrop(outcome)
 
-    # What a person does to the portrait ------------------------------------------------------------------------------
+    # What the user does in the portrait ------------------------------------------------------------------------------
 
     def place(self, x: float, y: float) -> None:
-        """Let one more trajectory start at a point of the plane."""
+        """Add a trajectory that starts at a point of the plane."""
         self._try(lambda: self.scene.place(self._state(x, y, self.scene.x0)))
 
     def move(self, index: int, x: float, y: float) -> None:
-        """Let a trajectory start at a point of the plane."""
+        """Move the start of a trajectory to a point of the plane."""
         if index < len(self.scene.starts):
             self._try(lambda: self.scene.move(index, self._state(x, y, self.scene.starts[index])))
 
     def remove(self, index: int) -> None:
-        """Take a trajectory away."""
+        """Remove a trajectory."""
         if index < len(self.scene.starts):
             self._try(lambda: self.scene.remove(index))
 
@@ -189,7 +189,7 @@ class PortraitPanel(pn.viewable.Viewer):
             self.scene.selected = index
 
     def _state(self, x: float, y: float, others: Start) -> Start:
-        """Return a state to the digits a screen can tell; coordinates that are not shown are those of another."""
+        """Return the state at a point, rounded to about a pixel; coordinates that are not shown come from `others`."""
         view = self._visible or self.portrait.frame
         assert view is not None  # noqa: S101  (a click needs a picture)
         return at_point(x, y, view, others, self.scene.axes)
@@ -200,10 +200,10 @@ class PortraitPanel(pn.viewable.Viewer):
         except ValueError as reason:
             self.trouble.object = complaint(reason)
             if self.shown is not None:
-                self._mark_starts()  # a star that was dropped where nothing can start goes back
+                self._mark_starts()  # puts back a star that was dropped where nothing can start
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Portrait, player, and words."""
+        """Return portrait, player and notes in a column."""
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
             self.pane, self.player, self.note, self.trouble, self.status,
@@ -212,7 +212,7 @@ class PortraitPanel(pn.viewable.Viewer):
 
 
 def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, int] = (0, 1)) -> Start:
-    """Return the state at a point of the plane, rounded to about a pixel; further coordinates stay."""
+    """Return the state at a point of the plane, rounded to about a pixel; the other coordinates come from `others`."""
     digits = 3 - math.floor(math.log10(max(view.width, view.height)))
     shown = {axes[0]: round(x, digits), axes[1]: round(y, digits)}
     return tuple(shown.get(k, value) for k, value in enumerate(others))

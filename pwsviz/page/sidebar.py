@@ -1,4 +1,4 @@
-"""The controls: every setting of the scene, and nothing that the scene does not know."""
+"""The controls of the settings of a scene."""
 
 from __future__ import annotations
 
@@ -22,8 +22,10 @@ from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
 
 TAU_SLIDER = (1e-4, 0.3)
+"""Ends of the slider of the step size; the field above it takes the whole range of the scene."""
+
 COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 80px !important; min-width: 80px; }"
-"""Side by side as far as their names can be read."""
+"""Side by side where at least 80 px remain for each, so that the names can be read."""
 
 NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
 
@@ -31,14 +33,14 @@ WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin
 
 
 class Sidebar(pn.viewable.Viewer):
-    """Controls of one scene.
+    """The controls of one scene.
 
     Parameters
     ----------
     scene : Scene
         The settings.
     on_edit : callable
-        Told that the person wants to write a system.
+        Called when the user wants to write a system.
     """
 
     def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
@@ -87,18 +89,18 @@ class Sidebar(pn.viewable.Viewer):
         self.parameters = pn.Column(margin=0, sizing_mode="stretch_width")
         self.trajectories = Trajectories(scene)
         self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
-        self.fields: dict[str, NumberField] = {}  # those of the system: its parameters and coordinates
-        self._stock: dict[tuple[str, bool], list[NumberField]] = {}
+        self.fields: dict[str, NumberField] = {}  # of the parameters and coordinates of the system
+        self._made: dict[tuple[str, bool], list[NumberField]] = {}
         self._placed: dict[str, list[NumberField]] = {}
         self._built_for: core.PiecewiseSystem | None = None
-        self._preset: core.PiecewiseSystem | None = None  # of the preset that is told of
+        self._preset: core.PiecewiseSystem | None = None  # of the preset whose note is shown
         self.methods.param.watch(self._take_methods, "value")
         scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
         scene.param.watch(self._choose, ["system", "own", "axes"])
-        scene.param.watch(self._dim, ["system", "own", "methods", "locate", "perturbation_order"])
+        scene.param.watch(self._enable, ["system", "own", "methods", "locate", "perturbation_order"])
         self._sync()
         self._choose()
-        self._dim()
+        self._enable()
 
     def _number(self, field: str, label: str, **options: Any) -> NumberField:
         return NumberField(label, partial(self._read, field), partial(self.scene.accept, field), **options)
@@ -111,57 +113,57 @@ class Sidebar(pn.viewable.Viewer):
         return float(value[part] if name == "values" else value)
 
     def _rebuild(self) -> None:
-        """Have fields for another system's parameters and coordinates: those that are there, as far as they serve."""
+        """Make the fields of another system's parameters and coordinates, reusing those there are."""
         system = self.scene.declaration
         parameters = {
             f"values.{p.name}": {"label": short_name(p), "bounds": p.bounds, "description": f"{p.name}: {p.doc}"}
             for p in system.parameters
         }
         coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
-        stock = {key: list(fields) for key, fields in self._stock.items()}
-        self.fields = {key: self._field(stock, key, **options) for key, options in (parameters | coordinates).items()}
+        spare = {key: list(fields) for key, fields in self._made.items()}
+        self.fields = {key: self._field(spare, key, **options) for key, options in (parameters | coordinates).items()}
         self._built_for = system
-        self.plane.value = None  # else the browser keeps the names of the system before
+        self.plane.value = None  # else the browser keeps showing the names of the previous system
         self.plane.options = {_plane_name(system, axes): axes for axes in planes(system)}
         self.plane.visible = system.dimension > PLANE
         self.about.object = as_text(system.doc, "about")
         self._place(self.parameters, [self.fields[key] for key in parameters])
         self._place(self.coordinates, [self.fields[key] for key in coordinates])
 
-    def _field(self, stock: dict[tuple[str, bool], list[NumberField]], key: str, **options: Any) -> NumberField:
-        """A field out of stock, or else a new one: for a parameter or a coordinate, with a slider or without."""
+    def _field(self, spare: dict[tuple[str, bool], list[NumberField]], key: str, **options: Any) -> NumberField:
+        """Return an unused field of the same kind (parameter or coordinate, with a slider or without), or a new one."""
         kind = key.partition(".")[0], options.get("bounds") is not None
-        if stock.get(kind):
-            field = stock[kind].pop(0)
-            field.become(read=partial(self._read, key), accept=partial(self.scene.accept, key), **options)
+        if spare.get(kind):
+            field = spare[kind].pop(0)
+            field.rebind(read=partial(self._read, key), accept=partial(self.scene.accept, key), **options)
             return field
         field = self._number(key, **options)
-        self._stock.setdefault(kind, []).append(field)
+        self._made.setdefault(kind, []).append(field)
         return field
 
     def _place(self, box: Any, fields: list[NumberField]) -> None:
-        """Show these fields and no others, in a box whose models are made anew only if there is another field."""
+        """Show exactly these fields in a box; its models are made anew only if the fields differ."""
         if self._placed.get(box.name) != fields:
             self._placed[box.name] = fields
             box.objects = fields
 
     def _sync(self, *_: Any) -> None:
-        """Show the numbers of the scene, in fields of its system."""
+        """Show the numbers of the scene, after making the fields of its system if need be."""
         if self._built_for is not self.scene.declaration:
             self._rebuild()
         for field in (self.tau, self.tolerance, self.t_end, self.scale, *self.fields.values()):
             field.sync()
 
     def _choose(self, *_: Any) -> None:
-        """Show which system and which plane are chosen; what a preset said of another system goes."""
+        """Show the chosen system and plane, and clear the note of a preset of another system."""
         if self._preset is not self.scene.declaration:
             self.preset_note.object = ""
         self.system.param.update(options=self._systems(), value=self.scene.system)
         if self.scene.axes in self.plane.options.values():
             self.plane.value = self.scene.axes
 
-    def _dim(self, *_: Any) -> None:
-        """Offer what has an effect, and say what has none."""
+    def _enable(self, *_: Any) -> None:
+        """Enable the controls that have an effect, and say which methods are left out."""
         self.methods.param.update(options=self.scene.offered, value=self.scene.used)
         self.methods_note.object = method_notes(self.scene)
         self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
@@ -181,7 +183,7 @@ class Sidebar(pn.viewable.Viewer):
             self.scene.accept("axes", event.new)
 
     def _load(self, event: Any) -> None:
-        """Take over a preset, and say what to look at and what to try."""
+        """Load a preset, and say what to look at and what to try."""
         if event.new:
             preset = PRESETS[event.new]
             self.scene.load(preset.settings)
@@ -201,7 +203,7 @@ class Sidebar(pn.viewable.Viewer):
             self.methods.value = self.scene.used
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Top to bottom in the order one sets things up."""
+        """Return the controls in a column, in the order in which one sets things up."""
         return pn.Column(
             self.presets, self.preset_note,
             heading("System"), self.system, self.write, self.about, self.parameters, self.plane,

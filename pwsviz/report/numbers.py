@@ -29,7 +29,7 @@ def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:
     rows = tuple(
         (
             summary.method,
-            f"({', '.join(f'{x:g}' for x in inputs.ground.x0)})",
+            f"({', '.join(f'{x:g}' for x in inputs.problem.x0)})",
             f"{summary.steps:,}",
             f"{summary.crossings:,}",
             rounded_up(summary.worst_error) if math.isfinite(summary.worst_error) else "no ψ known",

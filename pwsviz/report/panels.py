@@ -73,7 +73,7 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     a, b = scene.axes
     starts = [(start[a], start[b]) for start in scene.starts]
     frame = view.show_orbits(scene.declaration, pictures, starts, scene.selected)
-    ground = inputs.selected[0].ground
+    ground = inputs.selected[0].problem
     view.show_backdrop(results.backdrop(ground, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
     _make_static(view.figure, HEIGHT["portrait"])
     return view.figure, *_measured((*inputs.selected, *inputs.others), results)

@@ -1,4 +1,4 @@
-"""What of a run the pictures need besides its curves: where it is at each instant, and what marks its way."""
+"""What figures need of a run besides its curves: the states that the player shows, and the marks of crossings."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, in_plane
 
 ROUND_OFF = 2.0
-"""Of ψ, in machine epsilons of `Trajectory.psi_size`: a few roundings of the state."""
+"""Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
 
 
 @dataclass(frozen=True)
 class Frames:
-    """One integrator's way through the plane, at its own steps.
+    """The path of one integrator in the plane, at its own steps.
 
     Attributes
     ----------
     method : str
         The integrator.
     t : (n,) array
-        Ascending.
+        Times, ascending.
     places : (n, 2) array
-        Where it is then.
+        Places in the plane at these times.
     crossings : (k,) array
-        When it crosses: the first `limit` of them.
+        Times of the first `limit` crossings.
     """
 
     method: str
@@ -44,11 +44,11 @@ class Landmarks:
     Attributes
     ----------
     places : (k, 2) array
-        Where in the portrait each crossing is.
+        Place of each crossing in the portrait.
     kinds : tuple of str
-        What kind each is.
+        Kind of each crossing.
     round_off : float
-        What rounding alone does to ψ; 0 where no ψ is known.
+        Size of the round-off of ψ; 0 if no ψ is known.
     """
 
     places: Floats
@@ -57,16 +57,16 @@ class Landmarks:
 
 
 def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
-    """Return the steps of a run, every k-th where there are more than `limit` of them.
+    """Return the states of a run, every k-th if it has more than `limit` steps.
 
     Parameters
     ----------
     run : core.Trajectory
-        The first and last state are always kept; states that are not finite never.
+        The run. Its first and last finite states are always kept; states that are not finite never are.
     axes : (int, int)
         The variables that span the portrait.
     limit : int
-        Bound on the steps shown, at least 1: there is one instant more than there are steps.
+        Bound on the steps shown, at least 1; there is one more state than there are steps.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
         If the limit is below 1.
     """
     if limit < 1:
-        raise ValueError(f"limit = {limit}: it takes one step at least, from the first state to the last")
+        raise ValueError(f"limit = {limit}: at least 1 is needed, one step from the first state to the last")
     places = in_plane(run.x, axes)
     there = np.flatnonzero(np.isfinite(places).all(axis=1))
     every = max(1, -(-(len(there) - 1) // limit))

@@ -1,4 +1,4 @@
-"""A cache that remembers a bounded amount, and in which no two threads compute the same thing twice."""
+"""A cache of bounded size, in which no two threads compute the same value."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ Value = TypeVar("Value")
 
 
 MAX_VALUES = 10_000
-"""Values kept at most, however small."""
+"""Most values kept, however small."""
 
 
 class Cache:
-    """Least recently used values go first once the arrays held exceed `max_bytes`, or there are `MAX_VALUES`.
+    """Drops the least recently used values once the arrays exceed `max_bytes`, or there are more than `MAX_VALUES`.
 
     Parameters
     ----------
     max_bytes : int
-        Bound on the bytes of all arrays held. One value larger than this is returned but not kept.
+        Bound on the bytes of all arrays kept. A value larger than this is returned but not kept.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
         self.max_bytes = max_bytes
         self.computed: Counter[str] = Counter()
-        """How often a value of each kind was really computed."""
+        """How often a value of each kind was computed, not found."""
         self._lock = Lock()
         self._futures: OrderedDict[Hashable, Future[Any]] = OrderedDict()
         self._sizes: dict[Hashable, int] = {}
         self._held = 0
 
     def get(self, kind: str, inputs: Hashable, compute: Callable[[], Value]) -> Value:
-        """Return the value for (`kind`, `inputs`), computing it unless it is there or under way.
+        """Return the value for (`kind`, `inputs`), computing it unless it is kept or another thread is computing it.
 
-        Whoever waits for another thread's computation that is then cancelled takes it over.
+        If that other computation is cancelled, this thread computes the value.
         """
         key = (kind, inputs)
         while True:
@@ -87,7 +87,7 @@ class Cache:
 
 
 def nbytes(value: object) -> int:
-    """Bytes of the arrays in a dataclass, a sequence or an array, nested ones included."""
+    """Return the bytes of the arrays in a dataclass, a sequence or an array, nested ones included."""
     if isinstance(value, np.ndarray):
         return value.nbytes
     if isinstance(value, list | tuple):

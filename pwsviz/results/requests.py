@@ -1,4 +1,4 @@
-"""Exactly what each result depends on, frozen and hashable: the keys of the cache."""
+"""The inputs of each result, frozen and hashable: the keys of the cache."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ import core
 from pwsviz.scene.scene import Scene, Start
 
 STABILITY_END = 500.0
-"""The latest end time of a map's hundreds of runs, and of the solution they are compared with."""
+"""Largest end time of the hundreds of runs of a stability study, and of the solution they are compared with."""
 
 Values = tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True)
-class Ground:
-    """What a system is, and where it starts."""
+class InitialValueProblem:
+    """A system at its parameter values, and a start."""
 
-    declaration: core.PiecewiseSystem = field(hash=False)  # a dozen texts, in keys that are looked up all the time
+    declaration: core.PiecewiseSystem = field(hash=False)  # slow to hash, and keys are looked up often
     values: Values
     x0: Start
 
     @classmethod
-    def of(cls, scene: Scene, start: Start | None = None) -> Ground:
-        """Read it from a scene, with the selected start or with another."""
+    def of(cls, scene: Scene, start: Start | None = None) -> InitialValueProblem:
+        """Read it from a scene, with the selected start or another one."""
         values = tuple(sorted(scene.values.items()))
         return cls(scene.declaration, values, scene.x0 if start is None else start)
 
@@ -45,7 +45,7 @@ class Scheme:
     @classmethod
     def of(cls, scene: Scene, method: str) -> Scheme:
         """Read it from a scene, leaving out settings that have no effect on this method."""
-        if core.METHODS[method].adaptive:  # crossing times are disturbed by a power of the step size; it has none
+        if core.METHODS[method].adaptive:  # no fixed step size, of which a perturbation could be a power
             return cls(method, scene.locate, tolerance=scene.tolerance)
         if not scene.locate or scene.perturbation_order is None:
             return cls(method, scene.locate)
@@ -53,7 +53,7 @@ class Scheme:
 
     @property
     def transition(self) -> str:
-        """The name `core` has for it."""
+        """The argument ``transition`` of `core.integrate`."""
         return "mannshardt" if self.locate else "none"
 
 
@@ -61,7 +61,7 @@ class Scheme:
 class RunInputs:
     """Exactly what one trajectory depends on."""
 
-    ground: Ground
+    problem: InitialValueProblem
     scheme: Scheme
     tau: float
     t_end: float
@@ -74,14 +74,14 @@ class ErrorInputs:
     runs: tuple[RunInputs, ...]
     """One for each integrator."""
     axes: tuple[int, int]
-    """Of the portrait, in which crossings are marked that are pointed at."""
+    """Of the portrait, in which the crossing under the pointer is marked, too."""
 
 
 @dataclass(frozen=True)
 class StudyInputs:
     """Exactly what one order study depends on: neither the step size nor the end time of the scene."""
 
-    ground: Ground
+    problem: InitialValueProblem
     scheme: Scheme
 
 
@@ -89,7 +89,7 @@ class StudyInputs:
 class CostInputs:
     """Exactly what one comparison of run times depends on."""
 
-    ground: Ground
+    problem: InitialValueProblem
     t_end: float
     methods: tuple[str, ...]
     peers: tuple[str, ...]
@@ -97,14 +97,14 @@ class CostInputs:
     @classmethod
     def of(cls, scene: Scene) -> CostInputs:
         """Read it from a scene."""
-        return cls(Ground.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
+        return cls(InitialValueProblem.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
 
 
 @dataclass(frozen=True)
 class StabilityInputs:
     """Exactly what one stability study depends on."""
 
-    ground: Ground
+    problem: InitialValueProblem
     t_end: float
     methods: tuple[str, ...]
     part: str
@@ -112,28 +112,28 @@ class StabilityInputs:
 
     @classmethod
     def of(cls, scene: Scene) -> StabilityInputs:
-        """Read it from a scene, leaving out what its part has no use for."""
+        """Read it from a scene, leaving out settings that have no effect on its part."""
         part = scene.stability_part
         coordinate = scene.stability_coordinate if part != "drift" else 0
-        return cls(Ground.of(scene), min(scene.t_end, STABILITY_END), tuple(scene.used), part, coordinate)
+        return cls(InitialValueProblem.of(scene), min(scene.t_end, STABILITY_END), tuple(scene.used), part, coordinate)
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
-    """Inputs of each integrator on the selected start."""
+    """Return the inputs of the run of each integrator from the selected start."""
     return tuple(_run_inputs(scene, name, scene.x0) for name in scene.used)
 
 
 def other_inputs(scene: Scene) -> tuple[RunInputs, ...]:
-    """Inputs of each integrator on each of the other starts, start by start."""
+    """Return the inputs of the run of each integrator from each of the other starts, start by start."""
     index = min(scene.selected, len(scene.starts) - 1)
     others = scene.starts[:index] + scene.starts[index + 1 :]
     return tuple(_run_inputs(scene, name, start) for start in others for name in scene.used)
 
 
 def study_inputs(scene: Scene) -> StudyInputs:
-    """Return the inputs of a scene's order study."""
-    return StudyInputs(Ground.of(scene), Scheme.of(scene, scene.order_method))
+    """Return the inputs of the order study of a scene."""
+    return StudyInputs(InitialValueProblem.of(scene), Scheme.of(scene, scene.order_method))
 
 
 def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:
-    return RunInputs(Ground.of(scene, start), Scheme.of(scene, method), scene.tau, scene.t_end)
+    return RunInputs(InitialValueProblem.of(scene, start), Scheme.of(scene, method), scene.tau, scene.t_end)

@@ -1,4 +1,4 @@
-"""From a scene to arrays: only what the visible view needs, each thing once, and given up when nobody waits."""
+"""From a scene to arrays: only what the visible view needs, each computed once, and cancelled when outdated."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pwsviz.geometry.polyline_reduction import Floats, Mask, distinct_pixels, en
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.requests import CostInputs, Ground, RunInputs, Scheme, StabilityInputs, StudyInputs
+from pwsviz.results.requests import CostInputs, InitialValueProblem, RunInputs, Scheme, StabilityInputs, StudyInputs
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
 
@@ -28,44 +28,49 @@ Levels = tuple[tuple[int, tuple[float, ...]], ...]
 """Values of ψ for each side."""
 
 STUDY_CROSSINGS = (10, 20, 30)
+"""Crossings at which the order is studied, as in the paper."""
+
 STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
 """Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
-STUDY_HORIZON, STUDY_PROBE = 500.0, 1e-2
-"""How long, and in what steps, the order study looks for crossings."""
+
+STUDY_HORIZON = 500.0
+"""Time up to which the order study looks for crossings."""
+
+STUDY_PROBE = 1e-2
+"""Step size of the run with which the order study and the comparison of run times look for crossings and the end."""
 
 STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
-"""Long computations that run at the same time, whoever asked for them: sliders keep a processor for themselves."""
+"""Long computations at the same time, over all sessions; one processor stays free for short ones, such as sliders."""
 
 LONG = 200_000
-"""Steps from which the runs of one picture are worked out at the same time; below, threads cost more than they save."""
+"""Steps of a run from which the runs of one picture are computed in parallel; shorter ones lose more than they gain."""
 
 BEFORE_THE_END = 0.9
-"""Up to this part of the time in which a solution ends, run times are compared."""
+"""Part of the lifetime of a solution that ends early over which run times are compared."""
 
 FAR = 8.0
-"""How far out an orbit is drawn, in sizes of what it starts from."""
+"""Sizes of the window around the first orbit, within which the other orbits are drawn."""
 
 SEVERAL_LEVELS = 6
-"""At most so many level sets through an orbit on each side."""
-
+"""Most level sets of ψ drawn through an orbit on each side."""
 
 _RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
-"""How a run may end that has gone very far; others end where the action is."""
+"""Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
 
 COMPARABLE = 2.0
-"""A closed surface that fits into a window this much larger than an orbit is shown whole beside it."""
+"""A closed surface within a window this many times as large as that of an orbit is shown whole beside it."""
 
 
 @dataclass(frozen=True)
 class Orbit:
-    """One trajectory as the portrait draws it; every line is a (k, 2) array with rows of NaN between pieces."""
+    """One trajectory as the portrait draws it; each curve is a (k, 2) array with rows of NaN between its pieces."""
 
     method: str
     path: Floats
     surface: Floats
     crossings: Floats
     numbers: NDArray[np.intp]
-    """Which crossing of the run each is, from 1."""
+    """Number of each crossing in the run, from 1."""
     times: Floats
     kinds: tuple[str, ...]
     jumps: Floats
@@ -75,7 +80,7 @@ class Orbit:
 
 @dataclass(frozen=True)
 class Summary:
-    """One run in figures, for the line of text below the plots."""
+    """The figures of one run, for the text below the portrait."""
 
     method: str
     steps: int
@@ -84,12 +89,12 @@ class Summary:
     worst_error: float
     status: core.Status
     message: str
-    """Where and why it stopped early; empty where it did not."""
+    """Where and why it stopped early; empty if it reached the end time."""
 
 
 @dataclass(frozen=True)
 class ErrorCurve:
-    """Change of ψ that the integrator made up to each instant, at screen resolution."""
+    """|Change of ψ| that the integrator has made up to each time, at screen resolution."""
 
     method: str
     t: Floats
@@ -97,7 +102,7 @@ class ErrorCurve:
     t_end: float
     crossings: Floats
     sides: NDArray[np.int64]
-    """(1 + len(crossings),) side occupied from the start, and from each crossing on; 0 where the run ended."""
+    """(1 + len(crossings),) side occupied from the start, and from each crossing on; 0 if the run ended there."""
 
 
 @dataclass(frozen=True)
@@ -107,13 +112,13 @@ class PortraitInputs:
     selected: tuple[RunInputs, ...]
     """One for each integrator."""
     others: tuple[RunInputs, ...] = ()
-    """Those of the other starts."""
+    """Those of the other starts, start by start."""
     axes: Axes = (0, 1)
 
 
 @dataclass(frozen=True)
 class Pictures:
-    """The curves of one portrait, and what there is to say of them."""
+    """The curves of one portrait, and the figures of the selected runs."""
 
     inputs: PortraitInputs
     orbits: list[Orbit]
@@ -122,13 +127,14 @@ class Pictures:
 
 
 class Results:
-    """Computes on demand and remembers; shared by all sessions of a server.
+    """Computes results on demand and caches them; shared by all sessions of a process.
 
     Attributes
     ----------
     computed : Counter
-        How often each kind of thing was really computed: ``"run"``, ``"orbit"``, ``"error"``, ``"curve"``,
-        ``"backdrop"``, ``"diagnosis"``, ``"study"``, ``"cost"``, ``"stability"``.
+        How often each kind of result was computed, not found in the cache: ``"run"``, ``"orbit"``, ``"frames"``,
+        ``"landmarks"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``, ``"study"``,
+        ``"cost"``, ``"stability"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
@@ -139,7 +145,7 @@ class Results:
         self._runs = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="pwsviz-run")
 
     def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
-        """Everything the portrait and the status lines need."""
+        """Return the curves of the portrait and the figures of its selected runs."""
         axes = inputs.axes
         self._begin(inputs.selected, cancel)
         first = self.orbit(inputs.selected[0], None, axes, cancel)
@@ -152,14 +158,14 @@ class Results:
         )
 
     def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:
-        """Everything the plot of the conserved quantity needs."""
+        """Return the curves of the plot of the conserved quantity."""
         self._begin(inputs, cancel)
         return [self.error_curve(one, cancel) for one in inputs]
 
     def _begin(self, inputs: tuple[RunInputs, ...], cancel: Cancel) -> None:
-        """Have long runs and their errors worked out at the same time: the compiled loops leave the interpreter alone.
+        """Start computing long runs and their errors in parallel: the compiled loops release the interpreter lock.
 
-        Nobody waits here: who asks for one that is under way waits then, and sees what goes wrong with it.
+        This does not wait. Whoever requests one of these results later waits for it, and receives its exception.
         """
         long = [one for one in inputs if one.tau * LONG < one.t_end]
         if len(long) > 1:
@@ -167,7 +173,7 @@ class Results:
                 self._runs.submit(self.error, one, cancel)
 
     def _get(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
-        """Compute one stage, unless it is remembered or nobody waits for it any more."""
+        """Return a cached result, or compute it unless cancelled."""
 
         def stage() -> Value:
             if cancel():
@@ -177,7 +183,7 @@ class Results:
         return self._cache.get(kind, inputs, stage)
 
     def run(self, inputs: RunInputs, cancel: Cancel = never) -> core.Trajectory:
-        """Integrate."""
+        """Return a run."""
         return self._get("run", inputs, cancel, partial(_run, inputs, cancel))
 
     def orbit(
@@ -185,14 +191,14 @@ class Results:
     ) -> Orbit:
         """Return the trajectory for the portrait, as far as it stays within `near`.
 
-        Without such a window all of it, except that one that runs off to infinity is left where it has gone far.
+        Without such a window the whole trajectory, but of one that may have run off only the part near its beginning.
         """
         return self._get(
             "orbit", (inputs, near, axes), cancel, lambda: _orbit(inputs, self.run(inputs, cancel), near, axes)
         )
 
     def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
-        """Return the steps that the player shows, for each integrator."""
+        """Return the states that the player shows, for each integrator."""
         return [self._get("frames", (one, axes), cancel, partial(self._frames, one, axes, cancel)) for one in inputs]
 
     def _frames(self, inputs: RunInputs, axes: Axes, cancel: Cancel) -> Frames:
@@ -203,7 +209,7 @@ class Results:
         return self._get("landmarks", (inputs, axes), cancel, lambda: landmarks(self.run(inputs, cancel), axes))
 
     def error(self, inputs: RunInputs, cancel: Cancel = never) -> Floats:
-        """Return |change of ψ| at every step of a run."""
+        """Return (n,) |change of ψ| at each state of a run."""
         return self._get("error", inputs, cancel, lambda: self.run(inputs, cancel).change_of_psi())
 
     def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
@@ -213,37 +219,37 @@ class Results:
         )
 
     def summary(self, inputs: RunInputs, cancel: Cancel = never) -> Summary:
-        """Return the run in figures."""
+        """Return the figures of a run."""
         return self._get(
             "summary", inputs, cancel, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
 
-    def backdrop(self, ground: Ground, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
-        """Return the ground of the portrait on a window, with the level sets named besides the usual ones."""
-        still = replace(ground, x0=())
+    def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
+        """Return the backdrop of the portrait on a window, with these level sets besides the usual ones."""
+        still = replace(problem, x0=())
         key = (still, window, levels, axes)
         return self._cache.get("backdrop", key, lambda: backdrop(still.build(), window, dict(levels), axes))
 
     def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis:
-        """Work out the constants of the theory along a run."""
+        """Return the constants of the theory along a run."""
         return self._get("diagnosis", inputs, cancel, lambda: core.diagnose(self.run(inputs, cancel)))
 
     def study(self, inputs: StudyInputs, cancel: Cancel = never, report: Report = silent) -> core.OrderStudy:
-        """Measure the order."""
+        """Return an order study."""
         return self._in_turn("study", inputs, cancel, partial(_study, inputs, cancel, report))
 
     def cost(self, inputs: CostInputs, cancel: Cancel = never, report: Report = silent) -> core.WorkPrecision:
-        """Measure run time against error."""
+        """Return a study of run time against error."""
         return self._in_turn("cost", inputs, cancel, lambda: _cost(inputs, self._pool, cancel, report))
 
     def stability(
         self, inputs: StabilityInputs, cancel: Cancel = never, report: Report = silent
     ) -> core.StabilityStudy:
-        """Measure what goes well and what does not."""
+        """Return a stability study."""
         return self._in_turn("stability", inputs, cancel, lambda: _stability(inputs, self._pool, cancel, report))
 
     def _in_turn(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
-        """Compute something long, when the processors are not busy with other people's."""
+        """Run a long computation, at most `STUDIES_AT_ONCE` at the same time."""
 
         def study() -> Value:
             while not self._turns.acquire(timeout=0.05):
@@ -253,7 +259,7 @@ class Results:
                 value = compute()
             finally:
                 self._turns.release()
-            if cancel():  # it is not whole
+            if cancel():  # the result is incomplete
                 raise Cancelled
             return value
 
@@ -262,9 +268,9 @@ class Results:
 
 def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
     run = core.integrate(
-        inputs.ground.build(),
+        inputs.problem.build(),
         (0.0, inputs.t_end),
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         tau=inputs.tau,
         cancel=cancel,
         max_steps=MAX_STEPS,
@@ -277,14 +283,14 @@ def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
 
 
 def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
-    """Numbers of the crossings to look at: those of the paper, or fewer where the trajectory has fewer.
+    """Return the numbers of the crossings to study: those of the paper, or fewer if the trajectory has fewer.
 
-    A run tells how many there are: the reference solution might look for the next one without end.
+    They are counted on a run, since the reference solution might look for a next crossing forever.
     """
     run = core.integrate(
-        inputs.ground.build(),
+        inputs.problem.build(),
         (0.0, STUDY_HORIZON),
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         tau=STUDY_PROBE,
         method=inputs.scheme.method,
         record="crossings",
@@ -298,15 +304,15 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
         found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
         why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
         raise ValueError(f"An order study needs two crossings at least; {found}.{why}")
-    last = passed - 1  # the stretch after it is looked at too
+    last = passed - 1  # the segment after it is studied, too
     return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
 
 
 def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
     return core.order_study(
-        inputs.ground.build(),
+        inputs.problem.build(),
         STUDY_TAUS,
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         crossings=_studied_crossings(inputs, cancel),
         cancel=cancel,
         progress=report,
@@ -315,7 +321,7 @@ def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStu
 
 
 def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) -> core.WorkPrecision:
-    system, start = inputs.ground.build(), inputs.ground.x0
+    system, start = inputs.problem.build(), inputs.problem.x0
     probe = core.integrate(
         system,
         (0.0, inputs.t_end),
@@ -342,9 +348,9 @@ def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) ->
 def _stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: Report) -> core.StabilityStudy:
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     return core.stability_study(
-        inputs.ground.build(),
+        inputs.problem.build(),
         (0.0, inputs.t_end),
-        x0=inputs.ground.x0,
+        x0=inputs.problem.x0,
         methods=inputs.methods,
         coordinate=inputs.coordinate,
         parts=parts,
@@ -381,13 +387,13 @@ def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: A
         times=crossings.t[marks],
         kinds=tuple(str(crossings.kind[k]) for k in marks),
         jumps=_jumps(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
-        start=(inputs.ground.x0[axes[0]], inputs.ground.x0[axes[1]]),
+        start=(inputs.problem.x0[axes[0]], inputs.problem.x0[axes[1]]),
         levels=_levels(run),
     )
 
 
 def _polyline(run: core.Trajectory, axes: Axes) -> tuple[Floats, Mask]:
-    """States in the plane with the crossings among them, and which of all these are kinks; a jump leaves a gap."""
+    """Return the states in the plane with the crossings inserted, and which of them are kinks; a jump leaves a gap."""
     crossings = run.crossings
     places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
     rows = _jumps(in_plane(crossings.x, axes), in_plane(crossings.x_after, axes))[:, [0, 2, 1]]  # before, gap, after
@@ -408,9 +414,9 @@ def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
 
 
 def _levels(run: core.Trajectory) -> Levels:
-    """Values of ψ on each side where the first few visits began; none where level sets are not drawn.
+    """Return the values of ψ where the first few segments on each side began; none if level sets are not drawn.
 
-    Rounded to what can be told apart on a screen, so that round-off does not make another picture of them.
+    They are rounded to what a screen can resolve, so that a change by round-off finds the same backdrop in the cache.
     """
     if not shows_levels(run.system):
         return ()

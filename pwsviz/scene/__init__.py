@@ -1,1 +1,1 @@
-"""What a person has chosen: its checks, its history, its link."""
+"""The settings a user has chosen: their checks, their history, their link."""

@@ -1,4 +1,4 @@
-"""Undo and redo: what the scene was before, and after."""
+"""Undo and redo of changes to a scene."""
 
 from __future__ import annotations
 
@@ -11,21 +11,23 @@ import param
 from pwsviz.scene.scene import Scene
 
 MAX_STEPS_BACK = 100
+"""Gestures that can be undone, so that a long session does not grow without bound."""
+
 ONE_GESTURE = 0.8
-"""Seconds; changes of the same settings that follow one another faster are one step, as of a dragged slider."""
+"""Seconds; changes of the same settings at shorter intervals are undone together, such as those of a dragged slider."""
 
 AT_ONCE = 0.05
-"""Seconds; what follows faster follows from the change before, as another system brings its own start."""
+"""Seconds; a change that follows sooner is a consequence of the last, such as the start that a new system brings."""
 
 NOT_UNDONE = ("name", "view")
-"""Looking at another view changes nothing."""
+"""Settings that undo leaves alone: opening another view changes no result."""
 
 
 class History(param.Parameterized):
-    """Remembers the settings of a scene, as far back as `MAX_STEPS_BACK` gestures."""
+    """Remembers the settings of a scene before each of the last `MAX_STEPS_BACK` gestures."""
 
-    possible = param.Boolean(default=False, doc="Whether there is anything to undo.")
-    repeatable = param.Boolean(default=False, doc="Whether there is anything to do again.")
+    can_undo = param.Boolean(default=False, doc="Whether there is anything to undo.")
+    can_redo = param.Boolean(default=False, doc="Whether there is anything to redo.")
 
     def __init__(self, scene: Scene, clock: Callable[[], float] = monotonic) -> None:
         super().__init__()
@@ -44,16 +46,16 @@ class History(param.Parameterized):
             self._past = [*self._past, self._now][-MAX_STEPS_BACK:]
         self._gesture, self._now = (same if follows else names, at), self.scene.settings()
         self._future = []
-        self.param.update(possible=True, repeatable=False)
+        self.param.update(can_undo=True, can_redo=False)
 
     def undo(self) -> None:
-        """Go one gesture back; nothing where there is none."""
+        """Undo the last gesture, if there is one."""
         if self._past:
             *earlier, before = self._past
             self._go(before, earlier, [*self._future, self._now])
 
     def redo(self) -> None:
-        """Take an `undo` back; nothing where there is none since the last gesture."""
+        """Redo what the last `undo` undid, unless a change has been made since."""
         if self._future:
             *later, after = self._future
             self._go(after, [*self._past, self._now], later)
@@ -62,4 +64,4 @@ class History(param.Parameterized):
         self.scene.restore({**settings, **{name: getattr(self.scene, name) for name in NOT_UNDONE if name != "name"}})
         self._past, self._future = past, future
         self._now, self._gesture = self.scene.settings(), (frozenset(), -ONE_GESTURE)
-        self.param.update(possible=bool(past), repeatable=bool(future))
+        self.param.update(can_undo=bool(past), can_redo=bool(future))

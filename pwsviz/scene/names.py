@@ -1,4 +1,4 @@
-"""Names as plain text shows them."""
+"""Names of parameters in plain text."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _CHARACTERS = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", r"\omega": "�
 
 
 def short_name(parameter: core.Parameter) -> str:
-    """Return how a parameter is typeset, as far as plain text can do it (a₋, ω²₊), else its name."""
+    """Return the symbol of a parameter in Unicode (a₋, ω²₊), or its name where Unicode cannot express the symbol."""
     text = parameter.symbol
     for latex, character in _CHARACTERS.items():
         text = text.replace(latex, character)

@@ -1,7 +1,8 @@
-"""The link: a whole scene as the part of an address after “?”, and back.
+"""The link: a scene as the query of an address (the part after “?”), and back.
 
-A link names only what differs from the usual settings of its system, in words and exact decimals. When one is read,
-each value passes `Scene.accept` by itself: what is broken or unknown is named to the person, and it alone is replaced.
+A link names only the settings that differ from the defaults of its system, in words and exact decimals. On reading,
+`Scene.accept` checks each value by itself: a value that is refused is reported to the user and replaced, the others
+are kept.
 """
 
 from __future__ import annotations
@@ -17,20 +18,23 @@ from pwsviz.scene.serialization import packed, shown, unpacked, visible
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 
 VERSION = 1
+"""Of the format; a link of another version is read as this one, with a complaint."""
 MAX_LENGTH = 32_000
-"""Characters of a link: more than `query` writes."""
+"""Characters of a link that are read: more than `query` ever writes."""
 MAX_OWN = 8_000
-"""Characters that a person's own system may take in a link."""
+"""Characters of a link that a user's own system may take."""
 MAX_VALUE = 400
 """Characters of a value that is a word, a number or a short list."""
 MAX_COMPLAINTS = 20
+"""Complaints about one link that are shown; the rest are counted."""
 MAX_REASON = 400
-"""Characters of what is said against one value."""
+"""Characters shown of the reason why a value is refused."""
 MAX_DIGITS = 40
-"""Characters of a number."""
+"""Characters of a number: a float written exactly needs at most 24."""
 
 _FIRST = ("methods", "own", "system")
-"""Taken over first: integrators before a system that cannot use them all, then the system with all that is usual."""
+"""Applied first: the methods, before a system that cannot use all of them and would keep its unused ones chosen; then
+the system, which sets the defaults of the other settings."""
 _WORDS = ("view", "study_method", "cost_across", "cost_up", "stability_part", "stability_shown")
 _LAST = (
     "selected", "axes", "tolerance", "locate", "perturbation_order", "perturbation_scale", "peers", *_WORDS,
@@ -52,14 +56,14 @@ def query(scene: Scene) -> str:
     Raises
     ------
     ValueError
-        Where the person's own system is too long for one.
+        If the user's own system takes more than `MAX_OWN` characters.
     """
     usual, pieces = Scene(), [_piece("v", str(VERSION))]
 
     def differs(key: str) -> bool:
         return _text(scene, key) != _text(usual, key)
 
-    for key in filter(differs, _FIRST):  # lazily: what is usual depends on those before
+    for key in filter(differs, _FIRST):  # lazily: the defaults depend on the settings before
         pieces.append(_piece(key, _text(scene, key)))
         if key == "own" and len(pieces[-1]) > MAX_OWN:
             raise ValueError(f"Your own system is too long for a link: it may take {MAX_OWN:,} characters there.")
@@ -76,12 +80,12 @@ def _piece(key: str, text: str) -> str:
 
 
 def _parameter_key(name: str) -> str:
-    """Return the key of a parameter, told apart from a setting of the same name."""
+    """Return the key of a parameter, with a prefix where a setting has the same name."""
     return f"value.{name}" if name in ("v", *_SETTINGS) else name
 
 
 def _text(scene: Scene, key: str) -> str:
-    """Return a setting as it stands in a link."""
+    """Return a setting as it is written in a link, before quoting."""
     value, variables = getattr(scene, key), scene.declaration.variables
     match key:
         case "own":
@@ -102,7 +106,7 @@ def _text(scene: Scene, key: str) -> str:
 
 
 def _decimal(value: float) -> str:
-    """Return a float to the last digit, without the “+” that some readers of addresses take for a space."""
+    """Return the shortest exact decimal of a float, without the “+” that some URL parsers read as a space."""
     return repr(float(value)).replace("e+", "e")
 
 
@@ -110,38 +114,39 @@ def _decimal(value: float) -> str:
 
 
 def read(text: str) -> tuple[dict[str, Any], list[str]]:
-    """Return the settings that a link stands for, and what is wrong with it; never raise.
+    """Return the settings that a link describes, and complaints about it; never raises.
 
     Parameters
     ----------
     text : str
-        The part of the address after “?”, with it or without.
+        The query of an address, with or without the “?”.
 
     Returns
     -------
     settings : dict
-        For `Scene.restore`. What the link does not say is as usual for its system.
+        For `Scene.restore`. Settings the link does not name have the defaults of its system.
     complaints : list of str
-        For each value that is unknown, broken or repeated, which it is, why, and what is used instead. Plain text
-        without control characters, to be shown as text.
+        For each value that is unknown, refused or repeated: the value, the reason, and what is used instead. Plain
+        text without control characters; escape it before it goes into a page.
     """
     reader = _Reader(text)
     return reader.scene.settings(), reader.complaints()
 
 
 def adopt(scene: Scene, text: str) -> list[str]:
-    """Let a scene become what a link says, and return what is wrong with it."""
+    """Set a scene to what a link describes, and return the complaints about the link."""
     settings, complaints = read(text)
     scene.restore(settings)
     return complaints
 
 
 class _Reader:
-    """Reads a link into a scene of its own, and remembers what is wrong with it."""
+    """Reads a link into a new scene, and collects complaints."""
 
     def __init__(self, text: str) -> None:
         self.scene = Scene()
-        self._wrong: list[tuple[str, str]] = []  # and what there is instead, or of which setting, once all is read
+        # Each complaint with either its remedy in words, or a setting whose final value is the remedy.
+        self._wrong: list[tuple[str, str]] = []
         self._given = self._split(text)
         for key in _FIRST:
             self._take_setting(key)
@@ -155,7 +160,7 @@ class _Reader:
             self._complain(f"“{shown(key)}” is neither a setting of this page nor a parameter of {system}.")
 
     def complaints(self) -> list[str]:
-        """Return no more sentences than anybody reads."""
+        """Return at most `MAX_COMPLAINTS` sentences, and one that counts the rest."""
         said = [visible(f"{wrong} {self._instead(what)}") for wrong, what in self._wrong[:MAX_COMPLAINTS]]
         more = len(self._wrong) - len(said)
         return [*said, f"And so on: {more:,} more parts of the link are wrong."] if more else said
@@ -170,7 +175,7 @@ class _Reader:
         self._complain(f"{key} in the link: {shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
 
     def _split(self, text: str) -> dict[str, str]:
-        """Return each key with its value; of several of one key the first."""
+        """Return the value of each key; a repeated key keeps its first value."""
         given: dict[str, str] = {}
         text = text.removeprefix("?")
         if len(text) > MAX_LENGTH:
@@ -200,7 +205,7 @@ class _Reader:
                 self._complain_of(key, reason)
 
     def _leave_out_unknown(self, key: str) -> None:
-        """Keep the names of a list that are known, if any is."""
+        """Keep the known names of a list; a list without any is left for `accept` to refuse."""
         names, known = self._given.get(key, "").split(","), _LISTS[key]
         if kept := [name for name in names if name in known]:
             self._given[key] = ",".join(dict.fromkeys(kept))
@@ -218,7 +223,7 @@ class _Reader:
                     self._complain(f"{key} in the link: {reason}", instead)
 
     def _take_starts(self) -> None:
-        """Take over the starts that are possible; in place of another, the usual one."""
+        """Apply the starts; each that is refused is replaced by the default start of the system."""
         if "starts" not in self._given:
             return
         parts, usual = self._given.pop("starts").split(";"), self.scene.starts
@@ -228,11 +233,11 @@ class _Reader:
         self.scene.param.update(starts=usual)
         try:
             self.scene.accept("starts", starts)
-        except ValueError as reason:  # with these parameters, the usual one is not possible either
+        except ValueError as reason:  # with these parameters the default start is refused, too
             self._complain_of("starts", reason)
 
     def _possible(self, number: int, part: str) -> Start:
-        """Return one start, or the usual one where it is not possible."""
+        """Return one start, or the default one if it is refused."""
         usual = self.scene.declaration.x0
         try:
             _take(self.scene, "starts", part)
@@ -243,9 +248,10 @@ class _Reader:
         return self.scene.x0
 
     def _take_times(self) -> None:
-        """Take over step size and end time together: one of them alone may ask for too many steps.
+        """Apply step size and end time together: either one with the default of the other may need too many steps.
 
-        Where one is broken, what is used instead suits the other; where both ask for too much, the run ends earlier.
+        If one of them is refused, its replacement suits the other. If the two together need more than `MAX_STEPS`
+        steps, the end time is reduced.
         """
         times = {"tau": self.scene.tau, "t_end": self.scene.t_end}
         broken = {key for key in times if key in self._given and not self._time(key, times)}
@@ -261,7 +267,7 @@ class _Reader:
         self.scene.param.update(**times)
 
     def _time(self, key: str, times: dict[str, float]) -> bool:
-        """Read one of the two; return whether it is one."""
+        """Read the step size or the end time into `times`; return whether it was accepted."""
         try:
             times[key] = self.scene.checked_time(key, _number(_short(key, self._given.pop(key))))
         except ValueError as reason:
@@ -271,7 +277,7 @@ class _Reader:
 
 
 def _take(scene: Scene, key: str, text: str) -> None:
-    """Take over one setting from a link; ValueError where it makes no sense."""
+    """Apply one setting from a link; ValueError if it is refused."""
     value: object = _short(key, text)
     variables = scene.declaration.variables
     match key:
@@ -298,7 +304,7 @@ def _take(scene: Scene, key: str, text: str) -> None:
 
 
 def _short(key: str, text: str) -> str:
-    """Return a value's text, if it is short enough to be read."""
+    """Return the text of a value; ValueError if it is too long."""
     limit = {"own": MAX_OWN, "starts": MAX_LENGTH}.get(key, MAX_VALUE)
     if len(text) > limit:
         raise ValueError(f"“{shown(text)}” is {len(text):,} characters long; at most {limit:,} can be read.")
@@ -306,18 +312,18 @@ def _short(key: str, text: str) -> str:
 
 
 def _use(scene: Scene, text: str) -> None:
-    """Take over a person's own system, or refuse it, whatever goes wrong with its mathematics."""
+    """Apply a user's own system; ValueError if it is refused, or if the analysis of its expressions fails."""
     try:
         scene.use(unpacked(text))
     except ValueError:
         raise
-    except Exception as failure:  # sympy and NumPy were never tried on this text before; the page has to open
+    except Exception as failure:  # sympy or NumPy may fail on arbitrary text, and the page has to open
         logger.exception("a system in a link cannot be used: %r", text)
         raise ValueError(f"this system cannot be used ({type(failure).__name__})") from failure
 
 
 def _number(text: str) -> str:
-    """Return the text of a number, if it is plain decimals; Python reads more than these as numbers."""
+    """Return the text of a plain decimal number; ValueError for others that `float` accepts, such as 1_0 or nan."""
     if len(text) > MAX_DIGITS or not _NUMBER.fullmatch(text):
         raise ValueError(f"“{shown(text)}” is not a number. Write one such as 0.01 or 1e-3.")
     return text

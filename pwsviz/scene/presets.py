@@ -1,4 +1,4 @@
-"""Scenes to start from: each figure of the paper by name, and a few beyond it."""
+"""Scenes to start from: the figures of the paper, and a few beyond it."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ __all__ = ["PRESETS", "Preset"]
 
 @dataclass(frozen=True)
 class Preset:
-    """A scene with something to see in it."""
+    """A scene to start from, with hints."""
 
     key: str
     """Its key in PRESETS."""
     title: str
-    """For people."""
+    """As the menu shows it."""
     figure: str
-    """Label of the figure in the paper, such as ``fig:CQ_elliptic``; empty for what goes past the paper."""
+    """Label of the figure in the paper, such as ``fig:CQ_elliptic``; empty for a preset beyond the paper."""
     look: str
-    """What to look at, in a line."""
+    """What to look at, in one line."""
     try_: str
-    """What to try, in a line."""
+    """What to try, in one line."""
     settings: Mapping[str, object]
-    """Values of settings of a `Scene` by name; all others are as they are in a new scene."""
+    """Values of settings of a `Scene` by name; all others have their defaults."""
 
 
 _OSCILLATOR = {
@@ -37,7 +37,7 @@ _CURVE = {
     "values": {"a_minus": -3.0, "a_plus": -2.0, "radius": 1.0},
     "starts": ((-1.0, -1.0),),
 }
-#: Long enough for the 31 crossings that an order study looks at.
+#: End times long enough for the 31 crossings of an order study.
 _OSCILLATOR_STUDY = {**_OSCILLATOR, "methods": ["dmm2"], "study_method": "dmm2", "t_end": 80.0}
 _CURVE_STUDY = {**_CURVE, "methods": ["dmm2"], "study_method": "dmm2", "t_end": 32.0}
 

@@ -1,7 +1,7 @@
-"""What the person chose, and nothing else: no widgets, no arrays.
+"""The settings a user has chosen: no widgets, no arrays.
 
-Every setting is checked here, in the units and words of the person who typed it. `Scene.accept` either takes
-a value over or raises a ValueError whose text can stand beside the field; a scene is therefore valid at all times.
+Every setting is checked here. `Scene.accept` either applies a value or raises a ValueError whose text can be shown
+beside the field; a scene is therefore valid at all times.
 """
 
 from __future__ import annotations
@@ -20,11 +20,13 @@ from pwsviz.scene.validation import MAX_STEPS, number, one_of, require_few_steps
 from pwsviz.scene.views import VIEWS
 
 MAX_COORDINATE = 1e6
+"""Largest |coordinate| of a start, and largest |value| of a parameter without bounds of its own."""
+
 MAX_STARTS = 12
-"""Trajectories at once: each is drawn once for every integrator."""
+"""Trajectories in one portrait; each is integrated and drawn once for every integrator."""
 
 OWN = "own"
-"""Key of the system that the person typed."""
+"""Key of the system that the user typed."""
 
 EXTERNAL_SOLVERS = {"scipy": "SciPy", "heyoka": "heyoka"}
 COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
@@ -33,12 +35,13 @@ STABILITY_PARTS = {"map": "Map", "drift": "Long run", "grazing": "Near grazing"}
 STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
 
 TOLERANCES = (1e-15, 1e-3)
-"""Least and greatest tolerance of an integrator that chooses its own steps."""
+"""Least and greatest tolerance (error of a step relative to the state) of an integrator that chooses its own steps."""
 
 END_TIMES = {"type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
-"""Least end times of systems that are slow: by the usual one they would just have reached the surface."""
+"""Least end times of slow systems: at the default of 20 their trajectories have only just reached the surface."""
 
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
+"""Offered orders p of the perturbation c·τᵖ of crossing times; None for no perturbation."""
 
 _TIMES = {"tau": "The step size", "t_end": "The end time"}
 
@@ -58,20 +61,20 @@ class Scene(param.Parameterized):
     system: Any = param.Selector(
         default="elliptic_curve", objects=[*core.CATALOGUE, OWN], doc="Key in `core.CATALOGUE`, or `OWN`."
     )
-    own: Any = param.ClassSelector(default=None, class_=core.PiecewiseSystem, doc="The system the person typed.")
+    own: Any = param.ClassSelector(default=None, class_=core.PiecewiseSystem, doc="The system the user typed.")
     values = param.Dict(default={}, doc="Value of each parameter of the system.")
     starts: Any = param.ClassSelector(default=(), class_=tuple, doc="Initial states, one for each trajectory.")
     selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="Index of the start that is selected.")
     axes: Any = param.ClassSelector(default=(0, 1), class_=tuple, doc="The two variables that span the portrait.")
     methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
     tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
-    tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of an integrator that chooses its own steps.")
+    tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of integrators that choose their own steps.")
     t_end = param.Number(default=20.0, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
     locate = param.Boolean(default=True, doc="Land on the surface at crossings (Mannshardt), or step over it.")
     perturbation_order: Any = param.Selector(
-        default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the disturbance c·τᵖ of crossing times."
+        default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the perturbation c·τᵖ of crossing times."
     )
-    perturbation_scale = param.Number(default=1.0, bounds=(-10.0, 10.0), doc="Its factor c.")
+    perturbation_scale = param.Number(default=1.0, bounds=(-10.0, 10.0), doc="Factor c of the perturbation c·τᵖ.")
     view: Any = _ViewKey(default="conserved", doc="The view beside the portrait: a key of `VIEWS`.")
     study_method: Any = param.Selector(
         default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator shows."
@@ -84,17 +87,17 @@ class Scene(param.Parameterized):
     stability_coordinate = param.Integer(default=0, bounds=(0, None), doc="The variable along the map's other axis.")
 
     def __init__(self, **params: Any) -> None:
-        self._whole = False
+        self._no_defaults = False
         super().__init__(**params)
         chosen = self.declaration
         missing = {"values": dict(chosen.values), "starts": (chosen.x0,), "t_end": self._long_enough()}
         self.param.update(**{name: value for name, value in missing.items() if name not in params})
 
-    # What it says ----------------------------------------------------------------------------------------------------
+    # Reading it ------------------------------------------------------------------------------------------------------
 
     @property
     def declaration(self) -> core.PiecewiseSystem:
-        """The chosen system, at the values it was declared with."""
+        """The chosen system, at its declared parameter values."""
         return self.own if self.system == OWN and self.own is not None else core.CATALOGUE[self.system]
 
     @property
@@ -109,46 +112,46 @@ class Scene(param.Parameterized):
 
     @property
     def used(self) -> list[str]:
-        """The chosen integrators that can be used with the system; one that can, where none of them can.
+        """The chosen integrators that can be used with the system; if there are none, the first one offered.
 
-        The others stay chosen: another system brings them back.
+        Those that cannot be used stay in `methods`, and return with a system that admits them.
         """
         offered = self.offered
         return [name for name in self.methods if name in offered] or offered[:1]
 
     @property
-    def steady(self) -> list[str]:
-        """Those used that take steps of one size, and so have an order; one of those offered, where none has."""
-        steady = [name for name in self.used if not core.METHODS[name].adaptive]
-        return steady or [name for name in self.offered if not core.METHODS[name].adaptive][:1]
+    def fixed_step(self) -> list[str]:
+        """Those of `used` with a fixed step size, and so an order; if there are none, the first such of `offered`."""
+        fixed_step = [name for name in self.used if not core.METHODS[name].adaptive]
+        return fixed_step or [name for name in self.offered if not core.METHODS[name].adaptive][:1]
 
     @property
     def selected_method(self) -> str:
-        """The integrator that a view of one integrator shows: `study_method` where it is used."""
+        """The integrator that a view of one integrator shows: `study_method`, or the first of `used`."""
         return self.study_method if self.study_method in self.used else self.used[0]
 
     @property
     def order_method(self) -> str:
         """The integrator whose order is studied."""
-        return self.study_method if self.study_method in self.steady else self.steady[0]
+        return self.study_method if self.study_method in self.fixed_step else self.fixed_step[0]
 
     def build(self) -> core.PiecewiseSystem:
         """Return the chosen system at the chosen parameter values."""
         return self.declaration.with_parameters(**self.values)
 
     def settings(self) -> dict[str, Any]:
-        """Return all settings: `restore` brings this very scene back."""
+        """Return all settings, for `restore`."""
         return {name: getattr(self, name) for name in self.param if name != "name"}
 
     # Changing it -----------------------------------------------------------------------------------------------------
 
     def restore(self, settings: Mapping[str, Any]) -> None:
-        """Take over all of some scene's settings at once; nothing of what was before remains."""
-        with self._as_a_whole():
+        """Set all settings at once to those of a scene, as `settings` returned them."""
+        with self._without_defaults():
             self.param.update(**settings)
 
     def load(self, settings: Mapping[str, Any]) -> None:
-        """Begin anew with some settings, the rest being the usual ones; a system of one's own is kept.
+        """Set some settings, and all others to their defaults; the user's own system is kept.
 
         Raises
         ------
@@ -161,42 +164,42 @@ class Scene(param.Parameterized):
         for name, value in given.pop("values", {}).items():
             fresh.accept(f"values.{name}", value)
         fresh.accept_times(given.pop("tau", fresh.tau), given.pop("t_end", fresh.t_end))
-        for name in ("methods", "starts"):  # what is said of one integrator, or of one start, comes after all of them
+        for name in ("methods", "starts"):  # before the settings that refer to one of them
             fresh.accept(name, given.pop(name, getattr(fresh, name)))
         for name, value in given.items():
             fresh.accept(name, value)
         self.restore(fresh.settings())
 
     @contextmanager
-    def _as_a_whole(self) -> Iterator[None]:
-        """Let a system come with its own start and values, in place of the usual ones."""
-        self._whole = True
+    def _without_defaults(self) -> Iterator[None]:
+        """Within this context, a change of `system` does not reset the starts and the parameter values."""
+        self._no_defaults = True
         try:
             yield
         finally:
-            self._whole = False
+            self._no_defaults = False
 
     def use(self, system: core.PiecewiseSystem) -> None:
-        """Take over a system that the person declared, as it starts.
+        """Choose a system that the user declared, with its own start and parameter values.
 
         Raises
         ------
         ValueError
-            Where it has too few variables for a portrait, or cannot start at its start.
+            If it has fewer than two variables, or cannot start at its initial state.
         """
         if system.dimension < PLANE:
             raise ValueError("A portrait needs two variables at least.")
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1)}
         checked_start(system, 0.0, system.x0)
-        with self._as_a_whole():
+        with self._without_defaults():
             self.param.update(own=system, system=OWN, stability_coordinate=0, **changes)
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
-        if self._whole:
+        if self._no_defaults:
             return
         if self.system == OWN and self.own is None:
-            raise ValueError("There is no system of one's own yet.")
+            raise ValueError("There is no system of your own yet: write one first.")
         chosen = self.declaration
         self.param.update(
             values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=(0, 1), stability_coordinate=0,
@@ -204,7 +207,7 @@ class Scene(param.Parameterized):
         )  # fmt: skip
 
     def _long_enough(self) -> float:
-        """Return the end time, later where the system is slow, but no later than the step size allows."""
+        """Return the end time, raised to that of `END_TIMES` as far as `MAX_STEPS` steps of this size reach."""
         wanted = max(self.t_end, END_TIMES.get(self.system, 0.0))
         return float(max(self.t_end, min(wanted, self.tau * MAX_STEPS)))
 
@@ -214,7 +217,7 @@ class Scene(param.Parameterized):
         Raises
         ------
         ValueError
-            Where it cannot start there, or there are as many as fit.
+            If no trajectory can start there, or there are `MAX_STARTS` already.
         """
         if len(self.starts) >= MAX_STARTS:
             raise ValueError(f"There are {MAX_STARTS} trajectories already: remove one first.")
@@ -228,17 +231,17 @@ class Scene(param.Parameterized):
         self.param.update(starts=tuple(starts), selected=index)
 
     def remove(self, index: int) -> None:
-        """Take one trajectory away; ValueError if it is the last one."""
+        """Remove one trajectory; ValueError if it is the last one."""
         if len(self.starts) == 1:
             raise ValueError("One trajectory has to stay.")
         starts = self.starts[:index] + self.starts[index + 1 :]
         selected = self.selected - (self.selected > index)
         self.param.update(selected=min(selected, len(starts) - 1), starts=starts)
 
-    # Taking over what a person typed, or a link says -----------------------------------------------------------------
+    # Applying what a user typed, or what a link says -----------------------------------------------------------------
 
     def accept(self, field: str, value: object) -> None:
-        """Take over one setting.
+        """Check and apply one setting.
 
         Parameters
         ----------
@@ -246,12 +249,12 @@ class Scene(param.Parameterized):
             Name of a setting; ``"x0"`` or ``"x0.<index>"`` for the selected start or one coordinate of it,
             ``"values.<name>"`` for one parameter.
         value : object
-            What the setting takes, or a number's text; for ``"methods"`` and ``"peers"`` a list of names.
+            The value, or the text of a number; for ``"methods"`` and ``"peers"`` a list of names.
 
         Raises
         ------
         ValueError
-            Where the value makes no sense, in plain words; the scene is then unchanged.
+            If the value is refused, with a text for the user; the scene is then unchanged.
         """
         name, _, part = field.partition(".")
         if name == "x0":
@@ -279,7 +282,7 @@ class Scene(param.Parameterized):
         self.param.update(**{name: check(part, value) if check else self._checked_choice(name, value)})
 
     def accept_times(self, tau: object, t_end: object) -> None:
-        """Take over step size and end time together: with the other as it was, one of them may ask for too many steps.
+        """Apply step size and end time together: either one with the old value of the other may need too many steps.
 
         Raises
         ------
@@ -291,7 +294,7 @@ class Scene(param.Parameterized):
         self.param.update(tau=step, t_end=end)
 
     def checked_time(self, field: str, value: object) -> float:
-        """Return the step size ``"tau"`` or the end time ``"t_end"`` by itself, if it is one; else ValueError."""
+        """Return ``"tau"`` or ``"t_end"`` checked by itself, not against the limit of steps; ValueError if refused."""
         return number(value, _TIMES[field], *self.param[field].bounds)
 
     def _checked_tau(self, _: str, value: object) -> float:
@@ -325,7 +328,7 @@ class Scene(param.Parameterized):
 
     def _checked_system(self, _: str, value: object) -> str:
         if value == OWN and self.own is None:
-            raise ValueError("There is no system of one's own yet.")
+            raise ValueError("There is no system of your own yet: write one first.")
         return str(self._checked_choice("system", value))
 
     def _checked_choice(self, name: str, value: object) -> object:
@@ -366,7 +369,7 @@ class Scene(param.Parameterized):
         d = len(self.declaration.variables)
         whole = isinstance(value, tuple) and len(value) == 2 and all(type(i) is int and 0 <= i < d for i in value)
         if not isinstance(value, tuple) or not whole or value[0] == value[1]:
-            raise ValueError(f"“{value}” are no two of the {d} variables, counted from 0.")
+            raise ValueError(f"“{value}” does not name two of the {d} variables: take two different numbers below {d}.")
         return value
 
     def _checked_values(self, name: str, value: object) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""A person's own system as JSON, and back: whatever is no such description is refused in words."""
+"""A user's own system as JSON, and back; a text that is no such description is refused with a ValueError."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pwsviz.geometry.projection import PLANE
 __all__ = ["packed", "shown", "unpacked", "visible"]
 
 SHOWN = 40
-"""Characters of a broken text that are shown."""
+"""Characters of a refused text that a message quotes."""
 
 
 def packed(system: core.PiecewiseSystem) -> str:
-    """Return a declaration as JSON, without what goes without saying."""
+    """Return a declaration as JSON, without the fields that have their defaults."""
     given, values = _differing(system), system.values
     given["parameters"] = [_differing(parameter) for parameter in system.parameters]
     given["values"] = {  # compared as text: -0.0 is not 0.0
@@ -36,7 +36,7 @@ def unpacked(text: str) -> core.PiecewiseSystem:
     Raises
     ------
     ValueError
-        Where it is no description of one, or the system is refused, in words to be shown as text.
+        If the text describes no system, or the system is refused; escape the message before it goes into a page.
     """
     try:
         given = json.loads(text, parse_constant=_refuse)
@@ -54,7 +54,7 @@ def _refuse(constant: str) -> NoReturn:
 
 
 def _checked(given: Any, parts: dict[str, Callable[[Any], Any]], what: str, needed: Iterable[str]) -> dict[str, Any]:
-    """Return the parts of a record, each of its kind."""
+    """Return the fields of a JSON object, each read by its entry of `parts`."""
     if not isinstance(given, dict):
         raise ValueError(f"{_quoted(given)} is no {what}.")
     if missing := [name for name in needed if name not in given]:
@@ -108,19 +108,19 @@ _SYSTEM: dict[str, Callable[[Any], Any]] = {
 }
 
 
-# Broken text, as it is shown -----------------------------------------------------------------------------------------
+# Refused text in messages --------------------------------------------------------------------------------------------
 
 
 def shown(text: str, most: int = SHOWN) -> str:
-    """Return the start of a text, fit to be shown to a person."""
+    """Return a text cut to `most` characters and made `visible`."""
     return visible(text if len(text) <= most else text[: most - 1] + "…")
 
 
 def _quoted(value: object) -> str:
-    """Return what stands in place of something else in a description; a nest of lists is not written out."""
+    """Return a wrong value as a message quotes it; of a container only its type, as nested lists may be deep."""
     return f"“{shown(str(value))}”" if isinstance(value, str | int | float) else f"a {type(value).__name__}"
 
 
 def visible(text: str) -> str:
-    """Return a text with marks in place of characters that cannot be seen, or would turn others round."""
+    """Return a text with U+FFFD in place of unprintable characters and of those that reverse the text direction."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

@@ -1,4 +1,4 @@
-"""Numbers as people type them: read, and refused in words that can stand beside the field."""
+"""Numbers as users type them: read and checked, with messages that can be shown beside the field."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 MAX_STEPS = 2_000_000
-"""The most steps the page asks of one run, so that a slip of the keyboard cannot keep it busy."""
+"""Most steps of one run on the page, so that a mistyped step size cannot keep it busy."""
 
 
 def number(value: object, subject: str, low: float, high: float) -> float:
@@ -15,7 +15,7 @@ def number(value: object, subject: str, low: float, high: float) -> float:
     Raises
     ------
     ValueError
-        Naming the subject, the text and what would do.
+        Naming the text or the subject, and what would do.
     """
     try:
         result = float(str(value).strip().replace("−", "-"))
@@ -43,7 +43,7 @@ def one_of(choices: Iterable[object], value: object) -> object:
 
 
 def require_few_steps(t_end: float, tau: float) -> None:
-    """Refuse a run longer than `MAX_STEPS`, saying what to change."""
+    """Raise a ValueError that says what to change if a run needs more than `MAX_STEPS` steps."""
     steps = t_end / tau
     if steps > MAX_STEPS * (1 + 1e-9):
         raise ValueError(
@@ -53,6 +53,6 @@ def require_few_steps(t_end: float, tau: float) -> None:
 
 
 def _rounded_up(value: float) -> str:
-    """`value` with two digits, never less than itself."""
+    """Return `value` rounded up to two digits."""
     power = 10.0 ** (math.floor(math.log10(value)) - 1)
     return f"{math.ceil(value / power * (1 - 1e-12)) * power:.2g}"

@@ -1,4 +1,4 @@
-"""The views beside the portrait: the one table of them. What draws each is attached in `pwsviz.tabs`."""
+"""The table of the views beside the portrait. `pwsviz.tabs` has the tab of each."""
 
 from __future__ import annotations
 
@@ -12,4 +12,4 @@ VIEWS = {
     "stability": "Stability",
     "scheme": "Scheme",
 }
-"""Title of each view by its key, which stands in links; in display order, one view at a time."""
+"""Title of each view by its key, in display order; links contain the key."""

@@ -1,1 +1,1 @@
-"""Serve the page."""
+"""Serving the page."""

@@ -1,7 +1,7 @@
-"""What Panel runs once in each process of the server (``--setup``): the first visitor then need not wait.
+"""What Panel runs once in each process of the server (``--setup``), so that the first visitor need not wait.
 
-Importing takes seconds and is done at once, so that it does not hold up a visitor; the first picture, for which
-integrators are compiled or loaded, is computed beside the server. A visitor who comes meanwhile shares the result.
+The imports, which take seconds, are made before the server listens. The first picture, for which integrators are
+compiled or loaded, is computed in a thread; a visitor who comes meanwhile shares the result.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pwsviz.scene.scene import Scene
 
 
 def compute_first_scene() -> None:
-    """Compute what a fresh page shows, into the cache that all visitors share."""
+    """Compute what a new page shows, into the cache that all visitors share."""
     scene = Scene()
     runs = run_inputs(scene)
     RESULTS.pictures(PortraitInputs(runs, other_inputs(scene), scene.axes))

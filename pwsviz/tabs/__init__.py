@@ -23,4 +23,4 @@ TABS: dict[str, Callable[[Scene, Results], Tab]] = {
     "stability": StabilityTab,
     "scheme": SchemeTab,
 }
-"""What makes the tab of each of `pwsviz.scene.views.VIEWS`, by key; the tab has all else there is to a view."""
+"""Constructor of the tab of each of `pwsviz.scene.views.VIEWS`, by key."""

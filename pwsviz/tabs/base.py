@@ -1,4 +1,4 @@
-"""What the views beside the portrait have in common."""
+"""The base classes of the views beside the portrait."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
 Outcome = Any
-"""What a tab computes; each has its own type."""
+"""What a tab computes; its type differs from tab to tab."""
 
 
 class Tab(pn.viewable.Viewer):
-    """One view beside the portrait; nothing of it is made, computed or sent before it is first looked at.
+    """One view beside the portrait; its contents are made and computed when it is first opened.
 
     Parameters
     ----------
@@ -37,18 +37,19 @@ class Tab(pn.viewable.Viewer):
     Attributes
     ----------
     shown : hashable or None
-        Inputs of what is drawn; None where it is a part, or of something past.
+        Inputs of what is drawn; None if that is partial or outdated.
     settings : tuple of str
-        Settings of the scene whose change alters what is drawn, though nothing is computed anew.
+        Settings of the scene that change what is drawn but not what is computed.
     now : Span or None
-        The line that the player moves, where time runs across the view.
+        The line that the player moves, if the horizontal axis is time.
     quiet, patience : float
-        As in `latest_wins.Job`.
+        Seconds, as in `latest_wins.Job`.
     """
 
     settings: tuple[str, ...] = ()
     now: Span | None = None
-    quiet, patience = 0.0, 0.1
+    quiet = 0.0
+    patience = 0.1
 
     def __init__(self, scene: Scene, results: Results) -> None:
         super().__init__()
@@ -62,14 +63,14 @@ class Tab(pn.viewable.Viewer):
         self._summaries: list[str] = []
         self._content = pn.Column(margin=0, sizing_mode="stretch_width")
 
-    # For each tab to say ---------------------------------------------------------------------------------------------
+    # For each tab to define ------------------------------------------------------------------------------------------
 
     def inputs(self) -> Hashable:
-        """Return exactly what the picture depends on."""
+        """Return exactly what the result depends on."""
         raise NotImplementedError
 
     def compute(self, inputs: Any, cancel: Cancel, report: Report) -> Outcome:
-        """Compute the picture's arrays, off the event loop."""
+        """Compute the arrays that are drawn; runs in a thread."""
         raise NotImplementedError
 
     def build(self) -> list[Any]:
@@ -77,39 +78,39 @@ class Tab(pn.viewable.Viewer):
         raise NotImplementedError
 
     def draw(self, outcome: Outcome) -> str:
-        """Show what was computed, whole or in part, and return it in words."""
+        """Draw a whole or a partial result, and return it in words."""
         raise NotImplementedError
 
     def table(self) -> Table | None:
-        """Return what is shown as columns to export; None while there is nothing."""
+        """Return the result as columns to export; None while there is none."""
         raise NotImplementedError
 
     def program(self) -> str:
-        """Return the lines of Python that repeat the study shown, after those of the runs; none by default."""
+        """Return the lines of Python that repeat the study, to follow those of the runs; none by default."""
         return ""
 
     def link(self, portrait: PortraitView) -> None:
-        """Mark in the portrait what is pointed at here, and here what is pointed at there; nothing by default."""
+        """Let a crossing under the pointer be marked both here and in the portrait; nothing by default."""
 
     # For the page ----------------------------------------------------------------------------------------------------
 
     def reveal(self) -> None:
-        """Make what is in the tab, the first time it is looked at."""
+        """Make the contents of the tab, the first time it is opened."""
         if not self.built:
             self._content.objects = [*self.build(), self.words]
             self.built = True
 
     def begin(self) -> None:
-        """Say that something is being computed that is not there yet; for tabs that take long."""
+        """Show that a computation is running; for tabs that take long."""
 
     def advance(self, done: int, total: int, partial: Outcome) -> None:
-        """Show the part of a study that is there."""
+        """Draw a partial result."""
         self.shown = None
         self._say(self.draw(partial))
         self._fade(past=False)
 
     def present(self, inputs: Hashable, outcome: Outcome | Exception) -> None:
-        """Show what was computed for these inputs, or say why it was not; what was drawn last then stays, faded."""
+        """Draw the result for these inputs; or say why there is none, and fade what was drawn last."""
         if isinstance(outcome, Exception):
             self.shown = None
             self.words.object = complaint(outcome)
@@ -120,18 +121,18 @@ class Tab(pn.viewable.Viewer):
         self._fade(past=False)
 
     def redraw(self) -> None:
-        """Show the same outcome in another way."""
+        """Draw the same result again, after a change of `settings`."""
         if self.outcome is not None and self.built:
             self._say(self.draw(self.outcome))
 
     def expect(self, system: core.PiecewiseSystem) -> None:
-        """Clear away the words, and fade the figures, of a system that is no longer the one at hand."""
+        """Clear the words and fade the figures if they belong to another system."""
         if self._system not in (None, system):
             self.await_system("")
         self._system = system
 
     def await_system(self, words: str) -> None:
-        """Fade what is shown: it is another system's."""
+        """Fade the figures, which belong to another system, and show these words."""
         self.shown = self.outcome = None
         self.words.object = words
         self._fade(past=True)
@@ -144,7 +145,7 @@ class Tab(pn.viewable.Viewer):
         return pane
 
     def _say(self, words: str) -> None:
-        """Say what is shown: beside the figure, and to those who cannot see it."""
+        """Show the result in words below the figure, and give them to screen readers."""
         self.words.object = as_text(words)
         for pane, summary in zip(self.plots, self._summaries, strict=True):
             describe(pane.object, f"{summary}. {words}")
@@ -154,14 +155,15 @@ class Tab(pn.viewable.Viewer):
             fade(pane, past)
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Whatever `build` has made."""
+        """Return what `build` has made."""
         return self._content
 
 
 class LongTab(Tab):
-    """A view whose computation takes long: with a bar, a button to cancel it, and one to have it done again."""
+    """A view whose computation takes long: with a progress bar, and buttons to cancel it and to run it again."""
 
-    quiet, patience = 0.25, 0.0
+    quiet = 0.25
+    patience = 0.0
 
     def __init__(self, scene: Scene, results: Results) -> None:
         super().__init__(scene, results)
@@ -170,19 +172,19 @@ class LongTab(Tab):
         self.progress = Progress(lambda: self.on_cancel(), lambda: self.on_again())
 
     def begin(self) -> None:
-        """Show that it is on its way."""
+        """Show the progress bar."""
         self.progress.begin()
 
     def advance(self, done: int, total: int, partial: Outcome) -> None:
-        """Show how far it has come, and what there is."""
+        """Show the progress and the partial result."""
         self.progress.advance(done, total)
         super().advance(done, total, partial)
 
     def present(self, inputs: Hashable, outcome: Outcome | Exception) -> None:
-        """Show the whole."""
+        """Hide the progress bar and draw the whole result."""
         self.progress.end()
         super().present(inputs, outcome)
 
     def stop(self) -> None:
-        """Say that it was cancelled; what there is stays."""
+        """Show that the computation was cancelled; the partial result stays."""
         self.progress.stop()

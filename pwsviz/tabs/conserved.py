@@ -18,7 +18,7 @@ from pwsviz.tasks.cancellation import Cancel, Report
 
 
 class ErrorPicture(NamedTuple):
-    """All that the plot shows."""
+    """What the plot shows."""
 
     system: core.PiecewiseSystem
     curves: list[ErrorCurve]
@@ -26,33 +26,33 @@ class ErrorPicture(NamedTuple):
 
 
 class ConservedTab(Tab):
-    """How far each integrator has let ψ drift."""
+    """The change of ψ that each integrator has made, against time."""
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self.view = ConservedView()  # made at once: the portrait's player and crossings are linked to it
+        self.view = ConservedView()  # made at once, as the portrait links its player and crossings to it
         self.now = self.view.now
 
     def link(self, portrait: PortraitView) -> None:
-        """Mark a crossing that is pointed at in the portrait here, and the other way round."""
+        """Let a crossing under the pointer be marked in both figures."""
         link_crossings(portrait, self.view)
 
     def inputs(self) -> ErrorInputs:
-        """One run for each integrator."""
+        """Return one run for each integrator."""
         return ErrorInputs(run_inputs(self.scene), self.scene.axes)
 
     def compute(self, inputs: ErrorInputs, cancel: Cancel, report: Report) -> ErrorPicture:
-        """Reduce the errors of the runs to what a screen can show."""
+        """Reduce the errors of the runs to the resolution of a screen."""
         curves = self.results.error_curves(inputs.runs, cancel)
         marks = self.results.landmarks(inputs.runs[0], inputs.axes, cancel)
-        return ErrorPicture(inputs.runs[0].ground.declaration, curves, marks)
+        return ErrorPicture(inputs.runs[0].problem.declaration, curves, marks)
 
     def build(self) -> list[Any]:
         """One figure."""
         return [self.plot(self.view.figure)]
 
     def draw(self, outcome: ErrorPicture) -> str:
-        """Draw the change of ψ, where there is a ψ; and say what there is to know about it."""
+        """Draw the change of ψ, if any ψ is known, and return it in words."""
         system = outcome.system
         there = bool(system.psi_minus or system.psi_plus)
         self.plots[0].visible = there

@@ -28,15 +28,15 @@ class CostTab(LongTab):
         self.view: CostView | None = None
 
     def inputs(self) -> CostInputs:
-        """All integrators, and the peers."""
+        """Return all integrators and the chosen external solvers."""
         return CostInputs.of(self.scene)
 
     def compute(self, inputs: CostInputs, cancel: Cancel, report: Report) -> core.WorkPrecision:
-        """Measure."""
+        """Measure run times and errors."""
         return self.results.cost(inputs, cancel, report)
 
     def build(self) -> list[Any]:
-        """Choices of the axes and of the peers, and the plot."""
+        """Make the choices of the axes and of the external solvers, and the plot."""
         self.view = CostView()
         across = choice(self.scene, "cost_across", lambda: {words: key for key, words in COST_ACROSS.items()})
         up = choice(self.scene, "cost_up", lambda: {words: key for key, words in COST_UP.items()})
@@ -50,7 +50,7 @@ class CostTab(LongTab):
         return [controls, self.progress, self.plot(self.view.figure)]
 
     def draw(self, outcome: core.WorkPrecision) -> str:
-        """Draw the curves and say which is fastest."""
+        """Draw the curves and return in words which integrator is fastest."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)

@@ -25,7 +25,7 @@ class OrderTab(LongTab):
     error : str
         Which error is plotted, in words.
     rows : callable
-        Picks the curves of this plot from a study.
+        Returns the curves of this plot from a study.
     """
 
     def __init__(self, *given: Any, error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> None:
@@ -34,7 +34,7 @@ class OrderTab(LongTab):
         self.view: OrderView | None = None
 
     def inputs(self) -> StudyInputs:
-        """One integrator."""
+        """Return the system and one integrator."""
         return study_inputs(self.scene)
 
     def compute(self, inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
@@ -42,15 +42,15 @@ class OrderTab(LongTab):
         return self.results.study(inputs, cancel, report)
 
     def build(self) -> list[Any]:
-        """Choice of the integrator, and the plot."""
+        """Make the choice of the integrator, and the plot."""
         self.view = OrderView(self.error)
         methods = choice(
-            self.scene, "study_method", lambda: {name: name for name in self.scene.steady}, ("system", "methods")
+            self.scene, "study_method", lambda: {name: name for name in self.scene.fixed_step}, ("system", "methods")
         )
         return [methods, self.progress, self.plot(self.view.figure)]
 
     def draw(self, outcome: core.OrderStudy) -> str:
-        """Draw a study and say its slopes."""
+        """Draw a study and return its slopes in words."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         rows, order = self._rows(outcome), core.METHODS[outcome.method].order
         assert order is not None  # noqa: S101  (a study needs one)

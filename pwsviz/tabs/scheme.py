@@ -1,4 +1,4 @@
-"""The tab of the mathematics: equations, the scheme derived from them, and the theory's constants for this run."""
+"""The tab of the equations, the scheme derived from them, and the constants of the theory for a run."""
 
 from __future__ import annotations
 
@@ -21,40 +21,40 @@ class SchemeTab(Tab):
         self.mathematics = markup_pane(SCHEME_STYLE)
 
     def inputs(self) -> RunInputs:
-        """The run of the selected integrator."""
+        """Return the run of the selected integrator."""
         return next(one for one in run_inputs(self.scene) if one.scheme.method == self.scene.selected_method)
 
     def compute(self, inputs: RunInputs, cancel: Cancel, report: Report) -> str:
-        """Derive and typeset."""
+        """Derive and typeset the scheme, and evaluate the constants along the run."""
         scheme, run, diagnosis = inputs.scheme, self.results.run(inputs, cancel), self.results.diagnosis(inputs, cancel)
         return scheme_markup(
-            inputs.ground.build(), scheme.method, diagnosis, run, locate=scheme.locate,
+            inputs.problem.build(), scheme.method, diagnosis, run, locate=scheme.locate,
             perturbation_order=scheme.perturbation_order, perturbation_scale=scheme.perturbation_scale,
         )  # fmt: skip
 
     def build(self) -> list[Any]:
-        """Choice of the integrator, and the page of mathematics."""
+        """Make the choice of the integrator, and the pane of the mathematics."""
         methods = choice(
             self.scene, "study_method", lambda: {name: name for name in self.scene.used}, ("system", "methods")
         )
         return [methods, self.mathematics]
 
     def draw(self, outcome: str) -> str:
-        """Show it."""
+        """Show the mathematics, which needs no further words."""
         self.mathematics.object = outcome
         return ""
 
     def await_system(self, words: str) -> None:
-        """Leave the page empty: it is another system's."""
+        """Clear the pane, which belongs to another system, and show these words."""
         super().await_system(words)
         self.mathematics.object = ""
 
     def table(self) -> Table | None:
-        """There is nothing to plot."""
+        """Return None: there are no numbers to export."""
         return None
 
     def present(self, inputs: Any, outcome: Any) -> None:
-        """Show the page, or why there is none: then another scheme's would mislead."""
+        """Show the mathematics, or clear it and say why there is none: that of another scheme would mislead."""
         if isinstance(outcome, Exception):
             self.mathematics.object = ""
         super().present(inputs, outcome)

@@ -1,4 +1,4 @@
-"""The tab of what goes well and what does not."""
+"""The tab of stability: which step sizes and starts work, long runs, and runs near grazing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pwsviz.widgets.setting_buttons import choice
 
 
 class StabilityTab(LongTab):
-    """Outcomes over step sizes and starts, long runs, and starts that all but touch the surface."""
+    """The map of outcomes, the drift in long runs, and runs that almost touch the surface."""
 
     settings = ("stability_shown", "study_method")
 
@@ -27,15 +27,15 @@ class StabilityTab(LongTab):
         self.view: StabilityView | None = None
 
     def inputs(self) -> StabilityInputs:
-        """All integrators, one part of the study."""
+        """Return all integrators and one part of the study."""
         return StabilityInputs.of(self.scene)
 
     def compute(self, inputs: StabilityInputs, cancel: Cancel, report: Report) -> core.StabilityStudy:
-        """Measure."""
+        """Compute one part of the study."""
         return self.results.stability(inputs, cancel, report)
 
     def build(self) -> list[Any]:
-        """Choices, and the plot of the part."""
+        """Make the choices, and the plot of the chosen part."""
         scene = self.scene
         self.view = StabilityView()
         self._part = choice(scene, "stability_part", lambda: {words: key for key, words in STABILITY_PARTS.items()})
@@ -55,7 +55,7 @@ class StabilityTab(LongTab):
         return [controls, self.progress, self._place]
 
     def _offer(self) -> None:
-        """Have the controls that matter for this part, and its figure."""
+        """Show the controls that affect this part, and its figure."""
         part = self.scene.stability_part
         self._shown.visible = self._method.visible = part == "map"
         self._coordinate.visible = part != "drift"
@@ -66,7 +66,7 @@ class StabilityTab(LongTab):
             self._place.objects = [pane]
 
     def draw(self, outcome: core.StabilityStudy) -> str:
-        """Draw the part that was asked for and say what it shows."""
+        """Draw the chosen part and return it in words."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         self._offer()
         scene = self.scene

@@ -1,1 +1,1 @@
-"""Work that is done beside the page: the latest wins, and what is no longer wanted is cancelled."""
+"""Computations beside the page: only the latest request counts, and outdated ones are cancelled."""

@@ -1,4 +1,4 @@
-"""Work that can be given up, and that says how far it has come."""
+"""Cancelling a computation, and reporting its progress."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from typing import Any
 __all__ = ["Cancel", "Cancelled", "Report", "never", "silent"]
 
 Cancel = Callable[[], bool]
-"""Asked whether to give up."""
+"""Returns whether the computation should stop."""
 
 Report = Callable[[int, int, Any], object]
-"""Told how much of a study is done, of how much, and the study as far as it has come."""
+"""Called with the number of parts done, the number of all parts, and the partial result."""
 
 
-class Cancelled(Exception):  # noqa: N818  (not an error: the person has moved on)
-    """A computation was given up because nobody waits for it any more."""
+class Cancelled(Exception):  # noqa: N818  (not an error)
+    """A computation was stopped because its result is no longer needed."""
 
 
 def silent(_done: int, _total: int, _partial: object) -> None:
-    """Leave progress unsaid."""
+    """Ignore progress."""
 
 
 def never() -> bool:
-    """Answer the question whether to give up with no."""
+    """Return False: the computation is never cancelled."""
     return False

@@ -1,4 +1,4 @@
-"""From threads to the event loop of a page."""
+"""Calls from threads into the event loop of a page."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["Delivery"]
 
 
 class Delivery:
-    """Brings outcomes to the page that it is made for; where none is served, at once.
+    """Runs callbacks in the event loop of the page being served when it is made; at once if there is none.
 
-    Two things would be lost otherwise. While the page is being made its document is on hold, and forgets callbacks that
-    a thread adds: so they are added in the event loop, which is free again when all is made. And while a browser builds
-    what it was sent, Panel drops what changes meanwhile: so that waits until the browser says that the page is there.
+    It avoids two losses. While the page is being made, its document is on hold and drops callbacks that a thread adds;
+    so they are added from the event loop, which is free only afterwards. While the browser builds the page, Panel drops
+    changes of it; so they wait until the browser reports that the page is complete.
     """
 
     def __init__(self) -> None:
@@ -29,14 +29,14 @@ class Delivery:
             pn.state.onload(self._catch_up)
 
     def __call__(self, show: Callable[..., None], *outcome: Any) -> None:
-        """Have an outcome shown soon; from any thread.
+        """Call `show` in the event loop soon; may be called from any thread.
 
         Parameters
         ----------
         show : callable
-            Called with the outcome, in the event loop.
+            The callback.
         *outcome
-            What to show.
+            Its arguments.
         """
         if self.document is None:
             show(*outcome)
@@ -45,7 +45,7 @@ class Delivery:
             self._loop.call_soon_threadsafe(self.document.add_next_tick_callback, tick)
 
     def _apply(self, show: Callable[[], None]) -> None:
-        """Send all changes in one message: the browser then paints each figure once."""
+        """Call back, and send all its changes in one message, so that the browser paints each figure once."""
         if self._being_built():
             self._early.append(show)
             return
@@ -53,7 +53,7 @@ class Delivery:
             show()
 
     def _being_built(self) -> bool:
-        """Whether a browser has fetched this page, or is about to, and has not said yet that all of it is there."""
+        """Whether a browser is connected and has not yet reported that the page is complete."""
         session = getattr(self.document and self.document.session_context, "session", None)
         return session is not None and session.connection_count > 0 and not pn.state.loaded
 

@@ -1,4 +1,4 @@
-"""Work off the event loop, where only the newest request counts."""
+"""Computations in a thread, where only the newest request counts."""
 
 from __future__ import annotations
 
@@ -22,14 +22,15 @@ class Job:
     Parameters
     ----------
     compute : callable
-        Takes a question whether to give up, and returns a value.
+        Takes a function that returns whether to stop, and returns the value.
     deliver : callable
-        Is told the value, or the exception that came instead; nothing if the job was cancelled.
+        Called with the value, or the exception raised instead; not called if the job was cancelled.
     quiet : float
-        Seconds without a newer job before it is started: a dragged slider starts long work when it rests.
+        Seconds without a newer job before this one is started, so that a dragged slider starts long work only when it
+        rests.
     patience : float
-        Seconds after which it is given up once a newer one waits. Work as short as a few frames is finished and shown,
-        so that the picture keeps moving under a dragged slider.
+        Seconds that this job may run while a newer one waits. Work as short as a few frames is finished and shown, so
+        that the picture keeps moving under a dragged slider.
     """
 
     compute: Callable[[Cancel], Any]
@@ -40,7 +41,7 @@ class Job:
 
 
 class Lane:
-    """Runs one job at a time in a thread; a newer job replaces the one that waits."""
+    """Runs one job at a time in a thread; a newer job replaces a waiting one."""
 
     def __init__(self) -> None:
         self._changed = Condition()
@@ -50,12 +51,12 @@ class Lane:
 
     @property
     def busy(self) -> bool:
-        """Whether a job waits or runs."""
+        """Whether a job is waiting or running."""
         with self._changed:
             return self._waiting is not None or self._running is not None
 
     def submit(self, job: Job) -> None:
-        """Ask for `job`, in place of any that still waits."""
+        """Submit `job`, in place of any that is still waiting."""
         with self._changed:
             self._waiting = job
             if self._thread is None:
@@ -64,7 +65,7 @@ class Lane:
             self._changed.notify_all()
 
     def cancel(self) -> None:
-        """Drop what waits and give up what runs."""
+        """Drop the waiting job and stop the running one."""
         with self._changed:
             self._waiting = None
             if self._running is not None:
@@ -72,7 +73,7 @@ class Lane:
             self._changed.notify_all()
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait until nothing is left to do; return whether that came true in time."""
+        """Wait at most `timeout` seconds; return whether all jobs are done."""
         with self._changed:
             return self._changed.wait_for(lambda: self._thread is None, timeout)
 
@@ -82,7 +83,7 @@ class Lane:
                 outcome = job.compute(partial(self._given_up, job, monotonic()))
             except Cancelled:
                 continue
-            except Exception as reason:  # whatever went wrong has to reach the person, not die with a thread
+            except Exception as reason:  # any failure has to reach the user, not end the thread unseen
                 if not isinstance(reason, ValueError):
                     logger.exception("A computation failed")
                 outcome = reason

@@ -1,4 +1,4 @@
-"""Computes for one page off the event loop, and brings the outcomes back to it."""
+"""Computes for one page in threads, and delivers the results in its event loop."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 
 BETWEEN_REPORTS = 0.15
-"""Seconds at least: a browser cannot paint partial results faster."""
+"""Least seconds between two partial results: a browser cannot paint them faster."""
 
 
 class Scheduler:
-    """Lanes of work by name; within each only the newest request counts.
+    """Lanes of computations by name; in each only the newest request counts.
 
-    Made while a page is served, it hands outcomes to the event loop of that page; else it delivers them at once.
+    If a page is being served when this is made, results are delivered in its event loop; else at once, in the thread.
     """
 
     def __init__(self) -> None:
@@ -41,26 +41,30 @@ class Scheduler:
         quiet: float = 0.0,
         patience: float = 0.0,
     ) -> bool:
-        """Have something computed unless it is what was submitted last; return whether it was not.
+        """Submit a computation, unless its inputs are those submitted last in this lane; return whether it was new.
 
         Parameters
         ----------
+        lane : str
+            Name of the lane.
+        inputs : hashable
+            What the result depends on.
         compute : callable
-            Takes a question whether to give up, and whom to tell of progress.
+            Takes a function that returns whether to stop, and a function to report progress to.
         show : callable
-            Is told the outcome, or the exception that came instead, in the event loop.
+            Called in the event loop with the result, or the exception raised instead.
         advance : callable, optional
-            Is told of progress there, as long as nothing else was submitted.
+            Called there with progress, as long as nothing else was submitted.
         quiet, patience : float
-            As in `latest_wins.Job`; what starts at once is taken to be short.
+            Seconds, as in `latest_wins.Job`; computations with quiet = 0 are taken to be short.
         """
         if self._submitted.get(lane) == inputs:
             return False
         self._submitted[lane] = inputs
         if quiet == 0.0:
             compute = partial(self._in_turn, compute)
-        told = _Seldom(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
-        report = told if advance is not None else _nobody
+        throttled = _Throttle(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
+        report = throttled if advance is not None else _ignore
         self._numbers[lane] = number = self._numbers.get(lane, 0) + 1
         deliver = partial(self._deliver, partial(self._show_latest, lane, number, show))
         job = Job(lambda cancel: compute(cancel, report), deliver, quiet, patience)
@@ -68,15 +72,15 @@ class Scheduler:
         return True
 
     def submitted(self, lane: str) -> Hashable:
-        """Return what was submitted last."""
+        """Return the inputs submitted last in a lane."""
         return self._submitted.get(lane)
 
     def busy(self, lane: str) -> bool:
-        """Whether something waits or is under way."""
+        """Whether a computation is waiting or running."""
         return lane in self._lanes and self._lanes[lane].busy
 
     def cancel(self, lane: str) -> bool:
-        """Give up what is submitted and not there yet, and return whether there was such; it may be submitted again."""
+        """Cancel what is waiting or running, and return whether there was any; it may be submitted again."""
         if not self.busy(lane):
             return False
         self._lanes[lane].cancel()
@@ -84,23 +88,24 @@ class Scheduler:
         return True
 
     def forget(self, lane: str) -> None:
-        """Let the same be submitted again."""
+        """Let the same inputs be submitted again."""
         self._submitted.pop(lane, None)
 
     def call_soon(self, callback: Callable[[], None]) -> None:
-        """Call back from the event loop as soon as it is free, where figures may be changed; at once without one.
+        """Call back from the event loop as soon as it is free, where figures may be changed; at once if there is none.
 
-        Panel calls what a click does without that right, if a field was left for it and has a change to tell yet.
+        A click handler has to use this: Panel calls it where figures may not be changed, if the click took the focus
+        from a field with a pending change.
         """
         self._deliver(callback)
 
     def call_later(self, milliseconds: int, callback: Callable[[], None]) -> None:
-        """Call back from the event loop after a while; not at all where there is none."""
+        """Call back from the event loop after a delay; not at all if there is none."""
         if self._delivery.document is not None:
             self._delivery.document.add_timeout_callback(callback, milliseconds)
 
     def settle(self, timeout: float) -> bool:
-        """Wait until nothing is left to compute; return whether that came true in time. For use without a server."""
+        """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""
         deadline = monotonic() + timeout
         while busy := [lane for lane in list(self._lanes.values()) if lane.busy]:  # one may bring work for another
             if not all(lane.join(deadline - monotonic()) for lane in busy):
@@ -108,29 +113,29 @@ class Scheduler:
         return all(lane.join(deadline - monotonic()) for lane in list(self._lanes.values()))
 
     def close(self) -> None:
-        """Give up all work: the person has left."""
+        """Cancel all computations: the session has ended."""
         self.closed = True
         for lane in self._lanes.values():
             lane.cancel()
 
     def _in_turn(self, compute: Callable[[Cancel, Report], Any], cancel: Cancel, report: Report) -> Any:
-        """Compute something short, one at a time: threads that take turns every other moment take longer together."""
+        """Run short computations one at a time: threads that keep switching take longer together."""
         with self._short:
             return compute(cancel, report)
 
     def _show_latest(self, lane: str, number: int, show: Callable[[Any], None], outcome: Any) -> None:
-        """Show an outcome, unless a later one came before it: event loops promise no order."""
+        """Show a result unless a later one has been shown: event loops do not guarantee the order."""
         if number >= self._shown.get(lane, 0):
             self._shown[lane] = number
             show(outcome)
 
     def _pass_on(self, lane: str, inputs: Hashable, advance: Callable[..., None] | None, *news: Any) -> None:
-        """Tell of progress, unless it is of something no longer wanted."""
+        """Report progress, unless other inputs have been submitted since."""
         if advance is not None and self._submitted.get(lane) == inputs and self.busy(lane):
             advance(*news)
 
     def _deliver(self, show: Callable[..., None], *outcome: Any) -> None:
-        """Hand an outcome from a thread to this page, unless it is gone meanwhile."""
+        """Deliver a result from a thread to this page, unless the page has been closed."""
         self._delivery(partial(self._while_open, show), *outcome)
 
     def _while_open(self, show: Callable[..., None], *outcome: Any) -> None:
@@ -138,8 +143,8 @@ class Scheduler:
             show(*outcome)
 
 
-class _Seldom:
-    """Passes news on, but for those that follow others too soon."""
+class _Throttle:
+    """Passes progress on, but drops reports less than `BETWEEN_REPORTS` after the last."""
 
     def __init__(self, tell: Callable[..., None]) -> None:
         self._tell, self._last, self._lock = tell, -1.0, Lock()
@@ -152,5 +157,5 @@ class _Seldom:
         self._tell(done, total, part)
 
 
-def _nobody(_done: int, _total: int, _partial: object) -> None:
-    """Leave progress unsaid."""
+def _ignore(_done: int, _total: int, _partial: object) -> None:
+    """Ignore progress."""

@@ -1,7 +1,7 @@
-"""Mathematics as a browser shows it: sympy → presentation MathML, nothing loaded from outside, and LaTeX to copy.
+"""Typesetting of sympy expressions: presentation MathML, which needs nothing loaded from outside, and LaTeX to copy.
 
-sympy's own MathML printer writes names as raw markup and drops the brackets of x − (y + z), so this one is written on
-its plain `Printer`. Whatever a name holds, it comes out as text.
+sympy's own MathML printer writes names as raw markup and drops the brackets of x − (y + z); this one builds on sympy's
+plain `Printer` and escapes all names.
 """
 
 from __future__ import annotations
@@ -33,25 +33,27 @@ __all__ = [
     "too_long",
 ]
 
-#: How each symbol is typeset, in LaTeX: also what `sympy.latex` takes as ``symbol_names``.
+#: LaTeX of each symbol, as `sympy.latex` takes it for ``symbol_names``.
 Names: TypeAlias = Mapping[Symbol, str]
-#: What an equation can have on its right: an expression, a matrix, or the components of a vector.
+#: The right-hand side of an equation: an expression, a matrix, or the components of a vector.
 Shown: TypeAlias = Expr | sympy.MatrixBase | Sequence[Expr]
 
-MAX_OPERATIONS = 400  #: of one expression
-MAX_DEPTH = 60  #: of nested operations
-MAX_DIGITS = 40  #: of a whole number; longer ones are rounded
-TOO_LONG = "too long to typeset"  #: what stands in place of an expression beyond these
+MAX_OPERATIONS = 400  #: operations of an expression that is typeset; more would fill the page
+MAX_DEPTH = 60  #: nested operations of an expression that is typeset; the printer is recursive
+MAX_DIGITS = 40  #: decimal digits of a whole number or of a part of a fraction; a longer number is rounded
+TOO_LONG = "too long to typeset"  #: shown in place of an expression beyond these limits
 
-_TIMES, _APPLY, _DOT = "<mo>&#8290;</mo>", "<mo>&#8289;</mo>", "<mo>⋅</mo>"
+_TIMES = "<mo>&#8290;</mo>"  #: invisible multiplication sign
+_APPLY = "<mo>&#8289;</mo>"  #: invisible sign of function application
+_DOT = "<mo>⋅</mo>"  #: visible multiplication sign
 _ACCENTS = {"hat": "^", "bar": "‾", "tilde": "~", "vec": "→", "dot": "˙", "ddot": "¨"}
 _SIGNS = {"-": "−", "'": "′"}
 _COMMANDS = {
     "pm": "±", "sum": "∑", "cdots": "⋯", "ldots": "…", "leftarrow": "←", "circ": "∘", "top": "⊤",
 }  # fmt: skip
 _ACCENTED = "|".join(_ACCENTS)
-#: A base with at most one subscript and one superscript, each a character, a command or a group in braces. What has
-#: been matched is never given back (++), so that no text takes long.
+#: A base with at most two scripts, each a character, a command or a group in braces. The possessive quantifiers (++)
+#: do not backtrack, so that no text takes long to match.
 _SCRIPT = r"(?:[_^](?:\{[^{}]*\}|\\[A-Za-z]++|[^\\{}\s]))"
 _BASE = rf"(?:\\(?:{_ACCENTED})\{{[^{{}}]*\}}|\\[A-Za-z]++|[^\\_^{{}}])++"
 _NAME = re.compile(rf"(?P<base>{_BASE})(?P<scripts>{_SCRIPT}{{0,2}})")
@@ -71,20 +73,22 @@ def markup(expression: Shown, names: Names | None = None) -> str:
     Returns
     -------
     str
-        The inside of a ``<math>`` element. An expression of more than 400 operations is not typeset: it says so.
+        The inside of a ``<math>`` element; `TOO_LONG` for an expression of more than `MAX_OPERATIONS` operations.
     """
     return _Printer(dict(names or {})).doprint(_one(expression))
 
 
 def equation(left: str | Expr, right: Shown, names: Names | None = None) -> str:
-    """Typeset left = right as a whole ``<math>`` element, and say it in plain characters to those who cannot see it.
+    """Typeset left = right as a ``<math>`` element, with a plain-text version for screen readers.
 
     Parameters
     ----------
     left
         An expression, or the LaTeX of a name such as ``f_{-}``.
     right
-        What it is equal to.
+        The right-hand side.
+    names
+        As in `markup`.
     """
     shown = name_markup(left) if isinstance(left, str) else markup(left, names)
     said = _said_name(left) if isinstance(left, str) else _said(left)
@@ -92,9 +96,9 @@ def equation(left: str | Expr, right: Shown, names: Names | None = None) -> str:
 
 
 def formula(text: str) -> str:
-    r"""Typeset a formula in a whole ``<math>`` element: names, signs and brackets with spaces between them.
+    r"""Typeset a formula as a ``<math>`` element: names, signs and brackets, separated by spaces.
 
-    As in ``x_{k+1} = x_{k} + \tau f^{\tau}``; each piece is typeset by `name_markup`.
+    For example ``x_{k+1} = x_{k} + \tau f^{\tau}``; each piece is typeset by `name_markup`.
     """
     return _whole("".join(map(name_markup, text.split())), _said_name(text))
 
@@ -105,7 +109,7 @@ def _whole(inside: str, words: str) -> str:
 
 
 def latex(expression: Shown, names: Names | None = None) -> str:
-    """Return the LaTeX source of what `markup` typesets, as text: escape it before it goes into a page."""
+    """Return the LaTeX source of what `markup` typesets; escape it before it goes into a page."""
     shown = _one(expression)
     if any(map(too_long, _parts(shown))):
         return rf"\text{{{TOO_LONG}}}"
@@ -114,17 +118,17 @@ def latex(expression: Shown, names: Names | None = None) -> str:
 
 
 def _one(shown: Shown) -> Any:
-    """Make a column of a sequence."""
+    """Return a sequence as a column, and anything else as it is."""
     return shown if isinstance(shown, Expr | sympy.MatrixBase) else sympy.Matrix(list(shown))
 
 
 def _parts(shown: Any) -> list[Any]:
-    """Return what is bounded and typeset by itself: the entries of a matrix."""
+    """Return the parts to which `too_long` applies separately: the entries of a matrix, or the expression."""
     return list(shown) if isinstance(shown, sympy.MatrixBase) else [shown]
 
 
 def names_of(system: core.PiecewiseSystem) -> Names:
-    """Return how the symbols of a system are typeset: a₋ for ``a_minus``, ω for ``omega``, x₀ and x₁ for a step's ends.
+    """Return the LaTeX of the symbols of a system: a₋ for ``a_minus``, ω for ``omega``, x₀ and x₁ for a step's ends.
 
     Returns
     -------
@@ -141,12 +145,12 @@ def names_of(system: core.PiecewiseSystem) -> Names:
 
 
 def _indexed(name: str, k: int) -> str:
-    """LaTeX of a name at the start (0) or the end (1) of a step."""
+    """Return the LaTeX of a name at the start (0) or the end (1) of a step."""
     return f"{name[:-1]},{k}}}" if "_{" in name else f"{name}_{{{k}}}"
 
 
 def too_long(expression: Expr | sympy.MatrixBase) -> bool:
-    """Return whether an expression is larger or deeper than what is typeset; found without walking all of it."""
+    """Return whether an expression exceeds `MAX_OPERATIONS` or `MAX_DEPTH`; stops walking it once that is certain."""
     open_nodes: list[tuple[Any, int]] = [(expression, 0)]
     operations = 0
     while open_nodes:
@@ -159,10 +163,10 @@ def too_long(expression: Expr | sympy.MatrixBase) -> bool:
 
 
 def name_markup(text: str) -> str:
-    r"""Typeset the LaTeX of a name, such as ``\omega^2_{-}`` or ``\hat{t}``; whatever else it is is shown as text."""
+    r"""Typeset the LaTeX of a name, such as ``\omega^2_{-}`` or ``\hat{t}``; any other text is shown as it is."""
     name = _NAME.fullmatch(text.strip())
     found = re.findall(_SCRIPT, name["scripts"]) if name else []
-    if name is None or len({script[0] for script in found}) < len(found):  # two of a kind are no name either
+    if name is None or len({script[0] for script in found}) < len(found):  # two subscripts or two superscripts
         return f"<mtext>{_plain(text)}</mtext>"
     scripts = {script[0]: _pieces(script[1:].strip("{}")) for script in found if script[1:] != "{}"}
     base = _pieces(name["base"])
@@ -177,7 +181,7 @@ def name_markup(text: str) -> str:
 
 
 def _pieces(text: str) -> str:
-    """Typeset letters, figures and signs one after another, as one element."""
+    """Typeset a sequence of letters, digits and signs as one element."""
     row = []
     for accent, accented, command, word, number, sign in _PIECE.findall(text):
         if accent:
@@ -192,17 +196,17 @@ def _pieces(text: str) -> str:
 
 
 def _operator(sign: str) -> str:
-    low = ' stretchy="false"' * (sign in "()")  # as high as a line
+    low = ' stretchy="false"' * (sign in "()")  # no higher than a line of text
     return f"<mo{low}>{_plain(sign)}</mo>"
 
 
 def _plain(text: str) -> str:
-    """Escape text; control characters, which no page may hold, are shown as a replacement character."""
+    """Escape text; control characters, which are not allowed in HTML, become U+FFFD."""
     return escape("".join(c if c.isprintable() else "\ufffd" for c in text))
 
 
 def _default_name(name: str) -> str:
-    """LaTeX of a symbol's name; the endings _minus and _plus become the sign of the side."""
+    """Return the LaTeX of a symbol's name; the endings _minus and _plus become the sign of the side."""
     for word, sign in (("_minus", "-"), ("_plus", "+")):
         if name.endswith(word):
             return rf"{sympy.latex(Symbol(name.removesuffix(word)))}_{{{sign}}}"
@@ -210,14 +214,14 @@ def _default_name(name: str) -> str:
 
 
 def _said_name(text: str) -> str:
-    """LaTeX of a name or a formula in plain characters."""
+    """Return the LaTeX of a name or a formula in plain characters."""
     plain = re.sub(rf"\\({_ACCENTED})\{{([^{{}}]*)\}}", r"\2-\1", text)
     plain = re.sub(r"\\([A-Za-z]+)", lambda found: _COMMANDS.get(found[1], found[1]), plain)
     return re.sub(r"[\\{}]", "", plain)
 
 
 def _said(shown: Shown) -> str:
-    """An expression in plain characters: x^2 for a square."""
+    """Return an expression in plain characters, with ^ for powers."""
     parts = _parts(_one(shown))
     words = [TOO_LONG if too_long(p) else sympy.sstr(_explicit(p), full_prec=False) for p in parts]
     said = ", ".join(words).replace("**", "^").replace("*", " ")
@@ -225,7 +229,7 @@ def _said(shown: Shown) -> str:
 
 
 def _explicit(expression: Any) -> Any:
-    """Write divided differences by the identities that compute them, means as (a + b)/2, long numbers rounded."""
+    """Expand divided differences by the identities that compute them, write means as (a + b)/2, round long numbers."""
     shown = expression.replace(lambda u: isinstance(u, DividedDifference), _identity)
     return shown.replace(_is_long, lambda u: u.evalf(15)).replace(_is_sum, _with_means)
 
@@ -239,7 +243,7 @@ def _is_sum(u: Any) -> bool:
 
 
 def _with_means(total: Expr) -> Expr:
-    """Write a/2 + b/2 as (a + b)/2, and so for every denominator that two terms share."""
+    """Write a/2 + b/2 as (a + b)/2, and likewise for every fractional coefficient that two terms share."""
     shared: dict[Expr, list[Expr]] = {}
     for term in total.args:
         number, rest = term.as_coeff_Mul()
@@ -272,7 +276,7 @@ def _identity(difference: DividedDifference) -> Expr:
 
 
 class _Printer(Printer):
-    """The recursion of `markup`: every method returns one MathML element."""
+    """The recursion of `markup`; every method returns one MathML element."""
 
     printmethod = "_mathml_text"
     emptyPrinter = staticmethod(lambda expr: f"<mtext>{_plain(str(expr))}</mtext>")  # noqa: N815 - sympy's name
@@ -340,7 +344,7 @@ class _Printer(Printer):
         return self._in_brackets(u, u.is_Add or u.is_Mul or _negative(u))
 
     def _sign_between(self, left: Any, right: Any) -> str:
-        """Return nothing to see, but a dot between numbers and beside names of several letters."""
+        """Return an invisible sign, but a dot between numbers and beside names of several letters."""
         figures = left.is_Number and (right.is_Number or (right.is_Pow and right.base.is_Number))
         if figures or self._is_word(left) or self._is_word(right):
             return _DOT
@@ -372,7 +376,7 @@ class _Printer(Printer):
         return f"<msup>{self._base(base)}{raised}</msup>"
 
     def _base(self, u: Any) -> str:
-        """Brackets around all but a letter or a figure, and around a name that has an exponent of its own."""
+        """Typeset the base of a power, in brackets unless it is a number or a name without a superscript."""
         plain = (u.is_Symbol and "sup>" not in self._print(u)) or (u.is_Integer and u >= 0) or u == sympy.E
         return self._in_brackets(u, not plain)
 
@@ -390,7 +394,7 @@ class _Printer(Printer):
 
 
 def _bracketed(inside: str) -> str:
-    """Put round brackets around markup, as high as a line unless there is something higher in it."""
+    """Put round brackets around markup, no higher than a line of text unless it contains a fraction."""
     if "<mfrac>" in inside:
         return f"<mrow><mo>(</mo>{inside}<mo>)</mo></mrow>"
     return f"<mrow>{_operator('(')}{inside}{_operator(')')}</mrow>"
@@ -403,18 +407,18 @@ def _signed(digits: str) -> str:
 
 
 def _negative(u: Any) -> bool:
-    """Return whether a term is written with a minus before it."""
+    """Return whether a term is written with a leading minus."""
     coefficient = u.as_coeff_Mul()[0]
     return bool(coefficient.is_number and coefficient.is_real and coefficient < 0)
 
 
 def _ordered(u: Any) -> list[Any]:
-    """Terms as one writes them: high degrees first, those without a minus before the others."""
+    """Return the terms by descending degree, within a degree those without a minus first; a positive one leads."""
     terms = sorted(u.as_ordered_terms(), key=lambda term: (-_degree(term), _negative(term)))  # stable
     first = next((k for k, term in enumerate(terms) if not _negative(term)), 0)
     return [terms[first], *terms[:first], *terms[first + 1 :]]
 
 
 def _degree(term: Any) -> int:
-    """Return the number of symbols multiplied in a term."""
+    """Return the degree of a term: the number of its factors that contain symbols, counted with integer exponents."""
     return sum(int(f.exp) if f.is_Pow and f.exp.is_Integer else 1 for f in sympy.Mul.make_args(term) if f.free_symbols)

@@ -1,4 +1,4 @@
-"""Words on the page. Whatever comes from a person or a system is shown as text, never taken for markup."""
+"""Texts on the page; what a user or a system provides is escaped, never taken for markup."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from html import escape
 
 
 def as_text(words: str, kind: str = "") -> str:
-    """Return a paragraph in which nothing is markup."""
+    """Return a paragraph with these words, escaped."""
     if not words:
         return ""
     role = ' role="alert"' if kind == "error" else ""
@@ -16,7 +16,7 @@ def as_text(words: str, kind: str = "") -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return names as one says them: “a, b and c”."""
+    """Return names as a list in words: “a, b and c”."""
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1] if names else "")))
 
 
@@ -26,12 +26,12 @@ def plural(count: int, noun: str) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in the unit that suits it."""
+    """Return a time in seconds, or in milliseconds below one second."""
     return f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
 
 
 def rounded_up(value: float) -> str:
-    """Return a bound to one digit, never below the value."""
+    """Return a value rounded up to one digit, as an upper bound."""
     if value == 0:
         return "0"
     power = 10.0 ** math.floor(math.log10(value))
@@ -39,7 +39,7 @@ def rounded_up(value: float) -> str:
 
 
 def complaint(reason: Exception) -> str:
-    """Return what to tell the person about an exception: the message if an argument was bad, else a fair word."""
+    """Return an exception as a paragraph for the user: the message of a ValueError; else that the program failed."""
     if isinstance(reason, ValueError):
         return as_text(str(reason), "error")
     words = f"The program failed here ({type(reason).__name__}: {reason}). The server's log has the details."

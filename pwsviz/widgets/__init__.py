@@ -1,1 +1,1 @@
-"""Parts of a page that know nothing of what they are used for."""
+"""Reusable parts of the page: fields, buttons, panes, progress."""

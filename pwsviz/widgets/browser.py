@@ -1,4 +1,4 @@
-"""What only the browser knows or can do: window, keys, colour scheme, address bar."""
+"""What only the browser can read or write: window width, keys, colour scheme, address bar."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import panel as pn
 import param
 
 NARROW = 600
-"""Pixels; on a screen less wide the controls would cover the picture, and start hidden."""
+"""Pixels of window width below which the controls start hidden, as they would cover the picture."""
 
 DARK = "pwsviz.dark"
-"""Under this name the browser remembers a choice of light or dark that is not what the person prefers elsewhere."""
+"""Key in the browser's storage of a choice of light or dark that differs from the system's setting."""
 
 REMEMBER_DARK = """
 try {
@@ -18,17 +18,17 @@ try {
   else localStorage.setItem("DARK", cb_obj.dark_theme)
 } catch (refused) { console.info("no storage: the colours will be forgotten", refused) }
 """.replace("DARK", DARK)
-"""What the page's ``dark_theme`` does in the browser when it changes."""
+"""JavaScript run in the browser when ``dark_theme`` of the page changes."""
 
 
 class Browser(pn.custom.JSComponent):
-    """Invisible. Says once whether the window is narrow, or to be dark; counts undo and redo; writes the address."""
+    """Invisible: reports whether the window is narrow or dark, counts undo and redo keys, writes the address."""
 
     narrow = param.Boolean(default=False)
     dark = param.Boolean(default=False)
     undone = param.Integer(default=0)
     redone = param.Integer(default=0)
-    query = param.String(default="", doc="What the address bar holds after the question mark.")
+    query = param.String(default="", doc="The query in the address bar.")
 
     _esm = """
 export function render({ model }) {

@@ -1,4 +1,4 @@
-"""A number to type, with a slider where it has bounds, and what is wrong with it beside it."""
+"""A field for a number, with a slider if the number has bounds, and the reason if a text is refused."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import panel as pn
 import panel_material_ui as pmui
 
 SLIDER_DIGITS = 3
+"""Significant digits of the numbers a slider gives."""
+
 SPOKEN_LABEL_SX = {
     ".MuiFormLabel-root": {
         "position": "absolute",
@@ -19,10 +21,10 @@ SPOKEN_LABEL_SX = {
         "clipPath": "inset(50%)",
     }
 }
-"""Of a slider: its name is said, and not shown; the field above it shows it."""
+"""Of a slider: its name is hidden from view but not from screen readers; the field above it shows the name."""
 
 SLIDER_RESTS = 5
-"""Milliseconds that Panel waits for further moves before it tells of one; it has 50, and no other way to say so."""
+"""Milliseconds that Panel waits for further moves before it reports one; its 50 can be changed by no public option."""
 
 
 class NumberField(pn.viewable.Viewer):
@@ -33,13 +35,15 @@ class NumberField(pn.viewable.Viewer):
     label : str
         Name shown.
     read : callable
-        Returns the number as the scene has it.
+        Returns the number in the scene.
     accept : callable
-        Takes over a number or a text; raises ValueError with a message for the person.
+        Applies a number or a text; raises ValueError with a message for the user.
     bounds : pair of float, optional
         Ends of the slider; without them there is none.
     logarithmic : bool
-        Whether the slider moves through powers of ten.
+        Whether the slider is logarithmic.
+    description : str
+        Help text of the field.
     """
 
     def __init__(
@@ -74,12 +78,12 @@ class NumberField(pn.viewable.Viewer):
         return slider
 
     def _track(self, label: str, bounds: tuple[float, float], value: float) -> dict[str, Any]:
-        """What a slider shows that is to have these ends and stand at a value."""
+        """Return the settings of a slider with these ends, at a value."""
         low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
         place = min(max(math.log10(value) if self._log else value, low), high)
         return {"start": low, "end": high, "value": place, "step": (high - low) / 400, "label": f"{label}, slider"}
 
-    def become(
+    def rebind(
         self,
         label: str,
         read: Callable[[], float],
@@ -87,11 +91,11 @@ class NumberField(pn.viewable.Viewer):
         bounds: tuple[float, float] | None = None,
         description: str = "",
     ) -> None:
-        """Stand for another number; with bounds if and only if it had some. Ten times as fast as a new field."""
+        """Rebind to another number, with bounds if and only if there is a slider; ten times as fast as a new field."""
         self._read, self._accept = read, accept
         self._shown = value = read()
         self._syncing = True
-        try:  # each but once: what is changed twice in a moment, a browser may set back to what it was in between
+        try:  # change each once: of two changes in quick succession, the browser may restore the first
             told = {"value": repr(value), "error_state": False, "helper_text": ""}
             self.text.param.update(label=label, description=description, **told)
             if self.slider is not None and bounds is not None:
@@ -114,7 +118,7 @@ class NumberField(pn.viewable.Viewer):
             self._show(self._read())
 
     def sync(self) -> None:
-        """Show the number the scene has; but what was refused stays, with the reason, while that number stays."""
+        """Show the number in the scene, if it has changed; else a refused text stays, with the reason."""
         value = self._read()
         if value != self._shown:
             self._show(value)
@@ -132,12 +136,12 @@ class NumberField(pn.viewable.Viewer):
             self._syncing = False
 
     def show_if(self, wanted: bool) -> None:
-        """Have a place on the page, or none."""
+        """Show or hide the field and its slider."""
         for part in (self.text, self.slider):
             if part is not None:
                 part.visible = wanted
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Text above, slider below."""
+        """Return the field, and the slider below it."""
         parts = [self.text] if self.slider is None else [self.text, self.slider]
         return pn.Column(*parts, margin=0, sizing_mode="stretch_width")

@@ -1,4 +1,4 @@
-"""The few kinds of panes the page is made of, with their style."""
+"""The kinds of panes on the page, with their style."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pwsviz.figures.style import PLOT_STYLES
 from pwsviz.text.words import as_text
 
 FADED = {"opacity": "0.35"}
-"""Besides the usual styles, on a pane that shows something past."""
+"""Additional styles of a pane that shows an outdated result."""
 
 PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
-"""Of buttons: words as they are written."""
+"""Of buttons: no capitals and no line breaks."""
 
 TEXT_CSS = """
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }
@@ -32,17 +32,17 @@ p { margin: 0 0 2px 0; }
 
 
 def text_pane(words: str, kind: str = "") -> pn.pane.HTML:
-    """Return a pane for words; assign `as_text` of other words to its `object`."""
+    """Return a pane for text; to change it, assign `as_text` of other words to its `object`."""
     return _html(as_text(words, kind))
 
 
 def markup_pane(style: str) -> pn.pane.HTML:
-    """Return an empty pane for markup of our own making, with a style sheet of its own."""
+    """Return an empty pane for trusted markup, with an additional style sheet."""
     return pn.pane.HTML("", stylesheets=[TEXT_CSS, style], margin=0, sizing_mode="stretch_width")
 
 
 def heading(words: str) -> pn.pane.HTML:
-    """Return the small title of a group of controls."""
+    """Return a small title for a group of controls."""
     return _html(f'<div class="heading" role="heading" aria-level="2">{escape(words)}</div>')
 
 
@@ -52,10 +52,10 @@ def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:
 
 
 def fade(pane: pn.pane.Bokeh, past: bool) -> None:
-    """Show whether a figure is of something past.
+    """Fade a figure that shows an outdated result, or show it plainly.
 
-    The styles of a pane take the place of its figure's, and the browser keeps a style that is only left out: so all
-    are given each time.
+    The styles of a pane replace those of its figure, and the browser keeps a style that is merely left out; so all of
+    them are given each time.
     """
     pane.styles = {**PLOT_STYLES, **(FADED if past else {"opacity": "1"})}
 

@@ -1,4 +1,4 @@
-"""How far a long computation has come, and a way to stop it."""
+"""A progress bar with a button to cancel."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from pwsviz.widgets.panes import PLAIN_SX
 
 
 class Progress(pn.viewable.Viewer):
-    """A bar with “Cancel” while something is under way, and “Run again” after it was cancelled.
+    """A bar with “Cancel” while a computation is running, and “Run again” after it was cancelled.
 
     Parameters
     ----------
     on_cancel, on_again : callable
-        Told of the buttons.
+        Called when the buttons are pressed.
     """
 
     def __init__(self, on_cancel: Callable[[], None], on_again: Callable[[], None]) -> None:
@@ -35,25 +35,25 @@ class Progress(pn.viewable.Viewer):
 
     @property
     def busy(self) -> bool:
-        """Whether something is under way."""
+        """Whether a computation is running."""
         return bool(self._row.visible and self._cancel.visible)
 
     def begin(self) -> None:
-        """Something has begun; how much there is to do is not known yet."""
+        """Show that a computation has begun, of unknown length."""
         self._bar.param.update(variant="indeterminate", visible=True)
         self._say("preparing …", cancellable=True)
 
     def advance(self, done: int, total: int) -> None:
-        """So much is done."""
+        """Show how many of all parts are done."""
         self._bar.param.update(variant="determinate", value=round(100 * done / max(total, 1)))
         self._say(f"{done} of {total}", cancellable=True)
 
     def end(self) -> None:
-        """All is done."""
+        """Hide the bar: the computation is finished."""
         self._row.visible = False
 
     def stop(self) -> None:
-        """It was cancelled."""
+        """Show that the computation was cancelled, and offer to run it again."""
         if self.busy:
             self._bar.visible = False
             self._say("cancelled", cancellable=False)
@@ -64,5 +64,5 @@ class Progress(pn.viewable.Viewer):
         self._row.visible = True
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Bar, words and button in a row."""
+        """Return bar, text and buttons in a row."""
         return self._row

@@ -1,4 +1,4 @@
-"""A choice of one among a few, kept with a setting of the scene."""
+"""A row of buttons bound to a setting of the scene."""
 
 from __future__ import annotations
 
@@ -13,25 +13,29 @@ from pwsviz.widgets.panes import PLAIN_SX
 BUTTONS_SX = {".MuiToggleButton-root": {**PLAIN_SX, "paddingY": "2px"}}
 
 Options = Mapping[str, Any]
-"""Label and value of each."""
+"""Value of each option by its label."""
 
 
 def choice(scene: Scene, setting: str, options: Callable[[], Options], follows: Sequence[str] = ()) -> Any:
-    """Return a row of buttons, one of which is pressed: the value of a setting.
+    """Return a row of buttons, of which the pressed one is the value of a setting.
 
     Parameters
     ----------
+    scene : Scene
+        The settings.
+    setting : str
+        Name of the setting.
     options : callable
-        Returns what there is to choose from now.
+        Returns the present options.
     follows : sequence of str
-        Settings on which that depends.
+        Names of the settings on which the options depend.
     """
     buttons = pmui.RadioButtonGroup(options=dict(options()), size="small", margin=(4, 10, 4, 0), sx=BUTTONS_SX)
 
     syncing = False
 
     def sync(*_: Any) -> None:
-        """Show the setting; where it is not offered now another is pressed, and the setting stays."""
+        """Press the button of the setting; if there is none, the first one, and the setting stays."""
         nonlocal syncing
         now, value = dict(options()), getattr(scene, setting)
         syncing = True

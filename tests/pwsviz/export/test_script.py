@@ -58,7 +58,7 @@ def page_runs(scene):
     """Return the page's own runs, in the order of the program: start by start."""
     results, runs = Results(), {}
     for one in (*run_inputs(scene), *other_inputs(scene)):
-        runs[repr(one.ground.x0), one.scheme.method] = results.run(one)
+        runs[repr(one.problem.x0), one.scheme.method] = results.run(one)
     return [runs[repr(tuple(start)), method] for start in scene.starts for method in scene.used]
 
 

@@ -12,7 +12,7 @@ from pwsviz.geometry.polyline_reduction import (
     RESOLUTION,
     distinct_pixels,
     envelope,
-    first_visits,
+    first_in_cells,
     screen_path,
     simplify,
     spliced,
@@ -114,7 +114,7 @@ def test_a_point_at_rest_is_one_vertex():
 def test_first_visits_leaves_no_cell_empty_and_none_twice():
     points = np.random.default_rng(0).uniform(size=(5000, 2))
     cells = ((points - points.min(axis=0)) / 0.05).astype(int)
-    first = cells[first_visits(points, 0.05)]
+    first = cells[first_in_cells(points, 0.05)]
     assert len(np.unique(first, axis=0)) == len(first) == len(np.unique(cells, axis=0))
 
 

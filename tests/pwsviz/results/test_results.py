@@ -178,12 +178,12 @@ def test_the_conservative_method_stays_at_round_off(results):
 
 def test_the_backdrop_is_kept_for_another_start_on_the_same_levels(results):
     scene, window = Scene(), Window(-2.0, 2.0, -2.0, 2.0)
-    ground = run_inputs(scene)[0].ground
+    problem = run_inputs(scene)[0].problem
     levels = results.orbit(run_inputs(scene)[0]).levels
-    first = results.backdrop(ground, window, levels)
+    first = results.backdrop(problem, window, levels)
     scene.accept("tau", 5e-3)
     assert results.orbit(run_inputs(scene)[0]).levels == levels
-    assert results.backdrop(ground, window, levels) is first
+    assert results.backdrop(problem, window, levels) is first
     g = scene.build().switching(0.0, first.surface[np.isfinite(first.surface).all(axis=1)])
     assert np.abs(g).max() < 1e-2
 
@@ -191,13 +191,13 @@ def test_the_backdrop_is_kept_for_another_start_on_the_same_levels(results):
 def test_level_sets_stay_on_their_side(results):
     scene = Scene()
     levels = results.orbit(run_inputs(scene)[0]).levels
-    ground = results.backdrop(run_inputs(scene)[0].ground, Window(-2.0, 2.0, -2.0, 2.0), levels)
+    drawn = results.backdrop(run_inputs(scene)[0].problem, Window(-2.0, 2.0, -2.0, 2.0), levels)
     for side in (-1, 1):
-        for lines in (ground.levels[side], ground.orbit_levels[side]):
+        for lines in (drawn.levels[side], drawn.orbit_levels[side]):
             points = lines[np.isfinite(lines).all(axis=1)]
             assert len(points) > 10
             assert (side * scene.build().switching(0.0, points) > -0.02).all()
-        tails = ground.arrows[side][0::6] / 2 + ground.arrows[side][1::6] / 2
+        tails = drawn.arrows[side][0::6] / 2 + drawn.arrows[side][1::6] / 2
         assert (side * scene.build().switching(0.0, tails) > 0).all()
 
 

@@ -34,10 +34,10 @@ def test_every_gesture_is_undone_by_itself(history, clock):
         clock.now += 5
         scene.accept(*change)
     for state in reversed(states):
-        assert history.possible
+        assert history.can_undo
         history.undo()
         assert scene.settings() == state
-    assert not history.possible
+    assert not history.can_undo
     history.undo()
     assert scene.settings() == states[0]
 
@@ -51,16 +51,16 @@ def test_what_was_undone_is_done_again_until_something_else_is_done(history, clo
     for _ in states[1:]:
         history.undo()
     for state in states[1:]:
-        assert history.repeatable
+        assert history.can_redo
         history.redo()
         assert scene.settings() == state
-    assert not history.repeatable
+    assert not history.can_redo
     history.redo()
     assert scene.settings() == states[-1]
     history.undo()
     clock.now += 5
     scene.accept("tau", 0.03)
-    assert not history.repeatable
+    assert not history.can_redo
     history.undo()
     assert scene.settings() == states[-2]
 

@@ -178,7 +178,7 @@ HOSTILE = [
     ("t_end=1e5&tau=small", "tau", "Used instead: 0.05."),
     ("tau=1e-6", "t_end", "Used instead: 2.0."),
     ("system=../../etc/passwd", "system", "Used instead: elliptic_curve."),
-    ("system=own", "system", "There is no system of one's own yet"),
+    ("system=own", "system", "There is no system of your own yet"),
     ("system=__class__", "system", "Used instead"),
     ("view=javascript:alert(1)", "view", "Used instead: conserved."),
     ("view=<script>alert(1)</script>", "view", "Used instead: conserved."),

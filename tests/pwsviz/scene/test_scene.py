@@ -128,7 +128,7 @@ def test_integrators_rest_where_they_cannot_be_used_and_come_back():
     scene = Scene(methods=["dmm2", "rk2", "prk8"])
     scene.system = "relay_feedback"
     assert scene.offered == ["rk2", "rk4", "rk8", "gauss4", "taylor"]
-    assert scene.used == scene.steady == ["rk2"]
+    assert scene.used == scene.fixed_step == ["rk2"]
     scene.accept("methods", ["rk4"])
     assert scene.used == ["rk4"]
     scene.system = "pendulum"
@@ -146,9 +146,9 @@ def test_there_is_an_integrator_where_none_of_the_chosen_can_be_used():
 
 def test_the_order_study_offers_methods_that_have_an_order():
     scene = Scene(methods=["taylor", "rk4"])
-    assert scene.steady == ["rk4"]
+    assert scene.fixed_step == ["rk4"]
     scene.accept("methods", ["taylor"])
-    assert scene.steady == ["dmm2"]
+    assert scene.fixed_step == ["dmm2"]
     assert scene.order_method == "dmm2"
     assert scene.selected_method == "taylor"
 
@@ -196,14 +196,14 @@ def test_the_selected_trajectory_stays_selected_when_an_earlier_one_goes():
     ("field", "value", "words"),
     [
         ("system", "pendulm", "is none of"),
-        ("system", "own", "no system of one's own"),
+        ("system", "own", "no system of your own"),
         ("methods", ["dmm2", "euler"], "“euler” is not an integrator"),
         ("peers", "scipy", "no list"),
         ("starts", (), "From 1 to"),
         ("starts", ((1.0,),), "needs 2 numbers"),
         ("selected", 1, "between 0 and 0"),
-        ("axes", (0, 0), "no two of the 2 variables"),
-        ("axes", (0, 2), "no two"),
+        ("axes", (0, 0), "not name two of the 2 variables"),
+        ("axes", (0, 2), "two different numbers below 2"),
         ("values.zeta", 1.0, "no parameter"),
         ("view", "energy", "is none of"),
         ("locate", 1, "neither on nor off"),
