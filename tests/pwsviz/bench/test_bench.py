@@ -28,7 +28,7 @@ TINY = replace(QUICK, methods=("prk8",), share=0.02, repeats=1)
 
 
 #: A fresh process with empty caches compiles everything: only the deep level waits for that.
-NO_FIRST_CALLS = replace(QUICK, start_methods=(), larger=())
+NO_FIRST_CALLS = replace(QUICK, start_methods=(), larger=(), rival_budget=0.2)
 
 
 @pytest.fixture(
