@@ -19,8 +19,9 @@ settings.register_profile("fixed", derandomize=True, **_COMMON)
 settings.register_profile("drawn", print_blob=True, **_COMMON)  # for --hypothesis-profile, with --hypothesis-seed
 settings.load_profile("fixed")
 
-#: Folders whose files take longest.
-LONGEST = ("tests/browser/", "tests/pwsviz/page/", "tests/core/compilation/", "tests/pwsviz/bench/", "tests/families/")
+BROWSER = "tests/browser/"
+#: Folders whose files take longest; those before the browser compile what its server needs.
+LONGEST = ("tests/pwsviz/page/", "tests/core/compilation/", BROWSER, "tests/pwsviz/bench/", "tests/families/")
 
 FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
@@ -69,7 +70,7 @@ def pytest_xdist_make_scheduler(config, log):
     class ByFile(LoadFileScheduling):
         def _split_scope(self, nodeid):
             file = super()._split_scope(nodeid)
-            return LONGEST[0] if file.startswith(LONGEST[0]) else file
+            return BROWSER if file.startswith(BROWSER) else file
 
     config.option.loadscopereorder = False
     return ByFile(config, log)

@@ -20,7 +20,7 @@ TINY = replace(QUICK, share=0.02, repeats=1)
 
 
 #: A fresh process with empty caches compiles everything: only the deep level waits for that.
-NO_FIRST_CALLS = replace(QUICK, first_calls=())
+NO_FIRST_CALLS = replace(QUICK, first_calls=(), budget=0.2)
 
 
 @pytest.fixture(scope="module")
