@@ -115,7 +115,7 @@ def compile_beside(size: int = 2, idle: float = 900.0) -> None:
         if _pool is not None and not _pool.closed:
             _pool.restart_timer()
         else:
-            roots = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")]))
+            roots = os.pathsep.join(filter(None, [str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH")]))
             environment = {"PWSVIZ_CACHE": str(_folder()), "PYTHONPATH": roots}
             program = "from core.compilation.compiled import serve_worker; serve_worker()"
             _pool = WorkerPool(program, environment, min(size, os.cpu_count() or 1), idle)

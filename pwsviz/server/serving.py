@@ -81,7 +81,7 @@ def panel_arguments(
         [f"localhost:{port}", *origins] if origins else []
     )  # once others are given, localhost is not allowed by default
     return [
-        "serve", str(here.parent / "app.py"), "--port", str(port), "--address", address,
+        "serve", str(here.parents[1] / "app.py"), "--port", str(port), "--address", address,
         "--num-procs", str(count), "--setup", str(here / "preload.py"),
         *PANEL_SETTINGS,
         *(word for name in names for word in ("--allow-websocket-origin", name)),

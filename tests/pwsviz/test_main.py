@@ -1,9 +1,13 @@
 """The command line: its help, and what it says where something is in the way."""
 
 import errno
+import os
 import socket
 import subprocess
 import sys
+import time
+import urllib.error
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -36,6 +40,26 @@ def told(monkeypatch):
 
 def values_of(option, arguments):
     return [arguments[k + 1] for k, word in enumerate(arguments) if word == option]
+
+
+def test_serve_answers_with_the_page(tmp_path):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    command = [sys.executable, "-m", "pwsviz", "serve", "--no-show", "--port", str(port)]
+    with subprocess.Popen(command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}) as server:
+        try:
+            deadline = time.monotonic() + 60
+            while server.poll() is None and time.monotonic() < deadline:
+                try:
+                    with urllib.request.urlopen(f"http://localhost:{port}/app", timeout=30) as page:
+                        assert b"pwsviz" in page.read()
+                    return
+                except urllib.error.URLError:
+                    time.sleep(0.2)
+            pytest.fail(f"no answer; it has ended with {server.poll()}")
+        finally:
+            server.terminate()
 
 
 @pytest.mark.parametrize("command", ["serve", "report"])

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -131,3 +132,12 @@ def test_a_module_in_use_is_the_last_to_be_pruned(tmp_path):
     assert compiled._touch_if_current(path, "x = 1")
     assert compiled._last_used(path) > 1e9
     assert not compiled._touch_if_current(path, "x = 2")
+
+
+def test_workers_import_the_core_that_runs_here(monkeypatch):
+    asked = []
+    monkeypatch.setattr(compiled, "_pool", None)
+    monkeypatch.setattr(compiled, "WorkerPool", lambda *given: asked.append(given))
+    compiled.compile_beside(1)
+    root = Path(asked[0][1]["PYTHONPATH"].split(os.pathsep)[0])
+    assert (root / "core" / "compilation" / "compiled.py").samefile(compiled.__file__)
