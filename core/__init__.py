@@ -1,13 +1,12 @@
 """Conservative integrators for piecewise smooth systems: the public names, nothing else.
 
-Studies and reference solutions are loaded on first use.
+Studies, diagnostics and reference solutions are loaded on first use.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from core.compilation.compiled import compile_beside
-from core.diagnostics import Diagnosis, diagnose
 from core.integrate import integrate
 from core.integration.trajectory import Crossing, Crossings, Status, Trajectory
 from core.methods import METHODS, Method
@@ -15,6 +14,7 @@ from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE
 
 if TYPE_CHECKING:
+    from core.diagnostics import Diagnosis, diagnose
     from core.reference import reference_solution
     from core.studies import OrderStudy, StabilityStudy, WorkPrecision, order_study, stability_study, work_precision
 
@@ -43,9 +43,11 @@ __all__ = [
 
 #: Name that is loaded on first use -> its package.
 _LATE = {
+    "Diagnosis": "core.diagnostics",
     "OrderStudy": "core.studies",
     "StabilityStudy": "core.studies",
     "WorkPrecision": "core.studies",
+    "diagnose": "core.diagnostics",
     "order_study": "core.studies",
     "reference_solution": "core.reference",
     "stability_study": "core.studies",

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.diagnostics import step_warning
 from core.integration.recording import Sampler
 from core.integration.runner import Runner, Settings, no_crossings
 from core.integration.trajectory import Status, Trajectory
@@ -284,9 +283,16 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
     return Trajectory(
         runner.system, method.name, tau, t, x, side, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
-        _envelope(runner), step_warning, record, runner.settings.tolerance if method.adaptive else math.nan,
+        _envelope(runner), _warning, record, runner.settings.tolerance if method.adaptive else math.nan,
         runner.samples,
     )  # fmt: skip
+
+
+def _warning(run: Trajectory) -> str:
+    """Return what `diagnostics` warns of; it is loaded when a message is first read."""
+    from core.diagnostics import step_warning
+
+    return step_warning(run)
 
 
 def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0: Floats) -> tuple[Any, Floats, Floats]:
