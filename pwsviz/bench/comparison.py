@@ -35,15 +35,16 @@ _LEAST_ERROR = 1e-17
 
 def named(plan: Plan) -> Table:
     """Times to the target errors on systems of the catalogue."""
-    rows = []
+    rows: list[list[str]] = []
+    ends = ", ".join(f"{plan.share * ENDS[name]:.4g}" for name in plan.compared)
     for name in plan.compared:
         problem = Problem(name, core.CATALOGUE[name], plan.share * ENDS[name])
         times = np.array([*_own_and_heyoka(problem, plan), _scipy(problem, plan)])
         rows += [[name, f"{e:.0e}", *map(milliseconds, t), *_ratios(t)] for e, t in zip(_TARGETS, times.T, strict=True)]
     return Table(
         "Time to a state error",
-        "milliseconds to integrate to t = 1240, 473, 755 and 1989, after some 500 crossings, until the state is right "
-        f"to an error; the least of {plan.repeats} runs, interpolated between tolerances. taylor is all of "
+        f"milliseconds to integrate to t = {ends}, after some {500 * plan.share:.0f} crossings, until the state is "
+        f"right to an error; the least of {plan.repeats} runs, interpolated between tolerances. taylor is all of "
         "core.integrate(record='end') and heyoka propagate_until alone, in wall-clock time. SciPy is DOP853, restarted "
         "at terminal events, in processor time, as in core.work_precision. The last columns are the ratios of taylor's "
         f"times to those of the three. {UNKNOWN}: not reached, or heyoka is not installed.",

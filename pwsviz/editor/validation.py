@@ -208,7 +208,10 @@ class _Check:
     # What they declare -----------------------------------------------------------------------------------------------
 
     def declare(self) -> Declaration:
-        names, bounds = tuple(p.name for p in self.parameters), tuple(p.bounds for p in self.parameters)
+        # A parameter whose value cannot be read has a name nevertheless, which the other fields may use.
+        names = tuple(text.partition("=")[0].strip() for text in self.items["parameters"][:MAX_PARAMETERS])
+        read = {p.name: p.bounds for p in self.parameters}
+        bounds = tuple(read.get(name) for name in names)
         texts = {name: self.items[name] for name in _EXPRESSIONS}
         return Declaration(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
 

@@ -57,6 +57,7 @@ _ACCENTED = "|".join(_ACCENTS)
 _SCRIPT = r"(?:[_^](?:\{[^{}]*\}|\\[A-Za-z]++|[^\\{}\s]))"
 _BASE = rf"(?:\\(?:{_ACCENTED})\{{[^{{}}]*\}}|\\[A-Za-z]++|[^\\_^{{}}])++"
 _NAME = re.compile(rf"(?P<base>{_BASE})(?P<scripts>{_SCRIPT}{{0,2}})")
+_ENDS_IN_SUBSCRIPT = re.compile(r"_\{[^{}]*\}$")
 _PIECE = re.compile(rf"\\({_ACCENTED})\{{([^{{}}]*)\}}|\\([A-Za-z]+)|([^\W\d_]+)|(\d+(?:\.\d+)?)|(\S)")
 
 
@@ -206,10 +207,11 @@ def _plain(text: str) -> str:
 
 
 def _default_name(name: str) -> str:
-    """Return the LaTeX of a symbol's name; the endings _minus and _plus become the sign of the side."""
+    """Return the LaTeX of a symbol's name; the endings _minus and _plus become a sign in its subscript."""
     for word, sign in (("_minus", "-"), ("_plus", "+")):
         if name.endswith(word):
-            return rf"{sympy.latex(Symbol(name.removesuffix(word)))}_{{{sign}}}"
+            stem = str(sympy.latex(Symbol(name.removesuffix(word))))
+            return f"{stem[:-1]}{sign}}}" if _ENDS_IN_SUBSCRIPT.search(stem) else f"{stem}_{{{sign}}}"
     return str(sympy.latex(Symbol(name)))
 
 

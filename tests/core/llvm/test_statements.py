@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import sympy
 
 import core
 from core.codegen.functions import module_text
@@ -155,3 +156,16 @@ def test_steps_are_compiled_without_numba(name, method, monkeypatch):
 
     monkeypatch.setattr("core.llvm.native.cfunc", refuse)
     core.compilation.compiled.compile_run.__wrapped__(core.CATALOGUE[name].laws, METHODS[method], True)
+
+
+@pytest.mark.parametrize("name", ["sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh", "sqrt"])
+def test_steps_that_keep_a_function_are_compiled_without_numba(name, monkeypatch):
+    def refuse(*_arguments, **_options):
+        raise AssertionError("numba was asked")
+
+    monkeypatch.setattr("core.llvm.native.cfunc", refuse)
+    u = sympy.Symbol("u")
+    slope = sympy.sstr(getattr(sympy, name)(2 + u).diff(u))
+    psi = f"v**2/2 + {name}(2 + u)"
+    system = core.PiecewiseSystem("F", ("u", "v"), ("v", f"-({slope})"), ("v", "-u"), "u", (psi,), ("v**2/2 + u**2/2",))
+    core.compilation.compiled.compile_run.__wrapped__(system.laws, METHODS["dmm2"], True)

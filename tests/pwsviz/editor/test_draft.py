@@ -252,3 +252,7 @@ def test_hostile_texts_are_refused_or_read_in_bounded_time(text):
 @given(st.sampled_from(list(FIELDS)), st.text(max_size=40) | st.text("xyk 0123.+-*/(),;=[]<&>\n", max_size=40))
 def test_no_text_in_any_field_raises(name, text):
     assert_plain(replace(OSCILLATOR, **{name: text}))
+
+
+def test_a_parameter_with_a_wrong_value_is_complained_of_where_it_stands_alone():
+    assert list(check(replace(OSCILLATOR, parameters="k = 30 in [0.1, 10]")).complaints) == ["parameters"]

@@ -221,3 +221,8 @@ def test_every_system_of_the_catalogue_is_typeset(key: str) -> None:
             parsed(markup(expression, names))
             assert "too long" not in markup(expression, names)
             assert "text" not in latex(expression, names)
+
+
+def test_a_name_that_ends_in_a_number_and_a_sign_has_one_subscript():
+    assert markup(Symbol("omega2_minus")) == "<msub><mi>ω</mi><mrow><mn>2</mn><mo>−</mo></mrow></msub>"
+    assert latex(Symbol("omega2_minus")) == r"\omega_{2-}"
