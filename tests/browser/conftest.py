@@ -31,7 +31,7 @@ def address(tmp_path_factory):
             server.terminate()
             server.wait(60)  # a machine at work on something else takes long to end it
     said = log.read_text()  # tornado complains of visitors who leave; only what concerns this package counts
-    assert "pwsviz/" not in said, said
+    assert f"{ROOT}/pwsviz/" not in said, said
     assert "failed with following error" not in said, said
 
 

@@ -52,6 +52,7 @@ def test_the_slider_moves_the_step_size(visit):
     page.get_by_text(re.compile(r"[2-9],\d{3} steps")).first.wait_for()
 
 
+@pytest.mark.deep
 def test_order_and_crossing_time_show_slopes_near_two(visit):
     page = visit()
     for tab, figure, count in (("Order", "state error", 4), ("Crossing time", "crossing time error", 3)):

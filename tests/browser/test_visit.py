@@ -88,6 +88,7 @@ def test_a_field_and_a_button_told_of_at_once_are_both_heard(visit):
     page.wait_for_url(re.compile("own="))
 
 
+@pytest.mark.deep
 def test_the_program_taken_away_computes_what_the_page_shows(visit):
     page = visit()
     await_painted(page, "Phase portrait")

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 import core
 from core import Status
 from tests.core.polynomials import CONIC, FULL, SEPARABLE, Case, terms
-from tests.levels import QUICK_METHODS, deep_but
+from tests.levels import QUICK_METHODS, deep_but, tries
 
 EPS = 2.0**-52
 METHODS = list(core.METHODS)
@@ -21,7 +21,7 @@ any_of = pytest.mark.parametrize(
 )
 #: Dense polynomials take long to compile: one implicit, one explicit and one variable-step method stand for their kind.
 OF_FULL = ("dmm2", "rk4", "taylor")
-SEVERAL = settings(suppress_health_check=list(HealthCheck))
+SEVERAL = settings(tries(150), suppress_health_check=list(HealthCheck))
 
 number = st.floats(-2.0, 2.0, allow_nan=False).map(lambda a: round(a, 3))
 

@@ -28,7 +28,8 @@ def test_a_compiled_run_is_the_scheme_to_round_off(name, method):
         assert max(abs(float(a - b)) for a, b in zip(met.x, run.crossings.x[k], strict=True)) <= bound
 
 
-@pytest.mark.parametrize(("method", "coarsest"), deep_but(["dmm6"], [("dmm6", 0.04), ("rk8", 0.01), ("prk8", 0.01)]))
+@pytest.mark.deep
+@pytest.mark.parametrize(("method", "coarsest"), [("dmm6", 0.04), ("rk8", 0.01), ("prk8", 0.01)])
 def test_orders_show_below_the_round_off_of_doubles(method, coarsest):
     slopes = slopes_in_digits(core.CATALOGUE["elliptic_curve"], method, (coarsest, coarsest / 2, coarsest / 4), (1, 2))
     assert slopes == pytest.approx(np.full((2, 1), core.METHODS[method].order), abs=0.2)

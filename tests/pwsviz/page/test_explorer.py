@@ -49,6 +49,7 @@ def test_hidden_views_compute_nothing(explorer):
     assert counts(explorer)["run"] == 4, "the portrait is always there"
 
 
+@pytest.mark.deep
 def test_going_round_the_tabs_twice_computes_each_view_once(explorer):
     explorer.scene.param.update(t_end=5.0, peers=[])
     explorer.settle(20)
