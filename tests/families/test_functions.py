@@ -179,7 +179,7 @@ def test_crossings_and_states_are_where_scipy_has_them(draws):
         given, x0, middle, end = drawn_crossing(rng)
         system = core.PiecewiseSystem(name="drawn", **given, parameters=PARAMETERS, x0=x0)
         method = methods_for(system)[k % len(methods_for(system))]
-        runs = [run_of(system, method, steps) for steps in (8, 16)]
+        runs = [run_of(system, method, steps) for steps in (32, 64)]  # from 8 to 16 rk8 may not show its order yet
         case = (given, x0.tolist(), method.name, [run.message for run in runs])
         assert all(run.status is core.Status.COMPLETED and len(run.crossings) == 1 for run in runs), case
         errors = [np.abs(run.x[-1] - end).max() + abs(run.crossings.t[0] - MIDDLE) for run in runs]
