@@ -141,33 +141,38 @@ def levels_texts(laws: Laws, mode: Mode) -> list[str]:
     return [function_text(name, [*lines, "return 0"]) for name, lines in functions]
 
 
+def _row(u: Expr, laws: Laws, slowness: Sequence[Symbol], names: Names) -> list[Expr]:
+    """Change of u along with the time that a change of the state takes, per coordinate: ∇u + ∂u/∂t q."""
+    rate = names.own([u.diff(TIME)])[0]
+    return [g + rate * q for g, q in zip(names.own(u.diff(v) for v in laws.x), slowness, strict=True)]
+
+
 def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool) -> str:
     """Text of `project_to_surface`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
 
-    Where the surface and the orbit are nearly tangent the projection is ill-conditioned, and the state is not changed.
+    A change a of the state takes the time a·q, q = f/|f|², along the flow, by which g and ψ change as well where they
+    depend on t: their rows are ∇u + ∂u/∂t q. Where the surface and the orbit are nearly tangent the projection is
+    ill-conditioned, and the state is not changed.
     """
     names = Names(laws)
     conserved = mode.conserved if conservative else ()
     m, d = len(conserved), len(laws.x)
-    moves = named("a", d)
+    moves, fields, slowness = named("a", d), named("f", d), named("q", d)
     lines = [*names.unpack, *(level_residual_lines(names, mode) if conservative else [])]
     lines += [*names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
-    gradients = [names.own(psi.diff(v) for v in laws.x) for psi in conserved] + [names.own(laws.gradient)]
-    rows, worked_out = row_lines(gradients, names.temporaries)
-    lines += [*worked_out, size_line(names.x), *least_change(rows, moves, names.temporaries, least=_TANGENT)]
-    lines += assignments([f"f{k}" for k in range(d)], names.own(mode.field), names.temporaries)
-    size, speed = (f"max({', '.join(f'abs({u}{k})' for k in range(d))}, 0.0)" for u in ("x", "f"))
-    lines += [f"size, speed = {size}, {speed}", f"w[{abi.DELAY}] = 0.0"]
+    lines += assignments([str(f) for f in fields], names.own(mode.field), names.temporaries)
+    speed = f"speed = max({', '.join(f'abs({f})' for f in fields)}, 0.0)"
+    lines += [speed, f"w[{abi.DELAY}] = 0.0", "if not speed > 0.0:", "    return 0"]
+    lines.append(f"square = {' + '.join(f'({f} / speed)**2' for f in fields)}")
+    lines += [f"{q} = {f} / speed / square / speed" for q, f in zip(slowness, fields, strict=True)]
+    rows = [_row(u, laws, slowness, names) for u in (*conserved, laws.g)]
+    entries, worked_out = row_lines(rows, names.temporaries)
+    lines += [*worked_out, size_line(names.x), *least_change(entries, moves, names.temporaries, least=_TANGENT)]
     most = str(_FARTHEST)
-    if (
-        1 < m < FEW
-    ):  # steps that keep dependent ψ are known to half the digits only; g, whose row is the last, is not so
+    if 1 < m < FEW:  # steps that keep dependent ψ are known to half the digits only; g, the last row, is not so
         most = f"({_FARTHEST} if independent or near else {_FARTHEST_OF_HALF})"
-    lines.append(f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * size or not speed > 0.0:")
-    lines.append("    return 0")
-    along = " + ".join(f"a{k} * (f{k} / speed)" for k in range(d))
-    square = " + ".join(f"(f{k} / speed)**2" for k in range(d))
-    lines.append(f"delay = -({along}) / ({square}) / speed")
+    lines += [f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * state:", "    return 0"]
+    lines.append(f"delay = -({' + '.join(f'{a} * {q}' for a, q in zip(moves, slowness, strict=True))})")
     lines += ["if not abs(delay) < math.inf:", "    return 0", f"w[{abi.DELAY}] = delay"]
     for k in range(d):
         x, c = (f"w[{start + k}]" for start in (names.frame.x, names.frame.carry))

@@ -369,6 +369,28 @@ def test_steps_too_coarse_for_the_surface_are_right_or_say_so(draws, name):
         assert not (found and silent(run)), found
 
 
+@pytest.mark.parametrize("name", deep_but(("interface", "pendulum"), ["interface", "pendulum", "forced", "rotation"]))
+def test_crossings_lie_on_a_surface_that_moves(draws, name):
+    """To the rounding of time and state, by which g changes at its rates along both fields and of its own motion."""
+    for rng in draws(60):
+        case = FAMILIES[name](rng)
+        run = core.integrate(case.system, (0.0, case.t_end), case.x0, method="taylor", tolerance=tolerance_of(rng))
+        t, x = run.crossings.t, run.crossings.x
+        g = np.array(case.exact.height(t.astype(np.longdouble), x.astype(np.longdouble)), float)
+        rate = np.maximum(np.abs(run.crossings.rate_before), np.abs(run.crossings.rate_after)) + case.fastest
+        rounding = np.finfo(float).eps * (1.0 + np.abs(x).max(axis=1, initial=0.0) + t * rate)
+        assert (np.abs(g) <= rounding).all(), (case.system.values, case.x0, np.abs(g / rounding).max())
+
+
+def test_taylor_goes_on_after_it_lands_on_a_line_that_moves_fast():
+    """Drawn: the landing was off by more than its check allows, and the run stopped as unstable."""
+    values = {"km": 6.078170643747557, "kp": 5.990802033898575, "n1": -0.15163259555451813, "n2": 0.6736544339649536}
+    values |= {"c": -0.18623614072200148, "a": 0.3787082256973531, "w": 43.00091516161847}
+    system, x0 = _rotating_system(False).with_parameters(**values), (-0.2980478135147866, 0.0013219407479039859)
+    run = core.integrate(system, (0.0, 4.043433972843626), x0, method="taylor", tolerance=1e-9)
+    assert run.status is Status.COMPLETED, run.message
+
+
 @pytest.mark.parametrize("name", ["forced", "interface", "linear", "pendulum"])
 def test_the_reference_meets_every_crossing(draws, name):
     for rng in draws(3):
