@@ -23,7 +23,7 @@ from pwsviz.scene.history import History
 from pwsviz.scene.permalink import adopt, query
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
-from pwsviz.tabs import TABS, LongTab, Tab
+from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text
@@ -96,7 +96,7 @@ class Explorer(pn.viewable.Viewer):
         if scene is None and pn.state.location is not None:
             self.adopt(pn.state.location.search)  # before anything is computed
         self.scheduler = Scheduler()
-        self.views = {key: TABS[key](self.scene, self.results) for key in VIEWS}
+        self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
         lines = [view.now for view in self.views.values() if view.now is not None]
         self.portrait_panel = PortraitPanel(self.scene, self.results, self.scheduler, lines, self._await_system)
         for view in self.views.values():
@@ -120,7 +120,7 @@ class Explorer(pn.viewable.Viewer):
 
     def _make_tabs(self) -> Any:
         tabs = pmui.Tabs(
-            *((title, self.views[key]) for key, title in VIEWS.items()),
+            *((view.title, self.views[key]) for key, view in VIEWS.items()),
             dynamic=False, active=list(VIEWS).index(self.scene.view), sizing_mode="stretch_width", margin=0, sx=TABS_SX,
         )  # fmt: skip
         tabs.param.watch(lambda event: self.scene.param.update(view=list(VIEWS)[event.new]), "active")
@@ -243,7 +243,7 @@ class Explorer(pn.viewable.Viewer):
 
     def _pieces(self) -> list[Piece]:
         """Return what can be exported: the run of the portrait, and the view beside it."""
-        panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view]
+        panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view].title
         run = panel.shown.inputs.selected[0] if panel.shown else None
 
         def table() -> Table | None:

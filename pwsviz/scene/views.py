@@ -1,15 +1,26 @@
-"""The table of the views beside the portrait. `pwsviz.tabs` has the tab of each."""
+"""The table of the views beside the portrait: a view is a line here, and a file in `pwsviz.tabs`."""
 
 from __future__ import annotations
 
-__all__ = ["VIEWS"]
+from typing import NamedTuple
+
+__all__ = ["VIEWS", "View"]
+
+
+class View(NamedTuple):
+    """A view: what a link and the scene know of it, and where its tab is found."""
+
+    title: str
+    tab: str
+    """Constructor of its tab as "module:name", for it stands above the scene and is loaded when a page is made."""
+
 
 VIEWS = {
-    "conserved": "Conserved quantity",
-    "order": "Order",
-    "time": "Crossing time",
-    "cost": "Cost",
-    "stability": "Stability",
-    "scheme": "Scheme",
+    "conserved": View("Conserved quantity", "pwsviz.tabs.conserved:ConservedTab"),
+    "order": View("Order", "pwsviz.tabs.order:state_order_tab"),
+    "time": View("Crossing time", "pwsviz.tabs.order:time_order_tab"),
+    "cost": View("Cost", "pwsviz.tabs.cost:CostTab"),
+    "stability": View("Stability", "pwsviz.tabs.stability:StabilityTab"),
+    "scheme": View("Scheme", "pwsviz.tabs.scheme:SchemeTab"),
 }
-"""Title of each view by its key, in display order; links contain the key."""
+"""Each view by its key, in display order; links contain the key."""

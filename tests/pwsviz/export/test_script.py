@@ -12,7 +12,7 @@ from pwsviz.results.requests import other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
-from pwsviz.tabs import TABS
+from pwsviz.tabs import make_tab
 
 HOSTILE = (
     "'", '"', '"""', "'''", "\\", "\n", "\r", "\0", "{1/0}", "%s", "\u202e", "\ud800", "\u2028", "#", "</script>", "🙂",
@@ -22,7 +22,7 @@ HOSTILE = (
 
 def program_of(scene):
     """Return the program of a scene, as the dialog shows it."""
-    return snippet(scene, TABS[scene.view](scene, Results()).program())
+    return snippet(scene, make_tab(scene.view, scene, Results()).program())
 
 
 def executed(scene, monkeypatch, *functions):

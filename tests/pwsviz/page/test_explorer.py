@@ -17,8 +17,8 @@ from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
 from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene
-from pwsviz.scene.views import VIEWS
-from pwsviz.tabs import TABS, Tab
+from pwsviz.scene.views import VIEWS, View
+from pwsviz.tabs import Tab
 from tests.levels import deep_but
 
 
@@ -448,8 +448,7 @@ class StepSizeTab(Tab):
 
 
 def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(monkeypatch):
-    monkeypatch.setitem(VIEWS, "step", "Step size")
-    monkeypatch.setitem(TABS, "step", StepSizeTab)
+    monkeypatch.setitem(VIEWS, "step", View("Step size", f"{__name__}:StepSizeTab"))
     explorer = Explorer(Scene(t_end=1.0), Results())
     explorer.tabs.active = list(VIEWS).index("step")
     assert explorer.settle(20)

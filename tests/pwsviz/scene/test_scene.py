@@ -10,7 +10,7 @@ import core
 from pwsviz.scene.names import short_name
 from pwsviz.scene.scene import MAX_STARTS, Scene
 from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
-from pwsviz.scene.views import VIEWS
+from pwsviz.scene.views import VIEWS, View
 
 
 def test_starts_with_the_defaults_of_its_system():
@@ -235,7 +235,7 @@ def test_a_view_that_is_set_directly_is_checked_too(key):
 
 def test_a_view_can_be_chosen_from_when_it_is_declared(monkeypatch):
     scene = Scene()
-    monkeypatch.setitem(VIEWS, "step", "Step size")
+    monkeypatch.setitem(VIEWS, "step", View("Step size", "anywhere:Tab"))
     scene.view = "step"
     assert scene.view == "step"
 
