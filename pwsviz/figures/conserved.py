@@ -13,7 +13,6 @@ from pwsviz.figures.portrait import kind_columns
 from pwsviz.figures.style import (
     PURPLE,
     SIDES,
-    VERMILION,
     assign,
     describe,
     fit_to_corners,
@@ -114,8 +113,6 @@ class ConservedView:
             tooltips=[("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")],
         )  # fmt: skip
         plot.add_tools(self.hover)
-        self.pointed = ColumnDataSource({"t": []})
-        plot.vspan("t", source=self.pointed, line_color=VERMILION, line_width=2)
         self.now = Span(dimension="height", line_color=PURPLE, line_width=2, line_dash="dashed", visible=False)
         plot.add_layout(self.now)
 

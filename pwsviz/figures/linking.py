@@ -1,15 +1,15 @@
-"""Linking of two figures: a crossing under the pointer in one is marked in the other, in the browser alone."""
+"""Linking of figures: a crossing under the pointer in one is marked in all, in the browser alone."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from bokeh.events import MouseLeave
-from bokeh.models import CustomJS
+from bokeh.models import ColumnDataSource, CustomJS, HoverTool
+from bokeh.plotting import figure
 
-if TYPE_CHECKING:
-    from pwsviz.figures.conserved import ConservedView
-    from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.style import VERMILION
 
 __all__ = ["link_crossings"]
 
@@ -21,7 +21,7 @@ const put = (source, columns) => {
 }
 const point = (x, y, t) => {
   put(portrait, x == null || !Number.isFinite(x) ? { x: [], y: [] } : { x: [x], y: [y] })
-  put(conserved, t == null ? { t: [] } : { t: [t] })
+  put(instant, t == null ? { t: [] } : { t: [t] })
 }
 """
 
@@ -31,7 +31,7 @@ const { x, y, time } = marks.data
 if (i == null) { point() } else { point(x[i], y[i], time[i]) }
 """
 
-POINT_FROM_CONSERVED = """
+POINT_FROM_TICKS = """
 const [i] = cb_data?.index?.indices ?? []
 if (i == null) { point() } else {
   const { t, x, y, number, method } = ticks.data
@@ -45,14 +45,36 @@ if (i == null) { point() } else {
 """
 
 
-def link_crossings(portrait: PortraitView, conserved: ConservedView) -> None:
-    """Let a crossing under the pointer in one figure be marked in both, without the server."""
-    args = {
-        "portrait": portrait.pointed, "conserved": conserved.pointed,
-        "marks": portrait.crossings, "ticks": conserved.instants,
-    }  # fmt: skip
-    from_portrait = CustomJS(args=args, code=POINT + POINT_FROM_PORTRAIT)
-    from_conserved = CustomJS(args=args, code=POINT + POINT_FROM_CONSERVED)
-    for view, callback in ((portrait, from_portrait), (conserved, from_conserved)):
-        view.hover.callback = callback
-        view.figure.js_on_event(MouseLeave, CustomJS(args=args, code=POINT + "point()"))
+class Linked(Protocol):
+    """A figure with crossings that a pointer can be on."""
+
+    figure: figure
+    hover: HoverTool
+
+
+def link_portrait(portrait: PortraitView) -> None:
+    """Let a crossing under the pointer in the portrait be marked there and in all figures linked to it."""
+    _follow(portrait, POINT_FROM_PORTRAIT, portrait, {"marks": portrait.crossings})
+
+
+def link_crossings(portrait: PortraitView, view: Linked, ticks: ColumnDataSource) -> None:
+    """Let a crossing under the pointer in another figure be marked there, in the portrait and in all linked to it.
+
+    Parameters
+    ----------
+    portrait : PortraitView
+        The portrait.
+    view : Linked
+        The other figure.
+    ticks : ColumnDataSource
+        The crossings marked there: their times, places in the portrait, numbers and integrators.
+    """
+    view.figure.vspan("t", source=portrait.pointed_time, line_color=VERMILION, line_width=2)
+    _follow(view, POINT_FROM_TICKS, portrait, {"marks": portrait.crossings, "ticks": ticks})
+
+
+def _follow(view: Linked, code: str, portrait: PortraitView, sources: dict[str, ColumnDataSource]) -> None:
+    """Mark what the pointer is on in a figure, and nothing when it leaves; all in the browser."""
+    args = {"portrait": portrait.pointed, "instant": portrait.pointed_time, **sources}
+    view.hover.callback = CustomJS(args=args, code=POINT + code)
+    view.figure.js_on_event(MouseLeave, CustomJS(args=args, code=POINT + "point()"))

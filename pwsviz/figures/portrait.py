@@ -177,6 +177,7 @@ class PortraitView:
         )  # fmt: skip
         plot.add_tools(self.hover)
         self.pointed = ColumnDataSource({"x": [], "y": []})
+        self.pointed_time = ColumnDataSource({"t": []})  # for figures whose horizontal axis is time
         ring: dict[str, Any] = {"size": POINTED_SIZE, "fill_alpha": 0.0, "line_color": VERMILION, "line_width": 3}
         plot.scatter("x", "y", source=self.pointed, **ring)
 

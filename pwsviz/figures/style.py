@@ -40,7 +40,7 @@ SAND = "#A89A80"
 SIDES = {-1: SKY, 1: SAND}
 """Colour of each side of the surface."""
 
-HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 720px)"
+HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
 PLOT_STYLES = {"height": HEIGHT, "flex": "none"}

@@ -14,6 +14,7 @@ from panel_material_ui.template.base import Page
 import core
 from pwsviz.editor.form import SystemEditor
 from pwsviz.export.tables import Table, run_table
+from pwsviz.figures.linking import link_portrait
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.page.sidebar import Sidebar
@@ -43,9 +44,14 @@ AHEAD = 0.05
 """Seconds after a successful check of a user's own system until it is compiled, in case the user applies it."""
 
 GRID_CSS = """
-:host { display: grid !important; grid-template-columns: repeat(auto-fit, minmax(min(100%, 430px), 1fr)); gap: 8px 20px;
-        grid-auto-rows: max-content; align-items: start; height: auto !important; max-height: none !important; }
+:host { display: grid !important; gap: 8px 20px; grid-auto-rows: max-content; align-items: start;
+        grid-template-columns: repeat(auto-fit, minmax(min(100%, max(430px, 50% - 10px)), 1fr));
+        height: auto !important; max-height: none !important; }
 """
+"""Two columns at most, one where the screen is narrow."""
+
+IN_SIGHT = {"position": "sticky", "top": "0"}
+"""The portrait stays in sight while a long view beside it scrolls."""
 
 PAGE_SX = {
     ".MuiAppBar-root": {
@@ -67,7 +73,7 @@ LOADING_HTML = """{% extends "base.html" %}
 
 THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
 
-TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "10px"}}
+TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "6px", "fontSize": "0.8125rem"}}
 """Titles as narrow as possible; on a narrow screen the row scrolls."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
@@ -97,8 +103,9 @@ class Explorer(pn.viewable.Viewer):
             self.adopt(pn.state.location.search)  # before anything is computed
         self.scheduler = Scheduler()
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
-        lines = [view.now for view in self.views.values() if view.now is not None]
+        lines = [line for view in self.views.values() for line in view.now]
         self.portrait_panel = PortraitPanel(self.scene, self.results, self.scheduler, lines, self._await_system)
+        link_portrait(self.portrait_panel.portrait)
         for view in self.views.values():
             view.link(self.portrait_panel.portrait)
         self.history = History(self.scene)
@@ -266,8 +273,9 @@ class Explorer(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
+        left = pn.Column(self.portrait_panel, styles=IN_SIGHT, margin=0, sizing_mode="stretch_width")
         right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
-        views = pn.Column(self.portrait_panel, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
+        views = pn.Column(left, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
             self.notice, views, self.editing, self.export, stylesheets=[STACK_CSS], margin=(8, 16),
             sizing_mode="stretch_width",

@@ -21,6 +21,7 @@ from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
 from pwsviz.results.requests import CostInputs, InitialValueProblem, RunInputs, Scheme, StabilityInputs, StudyInputs
+from pwsviz.results.states import StateCurves, state_curves
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
 
@@ -133,8 +134,8 @@ class Results:
     ----------
     computed : Counter
         How often each kind of result was computed, not found in the cache: ``"run"``, ``"orbit"``, ``"frames"``,
-        ``"landmarks"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``, ``"study"``,
-        ``"cost"``, ``"stability"``.
+        ``"landmarks"``, ``"states"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``,
+        ``"study"``, ``"cost"``, ``"stability"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
@@ -203,6 +204,10 @@ class Results:
 
     def _frames(self, inputs: RunInputs, axes: Axes, cancel: Cancel) -> Frames:
         return frames(self.run(inputs, cancel), axes)
+
+    def states(self, inputs: RunInputs, cancel: Cancel = never) -> StateCurves:
+        """Return each coordinate of a run against time."""
+        return self._get("states", inputs, cancel, lambda: state_curves(self.run(inputs, cancel)))
 
     def landmarks(self, inputs: RunInputs, axes: Axes, cancel: Cancel = never) -> Landmarks:
         """Return what the plot of the conserved quantity marks of a run."""

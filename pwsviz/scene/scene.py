@@ -192,7 +192,9 @@ class Scene(param.Parameterized):
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1)}
         checked_start(system, 0.0, system.x0)
         with self._without_defaults():
-            self.param.update(own=system, system=OWN, stability_coordinate=0, **changes)
+            self.param.update(
+                own=system, system=OWN, stability_coordinate=0, view=self._telling_view(system), **changes
+            )
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
@@ -203,8 +205,12 @@ class Scene(param.Parameterized):
         chosen = self.declaration
         self.param.update(
             values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=(0, 1), stability_coordinate=0,
-            t_end=self._long_enough(),
+            t_end=self._long_enough(), view=self._telling_view(chosen),
         )  # fmt: skip
+
+    def _telling_view(self, system: core.PiecewiseSystem) -> str:
+        """Return the view shown, or the state where that is empty: the system has no ψ to be conserved."""
+        return "state" if self.view == "conserved" and not (system.psi_minus or system.psi_plus) else str(self.view)
 
     def _long_enough(self) -> float:
         """Return the end time, raised to that of `END_TIMES` as far as `MAX_STEPS` steps of this size reach."""

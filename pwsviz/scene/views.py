@@ -17,6 +17,7 @@ class View(NamedTuple):
 
 VIEWS = {
     "conserved": View("Conserved quantity", "pwsviz.tabs.conserved:ConservedTab"),
+    "state": View("State", "pwsviz.tabs.state:StateTab"),
     "order": View("Order", "pwsviz.tabs.order:state_order_tab"),
     "time": View("Crossing time", "pwsviz.tabs.order:time_order_tab"),
     "cost": View("Cost", "pwsviz.tabs.cost:CostTab"),

@@ -40,14 +40,14 @@ class Tab(pn.viewable.Viewer):
         Inputs of what is drawn; None if that is partial or outdated.
     settings : tuple of str
         Settings of the scene that change what is drawn but not what is computed.
-    now : Span or None
-        The line that the player moves, if the horizontal axis is time.
+    now : tuple of Span
+        The lines that the player moves, one a figure whose horizontal axis is time.
     quiet, patience : float
         Seconds, as in `latest_wins.Job`.
     """
 
     settings: tuple[str, ...] = ()
-    now: Span | None = None
+    now: tuple[Span, ...] = ()
     quiet = 0.0
     patience = 0.1
 

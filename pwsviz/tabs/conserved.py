@@ -31,11 +31,11 @@ class ConservedTab(Tab):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.view = ConservedView()  # made at once, as the portrait links its player and crossings to it
-        self.now = self.view.now
+        self.now = (self.view.now,)
 
     def link(self, portrait: PortraitView) -> None:
-        """Let a crossing under the pointer be marked in both figures."""
-        link_crossings(portrait, self.view)
+        """Let a crossing under the pointer be marked in all figures."""
+        link_crossings(portrait, self.view, self.view.instants)
 
     def inputs(self) -> ErrorInputs:
         """Return one run for each integrator."""

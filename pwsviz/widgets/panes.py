@@ -8,7 +8,6 @@ from typing import Any
 import panel as pn
 from bokeh.plotting import figure
 
-from pwsviz.figures.style import PLOT_STYLES
 from pwsviz.text.words import as_text
 
 FADED = {"opacity": "0.35"}
@@ -57,7 +56,7 @@ def fade(pane: pn.pane.Bokeh, past: bool) -> None:
     The styles of a pane replace those of its figure, and the browser keeps a style that is merely left out; so all of
     them are given each time.
     """
-    pane.styles = {**PLOT_STYLES, **(FADED if past else {"opacity": "1"})}
+    pane.styles = {**pane.object.styles, **(FADED if past else {"opacity": "1"})}
 
 
 def _html(markup: str) -> pn.pane.HTML:

@@ -107,7 +107,7 @@ def test_what_only_looks_different_is_not_computed_anew(explorer):
 
 
 def test_tab_and_scene_agree(explorer):
-    explorer.tabs.active = 2
+    explorer.tabs.active = list(VIEWS).index("time")
     assert explorer.scene.view == "time"
 
 
@@ -336,9 +336,9 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     assert list(portrait.starts.data["x"]) == [laws.x0[0]]
     assert (len(portrait.surface.data["x"]) > 1) == (system != "gene_switch")
     assert (len(portrait.arrows[1].data["x"]) > 0) == (laws.dimension == 2)
-    conserved = explorer.views["conserved"]
-    assert conserved.plots[0].visible == bool(laws.psi_minus)
-    assert conserved.plots[0].visible or "no conserved quantity" in conserved.words.object
+    assert explorer.scene.view == ("conserved" if laws.psi_minus else "state")
+    assert explorer.view.words.object
+    assert all(plot.visible for plot in explorer.view.plots)
     assert (portrait.figure.xaxis[0].axis_label == laws.variables[0]) == (laws.dimension == 2)
 
 

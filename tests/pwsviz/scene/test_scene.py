@@ -224,7 +224,7 @@ def test_what_is_no_choice_is_refused_in_words(field, value, words):
 @pytest.mark.parametrize("key", ["energy", "", None, 1, ["conserved"]])
 def test_a_view_that_is_set_directly_is_checked_too(key):
     scene = Scene()
-    with pytest.raises(ValueError, match="is none of conserved, order,"):
+    with pytest.raises(ValueError, match="is none of conserved, state,"):
         scene.view = key
     with pytest.raises(ValueError, match="is none of"):
         scene.param.update(view=key)
@@ -282,3 +282,11 @@ def test_a_system_of_ones_own_is_like_any_other():
     scene.system = "pendulum"
     scene.system = "own"
     assert (scene.x0, scene.values) == ((1.0, 1.0), {"k": 3.0})
+
+
+@pytest.mark.parametrize("system", [name for name, one in core.CATALOGUE.items() if not one.psi_minus + one.psi_plus])
+def test_a_system_without_psi_is_shown_with_its_state(system):
+    scene = Scene()
+    assert scene.view == "conserved"
+    scene.system = system
+    assert scene.view == "state"

@@ -1,0 +1,204 @@
+"""The plot of the state against time: a panel for each coordinate, one below the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models.annotations import Span
+from bokeh.models.renderers import GlyphRenderer
+
+import core
+from pwsviz.figures.portrait import kind_columns
+from pwsviz.figures.style import (
+    HEIGHT,
+    PURPLE,
+    SIDES,
+    assign,
+    fit_to_corners,
+    legend_below,
+    line_of,
+    plain_figure,
+    unseen,
+)
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.results.states import StateCurves
+
+MOST_PANELS = 6
+"""Most coordinates that are drawn: more panels would be too flat."""
+
+MOST_MARKS = 400
+"""Most crossings that are marked, and segments that are shaded; more of them could not be told apart."""
+
+WIDEST = 3.0
+"""Ranges of the first integrator that the axis may hold; one that runs off leaves the picture."""
+
+LEGEND_HEIGHT = 64
+"""Pixels of the lowest panel that its legend and the label of its axis take."""
+
+LEFT = 64
+"""Pixels left of each panel, so that their axes stand below one another."""
+
+SUMMARY = "Coordinate against time"
+
+
+class Shared:
+    """What all panels show alike: the time, the sides occupied and the crossings of the first integrator."""
+
+    def __init__(self) -> None:
+        self.across = DataRange1d(range_padding=0.0)
+        self.segments = {side: ColumnDataSource({"start": [], "end": []}) for side in SIDES}
+        columns = ("t", "x", "y", "label", "kind", "marker", "colour", "number", "method")
+        self.instants = unseen((*columns, *map(_column, range(MOST_PANELS))))
+
+
+def _column(k: int) -> str:
+    """Column of the k-th coordinate at the crossings."""
+    return f"state{k}"
+
+
+class Panel:
+    """One coordinate against time; `show` only changes its data."""
+
+    def __init__(self, k: int, shared: Shared, now: Span) -> None:
+        self.figure = plain_figure(
+            SUMMARY, x_range=shared.across, y_range=DataRange1d(range_padding=0.08), min_border_left=LEFT
+        )
+        self.bands = {
+            side: self.figure.vstrip("start", "end", source=source, color=SIDES[side], alpha=0.16, line_width=0)
+            for side, source in shared.segments.items()
+        }
+        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash")})
+        self.steps = ColumnDataSource({name: [] for name in ("t", "y", "colour")})
+        self.lines = self.figure.multi_line(
+            "xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6
+        )
+        self.figure.scatter("t", "y", source=self.steps, color="colour", size=4)
+        self.corners = fit_to_corners(self.figure, [0.0, 1.0], [-1.0, 1.0])
+        self.marks, self.hover = self._add_marks(_column(k), shared.instants)
+        self.figure.add_layout(now)
+        entries = [({"field": "method"}, self.lines), ("g < 0", self.bands[-1]), ("g > 0", self.bands[1])]
+        self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)])
+
+    def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
+        plot = self.figure
+        look: dict[str, Any] = {"fill_color": "white", "line_color": "colour", "line_width": 1.8, "size": 6}
+        marks = plot.scatter("t", column, source=instants, marker="marker", **look)
+        reach = plot.scatter("t", column, source=instants, size=14, alpha=0.0)  # easier to hit than the mark
+        tooltips = [("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")]
+        hover = HoverTool(
+            renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},
+            tooltips=tooltips,
+        )  # fmt: skip
+        values = HoverTool(
+            renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
+            tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("value", "$snap_y{%.6g}")],
+            formatters={"$snap_x": "printf", "$snap_y": "printf"},
+        )  # fmt: skip
+        plot.add_tools(hover, values)
+        return marks, hover
+
+    def place(self, name: str, panels: int, lowest: bool) -> None:
+        """Name the coordinate, and give the panel its part of the height; the lowest one has the legend."""
+        self.figure.yaxis.axis_label = name
+        self.figure.xaxis.axis_label = "time t" if lowest else None
+        self.figure.xaxis.major_label_text_alpha = 1.0 if lowest else 0.0
+        self.figure.legend.visible = lowest
+        extra = f" + {LEGEND_HEIGHT}px" if lowest and panels > 1 else ""
+        self.figure.styles = {"height": f"calc({HEIGHT} / {panels}{extra})", "flex": "none"}
+
+    def show(self, k: int, runs: Sequence[StateCurves]) -> None:
+        """Draw the k-th coordinate of the runs."""
+        looks = [line_of(run.method) for run in runs]
+        self.curves.data = {
+            "xs": [run.curves[k][0] for run in runs],
+            "ys": [run.curves[k][1] for run in runs],
+            "method": [run.method for run in runs],
+            "colour": [look.colour for look in looks],
+            "dash": [list(look.dash) for look in looks],
+        }
+        assign(
+            self.steps,
+            t=np.concatenate([run.steps[0] for run in runs]),
+            y=np.concatenate([run.steps[1][:, k] for run in runs]),
+            colour=[look.colour for run, look in zip(runs, looks, strict=True) for _ in run.steps[0]],
+        )
+        low, high = _range([run.bounds[k] for run in runs])
+        assign(self.corners, x=[0.0, max(run.t_end for run in runs) or 1.0], y=[low, high])
+
+
+class StateView:
+    """Panels that share the axis of time, each made when a system first needs it."""
+
+    def __init__(self) -> None:
+        look: dict[str, Any] = {"line_color": PURPLE, "line_width": 2, "line_dash": "dashed", "visible": False}
+        self.now = tuple(Span(dimension="height", **look) for _ in range(MOST_PANELS))
+        self.shared = Shared()
+        self.panels: list[Panel] = []
+
+    def panel(self, k: int) -> Panel:
+        """Return the k-th panel."""
+        while len(self.panels) <= k:
+            self.panels.append(Panel(len(self.panels), self.shared, self.now[len(self.panels)]))
+        return self.panels[k]
+
+    def show(self, runs: Sequence[StateCurves], names: Sequence[str], first: core.Trajectory, places: Floats) -> None:
+        """Draw the runs of one scene.
+
+        Parameters
+        ----------
+        runs : sequence of StateCurves
+            One for each integrator.
+        names : sequence of str
+            Names of the coordinates, of which the first `MOST_PANELS` are drawn.
+        first : core.Trajectory
+            The first integrator's run, whose crossings and sides are marked.
+        places : (k, 2) array
+            Place of each of its crossings in the portrait.
+        """
+        drawn = names[:MOST_PANELS]
+        for k, name in enumerate(drawn):
+            self.panel(k).place(name, len(drawn), lowest=k + 1 == len(drawn))
+            self.panel(k).show(k, runs)
+        self._show_segments(first)
+        self._show_crossings(first.crossings.first(MOST_MARKS), first.method, places[:MOST_MARKS])
+
+    def _show_segments(self, run: core.Trajectory) -> None:
+        bounds = np.concatenate([[run.t[0]], run.crossings.t, [run.t[-1]]])
+        sides = np.concatenate([run.side[:1], run.crossings.side])[:MOST_MARKS]
+        for side, source in self.shared.segments.items():
+            there = np.flatnonzero(sides == side)
+            assign(source, start=bounds[there], end=bounds[there + 1])
+
+    def _show_crossings(self, crossings: core.Crossings, method: str, places: Floats) -> None:
+        count = len(crossings)
+        states = {_column(k): crossings.x[:, k] for k in range(min(crossings.x.shape[1], MOST_PANELS))}
+        states |= {_column(k): np.full(count, np.nan) for k in range(len(states), MOST_PANELS)}
+        assign(
+            self.shared.instants,
+            t=crossings.t,
+            x=places[:, 0],
+            y=places[:, 1],
+            **kind_columns(tuple(map(str, crossings.kind))),
+            number=np.arange(1, 1 + count),
+            method=[method] * count,
+            **states,
+        )
+
+
+def _range(bounds: Sequence[Floats]) -> tuple[float, float]:
+    """Range that holds the first curve, and the others as far as they stay near it."""
+    low, high = bounds[0]
+    around, size = 0.5 * (low + high), max(high - low, 1e-9 * abs(high), 1e-300)
+    near = np.clip(np.array(bounds), around - 0.5 * WIDEST * size, around + 0.5 * WIDEST * size)
+    return float(near.min()), float(near.max())
+
+
+def state_text(names: Sequence[str], runs: Sequence[StateCurves]) -> str:
+    """Return the range of each coordinate drawn, of the first integrator's run."""
+    first = runs[0]
+    ranges = [f"{name} from {low:.4g} to {high:.4g}" for name, (low, high) in zip(names, first.bounds, strict=True)]
+    more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
+    return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges[:MOST_PANELS])}.{more}"

@@ -1,0 +1,86 @@
+"""The state against time: the curves of one run, coordinate by coordinate, at screen resolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import core
+from pwsviz.geometry.polyline_reduction import Floats, envelope
+
+SAMPLES = 1200
+"""Times at least at which a curve is drawn: about one a pixel. Runs of fewer steps are evaluated between them."""
+
+FEW_STEPS = 200
+"""Most steps that are marked by dots; more of them would hide the curve."""
+
+OUTLIERS = 0.02
+"""Part of the values at either end that the axis need not hold if the run ends early, as it may have run off."""
+
+
+@dataclass(frozen=True)
+class StateCurves:
+    """One run as the plot of the state shows it.
+
+    Attributes
+    ----------
+    method : str
+        The integrator.
+    curves : tuple of (t, y)
+        (k,) times and values of each coordinate; NaN between the two ends of a jump.
+    steps : (n,) array, (n, d) array
+        Times and states of the steps; empty if there are more than `FEW_STEPS`.
+    bounds : (d, 2) array
+        Least and greatest value of each coordinate, without outliers of a run that ends early.
+    t_end : float
+        Last time of the run.
+    """
+
+    method: str
+    curves: tuple[tuple[Floats, Floats], ...]
+    steps: tuple[Floats, Floats]
+    bounds: Floats
+    t_end: float
+
+
+def state_curves(run: core.Trajectory) -> StateCurves:
+    """Return the curves of a run, drawn through its steps and, where these are long, between them."""
+    t, x = _with_crossings(run, *_samples(run))
+    few = slice(None) if len(run.t) <= FEW_STEPS else slice(0)
+    return StateCurves(
+        method=run.method,
+        curves=tuple(envelope(t, column, SAMPLES) for column in x.T),
+        steps=(run.t[few], run.x[few]),
+        bounds=_bounds(run, x),
+        t_end=float(run.t[-1]),
+    )
+
+
+def _samples(run: core.Trajectory) -> tuple[Floats, Floats]:
+    """Return times and states of a run: its steps, and as many times between them as the screen resolves."""
+    if len(run.t) >= SAMPLES:
+        return run.t, run.x
+    t = np.union1d(run.t, np.linspace(run.t[0], run.t[-1], SAMPLES))
+    try:
+        return t, run.at(t)
+    except ValueError:  # the equations of a shorter step have no solution: the curve leads straight from step to step
+        return run.t, run.x
+
+
+def _with_crossings(run: core.Trajectory, t: Floats, x: Floats) -> tuple[Floats, Floats]:
+    """Insert the states before and after each crossing, and between the two a gap where they differ."""
+    crossings = run.crossings
+    jump = crossings.kind == "jump"
+    gaps = np.full((np.count_nonzero(jump), x.shape[1]), np.nan)
+    times = np.concatenate([crossings.t, crossings.t[jump], crossings.t, t])
+    states = np.concatenate([crossings.x, gaps, crossings.x_after, x])
+    rank = np.repeat(np.arange(4), [len(crossings), len(gaps), len(crossings), len(t)])
+    order = np.lexsort((rank, times))
+    return times[order], states[order]
+
+
+def _bounds(run: core.Trajectory, x: Floats) -> Floats:
+    """Return (d, 2): least and greatest value of each coordinate that the axis should hold."""
+    left_out = 0.0 if run.status is core.Status.COMPLETED else OUTLIERS
+    return np.nanquantile(np.where(np.isfinite(x), x, np.nan), [left_out, 1.0 - left_out], axis=0).T

@@ -1,0 +1,68 @@
+"""The tab of the state against time."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import panel as pn
+
+import core
+from pwsviz.export.tables import Table, run_table
+from pwsviz.figures.linking import link_crossings
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.state import StateView, state_text
+from pwsviz.geometry.projection import in_plane
+from pwsviz.results.requests import ErrorInputs, run_inputs
+from pwsviz.results.states import StateCurves
+from pwsviz.tabs.base import Tab
+from pwsviz.tasks.cancellation import Cancel, Report
+
+
+class StatePicture(NamedTuple):
+    """What the plot shows: the curves of each integrator, and the first one's run."""
+
+    curves: list[StateCurves]
+    first: core.Trajectory
+
+
+class StateTab(Tab):
+    """Each coordinate against time."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.view = StateView()
+        self.now = self.view.now
+        self._panels = pn.Column(margin=0, sizing_mode="stretch_width")
+        self._portrait: PortraitView | None = None
+
+    def link(self, portrait: PortraitView) -> None:
+        """Let a crossing under the pointer be marked in all figures."""
+        self._portrait = portrait
+
+    def inputs(self) -> ErrorInputs:
+        """Return one run for each integrator."""
+        return ErrorInputs(run_inputs(self.scene), self.scene.axes)
+
+    def compute(self, inputs: ErrorInputs, cancel: Cancel, report: Report) -> StatePicture:
+        """Reduce the runs to the resolution of a screen."""
+        curves = [self.results.states(one, cancel) for one in inputs.runs]
+        return StatePicture(curves, self.results.run(inputs.runs[0], cancel))
+
+    def build(self) -> list[Any]:
+        """Make place for the panels, which depend on the system."""
+        return [self._panels]
+
+    def draw(self, outcome: StatePicture) -> str:
+        """Draw the runs, and return the ranges of the coordinates in words."""
+        names = outcome.first.system.variables
+        self.view.show(outcome.curves, names, outcome.first, in_plane(outcome.first.crossings.x, self.scene.axes))
+        for panel in self.view.panels[len(self.plots) :]:
+            self.plot(panel.figure)
+            if self._portrait is not None:
+                link_crossings(self._portrait, panel, self.view.shared.instants)
+        self._panels.objects = self.plots[: len(names)]
+        return state_text(names, outcome.curves)
+
+    def table(self) -> Table | None:
+        """Return the first integrator's run at its own steps."""
+        return run_table(self.results.run(self.inputs().runs[0])) if self.outcome is not None else None

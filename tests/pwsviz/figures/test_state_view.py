@@ -1,0 +1,59 @@
+"""The plot of the state has a panel for each coordinate, and marks what the run does."""
+
+import numpy as np
+
+import core
+from pwsviz.figures.state import MOST_PANELS, WIDEST, StateView, state_text
+from pwsviz.geometry.projection import in_plane
+from pwsviz.results.states import state_curves
+
+
+def shown(system="kepler", methods=("dmm2",), view=None, t_end=20.0, tau=0.01):
+    view = view or StateView()
+    system = core.CATALOGUE[system] if isinstance(system, str) else system
+    runs = [core.integrate(system, (0.0, t_end), tau=tau, method=method) for method in methods]
+    curves = [state_curves(run) for run in runs]
+    view.show(curves, system.variables, runs[0], in_plane(runs[0].crossings.x, (0, 1)))
+    return view, curves, runs[0]
+
+
+def test_each_coordinate_has_a_panel_with_a_curve_for_each_integrator():
+    view, curves, _ = shown(methods=("dmm2", "rk2"))
+    assert [panel.figure.yaxis.axis_label for panel in view.panels] == ["x", "y", "u", "v"]
+    for k, panel in enumerate(view.panels):
+        assert panel.curves.data["method"] == ["dmm2", "rk2"]
+        np.testing.assert_array_equal(panel.curves.data["ys"][1], curves[1].curves[k][1])
+        assert panel.figure.legend.visible == (k == 3), "one legend is enough"
+
+
+def test_crossings_are_marked_on_the_curves_and_sides_shaded_as_in_the_run():
+    view, _, run = shown()
+    marks = view.shared.instants.data
+    np.testing.assert_array_equal(marks["t"], run.crossings.t)
+    for k in range(4):
+        np.testing.assert_array_equal(marks[f"state{k}"], run.crossings.x[:, k])
+    for side, source in view.shared.segments.items():
+        middles = 0.5 * (np.array(source.data["start"]) + np.array(source.data["end"]))
+        assert all(run.side[np.searchsorted(run.t, t) - 1] == side for t in middles)
+        assert len(middles) > 3
+
+
+def test_panels_are_used_again_for_a_system_with_fewer_coordinates():
+    view, _, _ = shown()
+    shown("relay_feedback", methods=("rk2",), view=view)
+    assert [panel.figure.yaxis.axis_label for panel in view.panels[:2]] == ["x", "v"]
+    assert view.panels[1].figure.legend.visible
+
+
+def test_a_run_that_leaves_does_not_flatten_the_first_one():
+    view, curves, _ = shown("elliptic_curve", methods=("dmm2", "rk2"), tau=0.6, t_end=60.0)
+    size = np.ptp(curves[0].bounds[0])
+    assert np.ptp(view.panels[0].corners.data["y"]) <= WIDEST * size * (1 + 1e-12)
+
+
+def test_of_many_coordinates_the_first_are_drawn_and_it_is_said():
+    names = tuple(f"z{k}" for k in range(8))
+    system = core.PiecewiseSystem("Many", names, ("1",) * 8, ("1",) * 8, "z0 - 1", x0=(0.0,) * 8)
+    view, curves, _ = shown(system, methods=("rk2",), t_end=2.0)
+    assert len(view.panels) == MOST_PANELS
+    assert "first 6 of 8" in state_text(names, curves)
