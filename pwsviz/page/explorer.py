@@ -309,7 +309,9 @@ class Explorer(pn.viewable.Viewer):
         )
         self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "can_redo")
         redo.on_click(lambda _: self.history.redo())
-        export = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
+        export = pmui.Button(
+            label="Export & share", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX
+        )
         export.on_click(lambda _: self.export.open(self._page_address()))
         return [undo, redo, export]
 

@@ -46,9 +46,7 @@ class Sidebar(pn.viewable.Viewer):
     def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
         super().__init__()
         self.scene = scene
-        self.presets = pmui.Select(
-            label="Figures of the paper, and more", value="", options={"choose …": "", **_titles()}, **WIDE
-        )
+        self.presets = pmui.Select(label="Examples", value="", options={"choose …": "", **_titles()}, **WIDE)
         self.presets.param.watch(self._load, "value")
         self.preset_note = text_pane("", "about")
         self.tau = self._number("tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True)
@@ -75,10 +73,10 @@ class Sidebar(pn.viewable.Viewer):
         self.plane = pmui.Select(label="Portrait in the plane of", options={"": (0, 1)}, value=(0, 1), **WIDE)
         self.plane.param.watch(self._take_plane, "value")
         self.locate = pmui.Switch.from_param(
-            scene.param.locate, label="Land on the surface", description="", margin=(4, 0)
+            scene.param.locate, label="Locate crossings (transition scheme)", description="", margin=(4, 0)
         )
         self.order = pmui.Select(
-            label="Disturb crossing times by c·τᵖ, p =",
+            label="Perturb crossing times by c·τᵖ; order p",
             options={str(p or "none"): p or 0 for p in PERTURBATION_ORDERS},  # a Select cannot show the value None
             value=scene.perturbation_order or 0,
             **WIDE,
