@@ -41,7 +41,9 @@ _CONSTANTS = (
         r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "eq:discrete_transversality",
         "the same of the scheme’s steps to and from the surface; must be positive",
     ),
-    _Constant("M", "M", "eq:M", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True),
+    _Constant(
+        "M", "M", "eq:M", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
+    ),
     _Constant(
         r"\hat{M}", "M_hat", "eq:hatM", "the same of the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
     ),
