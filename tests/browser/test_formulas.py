@@ -12,7 +12,8 @@ ROOTS = """page => {
     const search = node => {
         for (const root of node.querySelectorAll("msqrt")) {
             const inner = root.firstElementChild.getBoundingClientRect(), whole = root.getBoundingClientRect()
-            if (whole.width) found.push({sign: inner.left - whole.left, over: inner.top - whole.top, size: inner.height})
+            if (!whole.width) continue
+            found.push({sign: inner.left - whole.left, over: inner.top - whole.top, size: inner.height})
         }
         for (const part of node.querySelectorAll("*")) if (part.shadowRoot) search(part.shadowRoot)
     }
