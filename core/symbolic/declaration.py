@@ -36,7 +36,7 @@ class Problem(NamedTuple):
     field: str
     """Field of the declaration in which it is."""
     message: str
-    """What is wrong and how to mend it, without a full stop."""
+    """What is wrong and how to correct it, without a full stop."""
     entry: int | None = None
     """Index of the expression that the message names first; None where the message is about the whole field."""
 
@@ -45,7 +45,7 @@ class Verdict(NamedTuple):
     """Whether the field of a side conserves a quantity ψ."""
 
     objection: str
-    """Why ψ is not conserved, and how to mend it; empty if it is conserved."""
+    """Why ψ is not conserved, and how to correct it; empty if it is conserved."""
     left_over: Expr | None = None
     """dψ/dt where ψ is conserved nowhere; None also where dψ/dt is too long to show."""
 
@@ -92,7 +92,7 @@ class Declaration:
 
     @cached_property
     def verdicts(self) -> Mapping[int, tuple[Verdict, ...]]:
-        """Side (−1 or +1) -> a verdict on each of its ψ; () where something else has to be mended first."""
+        """Side (−1 or +1) -> a verdict on each of its ψ; () where something else has to be corrected first."""
         wrong = {problem.field for problem in self._faults}
         judged: dict[int, tuple[Verdict, ...]] = dict.fromkeys(SIDES, ())
         for sign, word in SIDES.items():
@@ -193,24 +193,26 @@ class Declaration:
             rows = sympy.Matrix([self._gradient(psi) for psi in self.expressions(field).values()])
             if verdicts and not wrong and not independent(rows, self._domain(sign)):
                 words = "their gradients are linearly dependent (or zero), everywhere or in a part of their side; "
-                yield Problem(field, words + "leave out what follows from the others")
+                yield Problem(field, words + "remove what follows from the others")
 
     def _judge(self, sign: int, k: int, psi: Expr) -> Verdict:
         word, domain = SIDES[sign], self._domain(sign)
         name, field = self._entry(f"psi_{word}", k), self.called(f"f_{word}", None)
+        short = self.called(f"psi_{word}", k)
+        remedy = f"correct {short} or {field}, or remove {short}"
         rate = rate_along(self._field(sign), self._x, psi)
         if not has_values((psi, rate), domain):
-            mend = "write it so that it has, as log(x**2) in place of log(x), or leave it out"
-            return Verdict(f"{name} has no real value where g {'<' if sign < 0 else '>'} 0: {mend}")
+            words = "write it so that it has, as log(x**2) in place of log(x), or remove it"
+            return Verdict(f"{name} has no real value where g {'<' if sign < 0 else '>'} 0: {words}")
         found = counterexample(rate, domain)
         if found is None:
             return Verdict("")
         if found.partly:
             words = f"{name} is conserved by {field} {found.scope}: at {found.at()}, its time derivative is"
-            return Verdict(f"{words} {found.value:.3g}, not 0; mend either, or leave it out")
+            return Verdict(f"{words} {found.value:.3g}, not 0; {remedy}")
         over = None if is_larger(rate, _SHOWN_NODES) else tidied(rate)
         shown = "too long to show" if over is None else to_text(over)
-        words = f"{name} is not conserved by {field}: mend either, or leave it out; its time derivative is"
+        words = f"{name} is not conserved by {field}: {remedy}; its time derivative is"
         return Verdict(f"{words} {shown}, not 0", over)
 
     @cached_property

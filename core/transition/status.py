@@ -45,7 +45,7 @@ _WORDS = {
     Status.COMPLETED: ("reached the end time", ""),
     Status.SLIDING: (
         "both fields point to the surface, so the state slides along it",
-        "Transversal dynamics end here; a sliding flow is another system.",
+        "Sliding motion is not integrated here.",
     ),
     Status.REPELLING: (
         "both fields point away from the surface, so where to go on is not determined",
@@ -60,7 +60,7 @@ _WORDS = {
         "Take a smaller step size tau.",
     ),
     Status.ESCAPED: (
-        "the state runs away beyond any bound",
+        "the numerical solution blows up",
         "The solution may have a pole: end the run before it. If it has none, take a smaller step size tau.",
     ),
     Status.ZENO: (

@@ -55,12 +55,12 @@ _HINTS = {
 
 _HELP = {
     "variables": "Time is t.",
-    "parameters": "One a line. The range, for a slider, may be left out.",
-    "f_minus": "The time derivative of each variable, one a line.",
-    "f_plus": "The time derivative of each variable, one a line.",
+    "parameters": "One per line. The range, for a slider, may be left out.",
+    "f_minus": "The time derivative of each variable, one per line.",
+    "f_plus": "The time derivative of each variable, one per line.",
     "g": "The law changes where g = 0.",
-    "psi_minus": "If you know any. One a line.",
-    "psi_plus": "If you know any. One a line.",
+    "psi_minus": "If you know any. One per line.",
+    "psi_plus": "If you know any. One per line.",
     "x0": "A number for each variable.",
     "jump": "For impacts: each variable after it has reached g = 0. Empty for none.",
 }

@@ -40,7 +40,7 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "psi_minus": "Conserved quantities ψ₋",
         "psi_plus": "Conserved quantities ψ₊",
         "x0": "Start x₀",
-        "jump": "State after the jump",
+        "jump": "Reset map at g = 0",
     }
 )
 

@@ -57,7 +57,7 @@ class ConservedView:
             SUMMARY,
             y_axis_type="log",
             x_axis_label="time t",
-            y_axis_label="|change of ψ made by the integrator|",
+            y_axis_label="|numerical drift of ψ|",
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.06),
         )
@@ -83,7 +83,9 @@ class ConservedView:
             self.segments[side] = ColumnDataSource({"start": [], "end": []})
             look: dict[str, Any] = {"fill_color": colour, "fill_alpha": 0.16, "line_width": 0}
             self.bands[side] = plot.vstrip("start", "end", source=self.segments[side], **look)
-        self.levels = mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, or 0", NOWHERE: "round-off"})
+        self.levels = mark_levels(
+            plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, or 0", NOWHERE: "round-off"}
+        )
 
     def _curve_glyphs(self) -> None:
         plot = self.figure

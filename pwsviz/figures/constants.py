@@ -41,7 +41,9 @@ _CONSTANTS = (
         r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "eq:discrete_transversality",
         "the same of the scheme’s steps to and from the surface; must be positive",
     ),
-    _Constant("M", "M", "eq:M", "how much that speed may bend within a step: ½ sup |d²g/dt²|", greatest=True),
+    _Constant(
+        "M", "M", "eq:M", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
+    ),
     _Constant(
         r"\hat{M}", "M_hat", "eq:hatM", "the same of the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
     ),
@@ -105,9 +107,11 @@ def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) ->
 
 def _warnings(warnings: Sequence[str], zeno: bool) -> str:
     if zeno:
-        return "<p>The crossings accumulate: they come closer than any step, and no τ keeps the bounds to the end.</p>"
+        return (
+            "<p>The crossings accumulate: they come closer than any step, and no τ satisfies the bounds throughout.</p>"
+        )
     if not warnings:
-        return "<p>τ keeps every bound.</p>"
+        return "<p>τ satisfies all bounds.</p>"
     items = "".join(f"<li>{escape(_readable(words))}.</li>" for words in warnings)
     return f'<ul class="warnings" role="alert">{items}</ul>'
 

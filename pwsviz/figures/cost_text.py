@@ -111,7 +111,7 @@ def _about_evaluations(study: core.WorkPrecision) -> str:
 def _compiling(study: core.WorkPrecision) -> str:
     took = [(curve.title, curve.compile_seconds) for curve in study.curves if np.isfinite(curve.compile_seconds)]
     compiled = [f"{title} {duration(seconds)}" for title, seconds in took if seconds >= _IN_MEMORY]
-    return f"To compile or to load from disk, not part of the run times: {listed(compiled)}." if compiled else ""
+    return f"Compile/load time (not included): {listed(compiled)}." if compiled else ""
 
 
 def _missing(study: core.WorkPrecision) -> Iterator[str]:

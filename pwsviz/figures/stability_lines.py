@@ -31,7 +31,7 @@ class DriftFigure:
             x_axis_type="log",
             y_axis_type="log",
             x_axis_label="time since the start",
-            y_axis_label="|change of ψ made by the integrator|",
+            y_axis_label="|numerical drift of ψ|",
             x_range=DataRange1d(range_padding=0.02),
             y_range=DataRange1d(range_padding=0.06),
         )
@@ -40,7 +40,7 @@ class DriftFigure:
         lines = _lines(plot, self.curves)
         self.stops = ColumnDataSource({name: [] for name in ("x", "y", "colour", "method", "message")})
         stops = plot.scatter("x", "y", source=self.stops, marker="x", color="colour", size=11, line_width=2.5)
-        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, or 0"})
+        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, or 0"})
         self.corners = fit_to_corners(plot, [1.0, 1e3], [FLOOR / 2, 1e-12])
         plot.add_tools(HoverTool(renderers=[stops], tooltips=[("", "@method"), ("", "@message")]))
         self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)])[1]

@@ -44,7 +44,7 @@ CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
 COLOURS: Mapping[int, str] = {
-    core.Status.COMPLETED: SKY,  # and every run that does what the solution does
+    core.Status.COMPLETED: SKY,  # and every run with the correct sequence of crossings
     WRONG_CROSSINGS: ORANGE,
     WENT_ON: OCHRE,
     core.Status.ESCAPED: VERMILION,

@@ -25,10 +25,10 @@ from pwsviz.text.words import listed, plural, rounded_up
 __all__ = ["cell_words", "side_words", "stability_table", "stability_text"]
 
 _SHORT: Mapping[int, str] = {
-    core.Status.COMPLETED: "does what the solution does",
+    core.Status.COMPLETED: "correct sequence of crossings",
     WRONG_CROSSINGS: "wrong number of crossings",
     WENT_ON: "goes on where the solution stops",
-    core.Status.ESCAPED: "runs away",
+    core.Status.ESCAPED: "the numerical solution blows up",
     core.Status.UNSTABLE: "the scheme leaves the solution",
     core.Status.CONTRADICTION: "an error of the program",
     core.Status.NO_CONVERGENCE: "a step has no solution",
@@ -78,7 +78,7 @@ def stability_text(study: core.StabilityStudy, part: str, method: str) -> str:
     if part == "drift" and study.drift is not None:
         words += _drift(study, study.drift)
     if part in ("largest_tau", "map") and words:
-        words.append(f"Crossings are held against: {study.reference}.")
+        words.append(f"Crossings compared with: {study.reference}.")
     if part == "grazing" and study.grazing is not None:
         words += _grazing(study, study.grazing)
     return " ".join(words) or "Nothing is computed yet."
@@ -117,7 +117,7 @@ def _outcomes(study: core.StabilityStudy, found: OutcomeMap, method: str) -> lis
     sentences = [f"Map of {method}, {plural(total, 'run')}: {shares}."]
     errors = found.error[k][found.works[k]]
     if np.isfinite(errors).any():
-        sentences.append(f"Where it does what the solution does, |Δψ| ≤ {rounded_up(float(np.nanmax(errors)))}.")
+        sentences.append(f"Where the sequence of crossings is correct, |Δψ| ≤ {rounded_up(float(np.nanmax(errors)))}.")
     return sentences
 
 
@@ -157,7 +157,7 @@ def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
         if not (grazing.crossings[k] >= 0).any():
             continue
         if not (grazing.expected >= 0).any():
-            tail = "has nothing to be held against: the solution itself stops on the surface."
+            tail = "has nothing to be compared with: the solution itself stops on the surface."
         elif not wrong.any():
             tail = "finds every crossing and no other, at every distance."
         else:
@@ -166,7 +166,7 @@ def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
         worst = np.fmax.reduce(grazing.error[k], axis=None, initial=-np.inf)
         error = f" |Δψ| ≤ {rounded_up(float(worst))}." if np.isfinite(worst) else ""
         sentences.append(f"{method} {tail}{error}")
-    return [*sentences, "Crossings are held against the exact solution where one is known, else the Taylor method."]
+    return [*sentences, "Crossings are compared with the exact solution where one is known, else the Taylor method."]
 
 
 def stability_table(study: core.StabilityStudy, part: str) -> Columns:

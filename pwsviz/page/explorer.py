@@ -27,6 +27,7 @@ from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
+from pwsviz.text.maths_font import FACE
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.panes import PLAIN_SX, text_pane
@@ -65,10 +66,11 @@ PAGE_SX = {
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 """Of a button in the header, whose theme assumes a coloured bar and sets white text."""
 
-LOADING_HTML = """{% extends "base.html" %}
+PAGE_HTML = """{% extends "base.html" %}
+{% block custom_css %}<style>FACE</style>{% endblock %}
 {% block loader_css %}{{ super() }}
 #loader:not(.error) { background: none; cursor: progress; }
-{% endblock %}"""
+{% endblock %}""".replace("FACE", FACE)
 """While the page is built: the parts already there are visible but take no input, which Panel would lose."""
 
 THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
@@ -292,7 +294,7 @@ class Explorer(pn.viewable.Viewer):
             sidebar_width=300,
             busy_indicator=None,
             sx=PAGE_SX,
-            template=LOADING_HTML,
+            template=PAGE_HTML,
         )
         with edit_readonly(page):
             # In place of the server's: each change of that one visits all pages, and it would keep this page in memory.
@@ -317,7 +319,9 @@ class Explorer(pn.viewable.Viewer):
         )
         self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "can_redo")
         redo.on_click(lambda _: self.history.redo())
-        export = pmui.Button(label="Take away", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX)
+        export = pmui.Button(
+            label="Export & share", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX
+        )
         export.on_click(lambda _: self.export.open(self._page_address()))
         return [undo, redo, export]
 

@@ -45,7 +45,7 @@ class Piece(NamedTuple):
 
 
 class ExportDialog(pn.viewable.Viewer):
-    """The dialog behind “Take away”; its contents are made when it is opened.
+    """The dialog behind “Export & share”; its contents are made when it is opened.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class ExportDialog(pn.viewable.Viewer):
         self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
         self.dialog = pmui.Dialog(
             self.contents,
-            title="Take away",
+            title="Export & share",
             title_variant="h6",
             width_option="md",
             close_on_click=True,

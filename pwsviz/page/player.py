@@ -185,7 +185,7 @@ class Player(pn.viewable.Viewer):
         self._targets = {"moving": portrait.moving, "lines": list(lines)}
         self.bar: Bar | None = None
         self.button = pmui.Button(
-            label="Play in time", icon="play_circle", variant="text", size="small", margin=(0, 4), on_click=self._toggle
+            label="Animate", icon="play_circle", variant="text", size="small", margin=(0, 4), on_click=self._toggle
         )
         self._place = pn.Column(margin=0, sizing_mode="stretch_width")
         self.param.watch(lambda _: self._follow(), "open")
@@ -204,7 +204,7 @@ class Player(pn.viewable.Viewer):
         self.open = not self.open
 
     def _follow(self) -> None:
-        self.button.label = "Close the player" if self.open else "Play in time"
+        self.button.label = "Close the player" if self.open else "Animate"
         if self.open and self.bar is None:
             self.bar = Bar(sizing_mode="stretch_width", margin=(2, 8))
             self.bar.jscallback(args=self._targets, now=_MOVE)

@@ -18,6 +18,7 @@ from pwsviz.scene.names import short_name
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text.words import as_text
+from pwsviz.widgets.dropdown import Dropdown
 from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
 
@@ -28,8 +29,6 @@ COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 
 """Side by side where at least 80 px remain for each, so that the names can be read."""
 
 NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
-
-WIDE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "margin": (6, 0)}
 
 
 class Sidebar(pn.viewable.Viewer):
@@ -46,9 +45,7 @@ class Sidebar(pn.viewable.Viewer):
     def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
         super().__init__()
         self.scene = scene
-        self.presets = pmui.Select(
-            label="Figures of the paper, and more", value="", options={"choose …": "", **_titles()}, **WIDE
-        )
+        self.presets = Dropdown("Examples", value="", options={"choose …": "", **_titles()})
         self.presets.param.watch(self._load, "value")
         self.preset_note = text_pane("", "about")
         self.tau = self._number("tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True)
@@ -66,22 +63,21 @@ class Sidebar(pn.viewable.Viewer):
         )
         self.methods_note = text_pane("", "about")
         self.methods_message = text_pane("", "error")
-        self.system = pmui.Select(label="System", value=scene.system, options=self._systems(), **WIDE)
+        self.system = Dropdown("System", value=scene.system, options=self._systems())
         self.system.param.watch(self._take_system, "value")
         self.write = pmui.Button(
             label="Write your own …", icon="edit", variant="text", size="small", margin=0, sx=PLAIN_SX
         )
         self.write.on_click(lambda _: on_edit())
-        self.plane = pmui.Select(label="Portrait in the plane of", options={"": (0, 1)}, value=(0, 1), **WIDE)
+        self.plane = Dropdown("Portrait in the plane of", options={"": (0, 1)}, value=(0, 1))
         self.plane.param.watch(self._take_plane, "value")
         self.locate = pmui.Switch.from_param(
-            scene.param.locate, label="Land on the surface", description="", margin=(4, 0)
+            scene.param.locate, label="Locate crossings (transition scheme)", description="", margin=(4, 0)
         )
-        self.order = pmui.Select(
-            label="Disturb crossing times by c·τᵖ, p =",
+        self.order = Dropdown(
+            "Perturb crossing times by c·τᵖ; order p",
             options={str(p or "none"): p or 0 for p in PERTURBATION_ORDERS},  # a Select cannot show the value None
             value=scene.perturbation_order or 0,
-            **WIDE,
         )
         self.order.param.watch(lambda event: scene.param.update(perturbation_order=event.new or None), "value")
         scene.param.watch(lambda event: self.order.param.update(value=event.new or 0), "perturbation_order")
@@ -123,8 +119,7 @@ class Sidebar(pn.viewable.Viewer):
         spare = {key: list(fields) for key, fields in self._made.items()}
         self.fields = {key: self._field(spare, key, **options) for key, options in (parameters | coordinates).items()}
         self._built_for = system
-        self.plane.value = None  # else the browser keeps showing the names of the previous system
-        self.plane.options = {_plane_name(system, axes): axes for axes in planes(system)}
+        self.plane.offer({_plane_name(system, axes): axes for axes in planes(system)}, self.scene.axes)
         self.plane.visible = system.dimension > PLANE
         self.about.object = as_text(system.doc, "about")
         self._place(self.parameters, [self.fields[key] for key in parameters])
@@ -158,7 +153,7 @@ class Sidebar(pn.viewable.Viewer):
         """Show the chosen system and plane, and clear the note of a preset of another system."""
         if self._preset is not self.scene.declaration:
             self.preset_note.object = ""
-        self.system.param.update(options=self._systems(), value=self.scene.system)
+        self.system.offer(self._systems(), self.scene.system)
         if self.scene.axes in self.plane.options.values():
             self.plane.value = self.scene.axes
 

@@ -8,6 +8,7 @@ from typing import Any
 import panel as pn
 from bokeh.plotting import figure
 
+from pwsviz.text.maths_font import FORMULAS
 from pwsviz.text.words import as_text
 
 FADED = {"opacity": "0.35"}
@@ -16,7 +17,8 @@ FADED = {"opacity": "0.35"}
 PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
 """Of buttons: no capitals and no line breaks."""
 
-TEXT_CSS = """
+TEXT_CSS = (
+    """
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }
 p { margin: 0 0 2px 0; }
 .heading { font-size: 0.75rem; font-weight: 600; letter-spacing: 0.08em; text-transform: uppercase;
@@ -28,6 +30,8 @@ p { margin: 0 0 2px 0; }
 .run svg { flex: none; align-self: center; }
 .run b { font-weight: 600; }
 """
+    + FORMULAS
+)
 
 
 def text_pane(words: str, kind: str = "") -> pn.pane.HTML:

@@ -108,8 +108,7 @@ def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
 
 
 def choose_system(page, name):
-    page.get_by_role("combobox", name="System").click()
-    page.get_by_text(name, exact=True).last.click()
+    page.get_by_role("combobox", name="System").select_option(name)
 
 
 def opacity(drawing):

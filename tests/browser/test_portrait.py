@@ -212,7 +212,7 @@ def test_the_player_moves_a_marker_for_each_integrator_and_tells_the_server_noth
     await_that(page, PORTRAIT)
     await_still(page)
     assert page.evaluate(PORTRAIT)["moving"] == []
-    page.get_by_role("button", name="Play in time").click()
+    page.get_by_role("button", name="Animate").click()
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
     page.wait_for_timeout(500)
     count = len(messages)
@@ -228,7 +228,7 @@ def test_the_player_moves_a_marker_for_each_integrator_and_tells_the_server_noth
 
 @pytest.mark.deep
 def test_keys_step_through_the_run_and_its_crossings(page):
-    page.get_by_role("button", name="Play in time").click()
+    page.get_by_role("button", name="Animate").click()
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
     times = page.evaluate(CONSERVED)["times"]
     slider = page.get_by_role("slider", name="Time")
@@ -250,7 +250,7 @@ def test_those_who_want_no_motion_get_single_pictures(visit):
     page.emulate_media(reduced_motion="reduce")
     page.reload()
     await_that(page, PORTRAIT)
-    page.get_by_role("button", name="Play in time").click()
+    page.get_by_role("button", name="Animate").click()
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
     page.get_by_role("button", name="Play", exact=True).click()
     seen = set()

@@ -33,8 +33,7 @@ def test_the_address_holds_the_scene_and_undo_brings_it_back(visit):
     await_painted(page, "Phase portrait")
     type_into(page, "Step size τ", "0.0125")
     page.wait_for_url(re.compile(r"tau=0\.0125"))
-    page.get_by_role("combobox", name="System").click()
-    page.get_by_text("Pendulum", exact=True).click()
+    page.get_by_role("combobox", name="System").select_option("Pendulum")
     page.wait_for_url(re.compile("system=pendulum"))
     page.reload()
     page.get_by_text(re.compile("1,600 steps")).first.wait_for()
@@ -93,7 +92,7 @@ def test_the_program_taken_away_computes_what_the_page_shows(visit):
     page = visit()
     await_painted(page, "Phase portrait")
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
-    page.get_by_role("button", name="Take away").click()
+    page.get_by_role("button", name="Export & share").click()
     program = page.get_by_label("Python program")
     program.wait_for()
     out = subprocess.run(
@@ -108,7 +107,7 @@ def test_a_click_saves_one_file_and_the_next_another(visit):
     page, saved = visit(), []
     page.on("download", lambda download: saved.append(download.suggested_filename.rpartition(".")[2]))
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
-    page.get_by_role("button", name="Take away").click()
+    page.get_by_role("button", name="Export & share").click()
     for ending in ("csv", "csv", "npz", "npz", "png", "csv"):
         with page.expect_download():
             page.get_by_role("button", name=ending.upper()).first.click()

@@ -204,7 +204,7 @@ def test_what_is_left_over_is_not_shown_where_it_is_long() -> None:
 )
 def test_dependent_conserved_quantities_are_refused(psi: tuple[str, str]) -> None:
     PiecewiseSystem(**SOLID, psi_plus=("2*x**2 + y**2", "x**2 - z**2"))
-    with pytest.raises(ValueError, match="leave out what follows from the others"):
+    with pytest.raises(ValueError, match="remove what follows from the others"):
         PiecewiseSystem(**SOLID, psi_plus=psi)
 
 

@@ -302,7 +302,7 @@ def test_many_dimensions_and_crossings_are_worked_on_in_pieces(monkeypatch):
 def test_a_small_step_size_keeps_every_bound(system):
     run = run_of(system, 20.0, 0.01)
     assert diagnose(run).warnings == ()
-    assert diagnose(run).summary.endswith("tau = 0.01 keeps every bound.")
+    assert diagnose(run).summary.endswith("tau = 0.01 satisfies all bounds.")
     assert step_warning(run) == ""
 
 

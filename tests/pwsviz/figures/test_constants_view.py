@@ -24,7 +24,7 @@ def test_constants_of_a_run_are_the_worst_over_its_crossings() -> None:
         diagnosis.tau_minus.min(), diagnosis.tau_plus.min(), diagnosis.window.min(), diagnosis.window_hat.min(),
     ):  # fmt: skip
         assert f'<span class="number">{value:.3g}</span>' in text
-    assert "τ keeps every bound" in text
+    assert "τ satisfies all bounds" in text
     assert 'role="alert"' not in text
 
 

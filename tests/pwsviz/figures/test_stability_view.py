@@ -78,7 +78,7 @@ def test_cells_have_the_colour_and_the_words_of_their_outcome(study):
         good = found.works[1, i, j]
         code = core.Status.COMPLETED if good else found.outcome[1, i, j]
         assert data["colour"][n] == COLOURS[code]
-        assert (data["words"][n] == "does what the solution does") == good
+        assert (data["words"][n] == "correct sequence of crossings") == good
     assert len(set(data["colour"])) == len(set(data["words"])) > 1
 
 
@@ -88,7 +88,7 @@ def test_a_solution_that_runs_away_is_no_failure_of_the_run_that_does_too(study)
     assert len(gone)
     view.show(study, "map", "dmm2")
     assert found.outcome[0, 0, gone[0]] == core.Status.ESCAPED
-    assert view._made["map"].cells.data["words"][gone[0]] == "does what the solution does"
+    assert view._made["map"].cells.data["words"][gone[0]] == "correct sequence of crossings"
 
 
 def test_the_error_map_has_a_colour_bar_and_the_outcome_map_a_legend(study):
@@ -180,7 +180,7 @@ def test_the_text_of_the_map_tells_limits_shares_and_what_they_are_held_against(
     for k, name in enumerate(METHODS):
         assert f"{name}: works up to τ = {study.largest_tau.tau[k]:.3g}" in words
         assert study.largest_tau.reason[k] in words
-    assert f"Map of rk2, 30 runs: does what the solution does: {study.map.works[1].mean():.0%}" in words
+    assert f"Map of rk2, 30 runs: correct sequence of crossings: {study.map.works[1].mean():.0%}" in words
     assert "Taylor method at tolerance 1e-15" in words
 
 
@@ -191,7 +191,7 @@ def test_a_small_share_is_not_said_to_be_none(study):
         study.map, outcome=outcome, error=np.zeros((2, 25, 25)), expected=np.full(25, core.Status.COMPLETED)
     )
     words = stability_text(replace(study, map=found), "map", "dmm2")
-    assert "does what the solution does: over 99% and wrong number of crossings: under 1%" in words
+    assert "correct sequence of crossings: over 99% and wrong number of crossings: under 1%" in words
 
 
 def test_the_text_of_a_tangency_tells_where_it_is_and_who_misses_it(study):

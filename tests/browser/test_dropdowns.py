@@ -1,0 +1,61 @@
+"""Lists to choose from: what they show is what the page paints, and the keyboard suffices."""
+
+import re
+
+import pytest
+
+from tests.browser.looking import await_painted, type_into
+
+pytestmark = pytest.mark.browser
+
+SHOWN = "list => list.selectedOptions[0].text"
+"""Of a list: the entry that a visitor reads."""
+
+
+def await_shown(page, name, entry):
+    """Wait until a list shows an entry."""
+    chosen = page.get_by_role("combobox", name=name)
+    for _ in range(100):
+        if (shown := chosen.evaluate(SHOWN)) == entry:
+            return
+        page.wait_for_timeout(50)
+    raise AssertionError(f"{name} shows {shown}, not {entry}")
+
+
+def test_the_plane_named_is_the_plane_drawn_after_another_system(visit):
+    page = visit()
+    page.goto(f"{page.url}?v=1&system=rigid_body&t_end=1")
+    await_painted(page, "Phase portrait")
+    await_shown(page, "plane", "y1, y2")
+    page.get_by_role("combobox", name="System").select_option("Kepler with a shell")
+    await_shown(page, "plane", "x, y")
+    await_shown(page, "System", "Kepler with a shell")
+
+
+@pytest.mark.deep
+def test_the_system_named_is_the_last_that_was_written(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    for name in ("First", "Second", "Third"):
+        page.get_by_role("button", name="Write your own").click()
+        page.get_by_text("This system is ready.").wait_for()
+        type_into(page, "Name", name)
+        page.wait_for_timeout(500)
+        page.get_by_role("button", name="Use this system").click()
+        page.get_by_role("dialog").wait_for(state="hidden")
+        await_shown(page, "System", f"{name} (yours)")
+    page.get_by_role("combobox", name="System").select_option("Pendulum")
+    await_shown(page, "System", "Pendulum")
+
+
+def test_a_list_is_chosen_from_by_keyboard(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    type_into(page, "End time", "2")
+    system = page.get_by_role("combobox", name="System")
+    system.focus()
+    page.keyboard.press("ArrowDown")
+    page.wait_for_url(re.compile("system=pendulum"))
+    page.keyboard.type("Pred")
+    page.wait_for_url(re.compile("system=predator_prey"))
+    await_shown(page, "System", "Predator and prey")
