@@ -9,7 +9,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
 from bokeh.models.annotations import Span
 
-from pwsviz.figures.portrait import kind_columns
+from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     PURPLE,
     SIDES,

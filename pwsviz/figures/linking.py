@@ -27,8 +27,8 @@ const point = (x, y, t) => {
 
 POINT_FROM_PORTRAIT = """
 const [i] = cb_data?.index?.indices ?? []
-const { x, y, time } = marks.data
-if (i == null) { point() } else { point(x[i], y[i], time[i]) }
+const { x, y, time, chosen } = marks.data
+if (i == null) { point() } else { point(x[i], y[i], chosen[i] ? time[i] : null) }  // the other view is of one start
 """
 
 POINT_FROM_TICKS = """
@@ -37,7 +37,8 @@ if (i == null) { point() } else {
   const { t, x, y, number, method } = ticks.data
   let place = [x[i], y[i]]
   if (!Number.isFinite(x[i])) {  // place unknown: use the mark of this crossing in the portrait, if any
-    const j = marks.data.number.findIndex((other, k) => other == number[i] && marks.data.method[k] == method[i])
+    const { number: numbers, method: methods, chosen } = marks.data
+    const j = numbers.findIndex((other, k) => other == number[i] && methods[k] == method[i] && chosen[k])
     place = j < 0 ? [null, null] : [marks.data.x[j], marks.data.y[j]]
   }
   point(...place, t[i])

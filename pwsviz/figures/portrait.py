@@ -18,8 +18,8 @@ from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.gestures import attach_gestures
+from pwsviz.figures.marks import crossing_columns, end_columns
 from pwsviz.figures.style import (
-    GREEN,
     GREY,
     ORANGE,
     PURPLE,
@@ -38,15 +38,8 @@ from pwsviz.figures.style import (
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, axis_labels, shows_surface, surface_name
-from pwsviz.results.results import Orbit, Pictures
-
-KIND_MARKERS = {
-    "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
-}  # fmt: skip
-KIND_COLOURS = {
-    "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": ORANGE,
-}  # fmt: skip
-"""Colours of crossings; kinds of the same colour differ in their marker."""
+from pwsviz.results.orbits import Orbit
+from pwsviz.results.results import Pictures
 
 PALE_STAR = "#F7DDA2"
 """Fill of the stars of other starts, on which a black number is legible."""
@@ -61,6 +54,12 @@ OTHERS = 3.0
 """The same for orbits from other starts."""
 
 SUMMARY = "Phase portrait"
+
+END_SIZE = 15
+"""Diameter in pixels of the mark of an end: wide enough that two runs which end at one place do not look joined."""
+
+STEP_SIZE = 3.5
+"""Diameter in pixels of the dot at the end of a step."""
 
 POINTED_SIZE = 19
 """Diameter in pixels of the ring around the crossing under the pointer: a mark, and some room."""
@@ -156,15 +155,18 @@ class PortraitView:
         plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
+        self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
+        plot.scatter("x", "y", source=self.steps, size=STEP_SIZE, color="colour")
         self.jumps = _line_source()
         self.jump_lines = plot.line("x", "y", source=self.jumps, color=ORANGE, line_dash=[2, 4], line_width=2)
 
     def _crossing_glyphs(self) -> None:
         plot = self.figure
-        columns = ("x", "y", "label", "kind", "marker", "colour", "method", "number", "time")
-        self.crossings = unseen(columns)
+        self.crossings = unseen(
+            ("x", "y", "label", "kind", "marker", "colour", "method", "number", "time", "start", "chosen", "size")
+        )
         self.marks = plot.scatter(
-            "x", "y", source=self.crossings, marker="marker", size=7, fill_color="white", line_color="colour",
+            "x", "y", source=self.crossings, marker="marker", size="size", fill_color="white", line_color="colour",
             line_width=2,
         )  # fmt: skip
         reach = plot.scatter("x", "y", source=self.crossings, size=16, alpha=0.0)  # easier to hit than the mark
@@ -172,14 +174,32 @@ class PortraitView:
             renderers=[reach],
             tooltips=[
                 ("crossing", "@number"), ("time", "@time{%.9g}"), ("kind", "@kind"), ("integrator", "@method"),
+                ("start", "@start"),
             ],
             formatters={"@time": "printf"}, attachment="above", visible=False, limit=3,
         )  # fmt: skip
         plot.add_tools(self.hover)
+        self._end_glyphs()
         self.pointed = ColumnDataSource({"x": [], "y": []})
         self.pointed_time = ColumnDataSource({"t": []})  # for figures whose horizontal axis is time
         ring: dict[str, Any] = {"size": POINTED_SIZE, "fill_alpha": 0.0, "line_color": VERMILION, "line_width": 3}
         plot.scatter("x", "y", source=self.pointed, **ring)
+
+    def _end_glyphs(self) -> None:
+        plot = self.figure
+        self.ends = unseen(("x", "y", "label", "marker", "colour", "method", "time", "why", "start"))
+        self.stops = plot.scatter(
+            "x", "y", source=self.ends, marker="marker", size=END_SIZE, fill_color="white", line_color="colour",
+            line_width=2,
+        )  # fmt: skip
+        plot.add_tools(
+            HoverTool(
+                renderers=[self.stops], attachment="above", visible=False, limit=3, formatters={"@time": "printf"},
+                tooltips=[
+                    ("stops at time", "@time{%.9g}"), ("as", "@why"), ("integrator", "@method"), ("start", "@start"),
+                ],
+            )
+        )  # fmt: skip
 
     def _start_glyphs(self) -> None:
         plot = self.figure
@@ -208,6 +228,7 @@ class PortraitView:
                 ({"field": "method"}, self.curves),
                 ("start", self.stars),
                 ({"field": "label"}, self.marks),
+                ({"field": "label"}, self.stops),
                 ("S: g = 0", self.surface_line),
                 ("g < 0", self.tint),
             ],
@@ -271,25 +292,14 @@ class PortraitView:
         self._name(system, axes)
         self.orbits.data = _curves(pictures.orbits)
         self.others.data = _curves(pictures.others, thinner=0.5)
-        self._show_crossings(pictures.orbits)
+        assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
+        self.ends.data = end_columns(pictures.numbered)
+        self.steps.data = _step_columns([*pictures.orbits, *pictures.others])
         self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)]))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._box = extent(pictures.orbits, pictures.others)
         return self._fit((pictures.inputs.selected[0].problem.declaration, axes), self._box)
-
-    def _show_crossings(self, orbits: Sequence[Orbit]) -> None:
-        kinds = [kind for orbit in orbits for kind in orbit.kinds]
-        marks = np.concatenate([orbit.crossings for orbit in orbits])
-        assign(
-            self.crossings,
-            x=marks[:, 0],
-            y=marks[:, 1],
-            **kind_columns(kinds),
-            method=[orbit.method for orbit in orbits for _ in orbit.kinds],
-            number=np.concatenate([orbit.numbers for orbit in orbits]),
-            time=np.concatenate([orbit.times for orbit in orbits]),
-        )
 
     def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
         """Put the stars at the starts; after a refused move this puts its star back."""
@@ -342,16 +352,6 @@ class PortraitView:
             self.arrows[side].data = _columns(backdrop.arrows[side])
 
 
-def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
-    """Return the columns that give the look of crossings of these kinds; "crossing" stands for an unknown kind."""
-    return {
-        "label": ["crossing" if kind == "transversal" else kind for kind in kinds],
-        "kind": kinds,
-        "marker": [KIND_MARKERS.get(kind, "circle") for kind in kinds],
-        "colour": [KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
-    }
-
-
 def portrait_text(
     system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
 ) -> str:
@@ -395,6 +395,12 @@ def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any
         "dash": [list(line.dash) for line in lines],
         "width": [thinner * line.width for line in lines],
     }
+
+
+def _step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:
+    dots = np.concatenate([orbit.steps for orbit in orbits])
+    colours = [line_of(orbit.method).colour for orbit in orbits for _ in orbit.steps]
+    return {"x": dots[:, 0], "y": dots[:, 1], "colour": colours}
 
 
 def _holds(frame: Window, box: Window) -> bool:

@@ -11,16 +11,16 @@ import panel_material_ui as pmui
 from bokeh.models.annotations import Span
 
 import core
+from pwsviz.figures.marks import ENDS
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import portrait_note
 from pwsviz.page.player import Player
-from pwsviz.results.requests import other_inputs, run_inputs
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.scene import Scene, Start
 from pwsviz.tasks.scheduler import Scheduler
-from pwsviz.text.words import as_text, complaint
+from pwsviz.text.words import as_text, complaint, listed
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 
 REMIND = 300
@@ -70,7 +70,7 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def refresh(self) -> None:
         """Submit the computation of the portrait of the present scene."""
-        wanted = PortraitInputs(run_inputs(self.scene), other_inputs(self.scene), self.scene.axes)
+        wanted = PortraitInputs.of(self.scene)
         if self.scheduler.submit(
             "runs", wanted, lambda cancel, _: self.results.pictures(wanted, cancel), self._show, patience=0.1
         ):
@@ -111,7 +111,7 @@ class PortraitPanel(pn.viewable.Viewer):
         if self.portrait.frame != before:
             self._visible = None
         self.note.object = as_text(portrait_note(system, axes), "about")
-        self.status.object = run_lines(outcome.summaries)
+        self.status.object = as_text(figures_of(outcome), "about") + run_lines(outcome.summaries)
         self._cover()
         self._submit_frames()
 
@@ -209,6 +209,19 @@ class PortraitPanel(pn.viewable.Viewer):
             self.pane, self.player, self.note, self.trouble, self.status,
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
+
+
+def figures_of(pictures: Pictures) -> str:
+    """Return of which start the figures below the portrait are, and which others stop early; empty if there is one."""
+    count, index = pictures.inputs.start_count, pictures.inputs.index
+    if count == 1:
+        return ""
+    stops: dict[str, set[int]] = {}
+    for number, orbit in pictures.numbered:
+        if orbit.end is not None and number != index + 1:
+            stops.setdefault(ENDS[orbit.end.status].word, set()).add(number)
+    told = "; ".join(f"{listed([str(k) for k in sorted(who)])}: {word}" for word, who in stops.items())
+    return f"Start {index + 1} of {count}." + (f" Others that stop early: {told}." if told else "")
 
 
 def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, int] = (0, 1)) -> Start:

@@ -15,7 +15,7 @@ from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.report.numbers import Numbers, run_numbers, slope_numbers
-from pwsviz.results.requests import RunInputs, other_inputs, run_inputs, study_inputs
+from pwsviz.results.requests import RunInputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import Preset
@@ -67,7 +67,7 @@ Drawn = tuple[figure, Numbers, Table]
 
 
 def _portrait(scene: Scene, results: Results) -> Drawn:
-    inputs = PortraitInputs(run_inputs(scene), other_inputs(scene), scene.axes)
+    inputs = PortraitInputs.of(scene)
     pictures = results.pictures(inputs)
     view = PortraitView(_ignore, _ignore, _ignore, _ignore, _ignore)
     a, b = scene.axes

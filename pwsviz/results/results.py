@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Hashable
 from concurrent.futures import Executor, ThreadPoolExecutor
@@ -15,18 +14,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop, closed_surface
-from pwsviz.geometry.polyline_reduction import Floats, Mask, distinct_pixels, envelope, screen_path, spliced
-from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
+from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop
+from pwsviz.geometry.polyline_reduction import Floats, envelope
+from pwsviz.geometry.projection import Axes
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.requests import CostInputs, InitialValueProblem, RunInputs, Scheme, StabilityInputs, StudyInputs
+from pwsviz.results.orbits import FAR, Levels, Orbit, orbit_of
+from pwsviz.results.requests import (
+    CostInputs,
+    InitialValueProblem,
+    RunInputs,
+    Scheme,
+    StabilityInputs,
+    StudyInputs,
+    other_inputs,
+    run_inputs,
+)
 from pwsviz.results.states import StateCurves, state_curves
+from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
-
-Levels = tuple[tuple[int, tuple[float, ...]], ...]
-"""Values of ψ for each side."""
 
 STUDY_CROSSINGS = (10, 20, 30)
 """Crossings at which the order is studied, as in the paper."""
@@ -48,35 +55,6 @@ LONG = 200_000
 
 BEFORE_THE_END = 0.9
 """Part of the lifetime of a solution that ends early over which run times are compared."""
-
-FAR = 8.0
-"""Sizes of the window around the first orbit, within which the other orbits are drawn."""
-
-SEVERAL_LEVELS = 6
-"""Most level sets of ψ drawn through an orbit on each side."""
-
-_RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
-"""Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
-
-COMPARABLE = 2.0
-"""A closed surface within a window this many times as large as that of an orbit is shown whole beside it."""
-
-
-@dataclass(frozen=True)
-class Orbit:
-    """One trajectory as the portrait draws it; each curve is a (k, 2) array with rows of NaN between its pieces."""
-
-    method: str
-    path: Floats
-    surface: Floats
-    crossings: Floats
-    numbers: NDArray[np.intp]
-    """Number of each crossing in the run, from 1."""
-    times: Floats
-    kinds: tuple[str, ...]
-    jumps: Floats
-    start: tuple[float, float]
-    levels: Levels
 
 
 @dataclass(frozen=True)
@@ -115,6 +93,19 @@ class PortraitInputs:
     others: tuple[RunInputs, ...] = ()
     """Those of the other starts, start by start."""
     axes: Axes = (0, 1)
+    index: int = 0
+    """Index of the selected start among all."""
+
+    @classmethod
+    def of(cls, scene: Scene) -> PortraitInputs:
+        """Read it from a scene."""
+        index = min(scene.selected, len(scene.starts) - 1)
+        return cls(run_inputs(scene), other_inputs(scene), scene.axes, index)
+
+    @property
+    def start_count(self) -> int:
+        """Number of starts."""
+        return 1 + len(self.others) // len(self.selected)
 
 
 @dataclass(frozen=True)
@@ -125,6 +116,14 @@ class Pictures:
     orbits: list[Orbit]
     others: list[Orbit]
     summaries: list[Summary]
+
+    @property
+    def numbered(self) -> list[tuple[int, Orbit]]:
+        """Every orbit with the number of its start, from 1; those of the selected start come first."""
+        index, each = self.inputs.index, len(self.orbits)
+        rest = [k for k in range(self.inputs.start_count) if k != index]
+        numbers = [1 + k for k in (index, *rest) for _ in range(each)]
+        return list(zip(numbers, (*self.orbits, *self.others), strict=True))
 
 
 class Results:
@@ -195,7 +194,7 @@ class Results:
         Without such a window the whole trajectory, but of one that may have run off only the part near its beginning.
         """
         return self._get(
-            "orbit", (inputs, near, axes), cancel, lambda: _orbit(inputs, self.run(inputs, cancel), near, axes)
+            "orbit", (inputs, near, axes), cancel, lambda: orbit_of(inputs, self.run(inputs, cancel), near, axes)
         )
 
     def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
@@ -372,68 +371,6 @@ def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
         "perturbation_order": scheme.perturbation_order,
         "perturbation_scale": scheme.perturbation_scale,
     }
-
-
-def _orbit(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: Axes) -> Orbit:
-    points, kinks = _polyline(run, axes)
-    if near is None and run.status in _RUNS_OFF:
-        near = _surroundings(run, axes)
-    crossings, at = run.crossings, in_plane(run.crossings.x, axes)
-    marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))
-    marks = marks[distinct_pixels(at[marks])]
-    jumped = marks[crossings.kind[marks] == "jump"]
-    path = screen_path(points, kinks, near.holds(points) if near else None)
-    return Orbit(
-        method=inputs.scheme.method,
-        path=path,
-        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), axes),
-        crossings=at[marks],
-        numbers=1 + marks,
-        times=crossings.t[marks],
-        kinds=tuple(str(crossings.kind[k]) for k in marks),
-        jumps=_jumps(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
-        start=(inputs.problem.x0[axes[0]], inputs.problem.x0[axes[1]]),
-        levels=_levels(run),
-    )
-
-
-def _polyline(run: core.Trajectory, axes: Axes) -> tuple[Floats, Mask]:
-    """Return the states in the plane with the crossings inserted, and which of them are kinks; a jump leaves a gap."""
-    crossings = run.crossings
-    places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
-    rows = _jumps(in_plane(crossings.x, axes), in_plane(crossings.x_after, axes))[:, [0, 2, 1]]  # before, gap, after
-    there = np.ones(rows.shape[:2], dtype=bool)
-    there[crossings.kind != "jump", 1:] = False
-    return spliced(in_plane(run.x, axes), rows[there], np.repeat(places, there.sum(axis=1)))
-
-
-def _jumps(before: Floats, after: Floats) -> Floats:
-    """Return (k, 3, 2): where each jump starts and ends in the plane, and a gap."""
-    return np.stack([before, after, np.full((len(before), PLANE), np.nan)], axis=1)
-
-
-def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
-    """Return a window many times as large as the first part of a run."""
-    anchors = np.concatenate([in_plane(run.x[:1], axes), in_plane(run.crossings.x[:12], axes), np.zeros((1, PLANE))])
-    return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(FAR / 2)
-
-
-def _levels(run: core.Trajectory) -> Levels:
-    """Return the values of ψ where the first few segments on each side began; none if level sets are not drawn.
-
-    They are rounded to what a screen can resolve, so that a change by round-off finds the same backdrop in the cache.
-    """
-    if not shows_levels(run.system):
-        return ()
-    sides = np.concatenate([run.side[:1], run.crossings.side])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
-    values = {}
-    for side in (-1, 1):
-        number = np.flatnonzero(sides == side)
-        psi = run.system.conserved(side, run.entered_t[number], run.entered_x[number])
-        values[side] = psi[:, 0] if psi.shape[1] else np.zeros(0)
-    scale = float(np.abs(np.concatenate(list(values.values()))).max(initial=0.0)) or 1.0
-    digits = 4 - math.floor(math.log10(scale))
-    return tuple((side, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for side, psi in values.items())
 
 
 def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve:

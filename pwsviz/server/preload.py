@@ -9,7 +9,7 @@ from __future__ import annotations
 from threading import Thread
 
 from pwsviz.page.explorer import RESULTS
-from pwsviz.results.requests import other_inputs, run_inputs
+from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs
 from pwsviz.scene.scene import Scene
 
@@ -18,7 +18,7 @@ def compute_first_scene() -> None:
     """Compute what a new page shows, into the cache that all visitors share."""
     scene = Scene()
     runs = run_inputs(scene)
-    RESULTS.pictures(PortraitInputs(runs, other_inputs(scene), scene.axes))
+    RESULTS.pictures(PortraitInputs.of(scene))
     RESULTS.error_curves(runs)
 
 

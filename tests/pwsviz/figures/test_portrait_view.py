@@ -9,11 +9,11 @@ from bokeh.events import Tap
 import core
 from core.transition.status import CROSSING_KINDS
 from pwsviz.figures.conserved import ConservedView
-from pwsviz.figures.portrait import KIND_MARKERS, OTHERS, PortraitView, extent
+from pwsviz.figures.marks import KIND_MARKERS
+from pwsviz.figures.portrait import OTHERS, PortraitView, extent
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.page.player import Player
 from pwsviz.results.animation import frames
-from pwsviz.results.requests import other_inputs, run_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 
@@ -23,7 +23,7 @@ TWO = ((-1.0, -1.0), (-0.5, 0.2))
 @cache
 def pictured(starts=TWO[:1], selected=0, axes=(0, 1), system="elliptic_curve"):
     scene = Scene(system=system, starts=starts, selected=selected, axes=axes)
-    inputs = PortraitInputs(run_inputs(scene), other_inputs(scene), axes)
+    inputs = PortraitInputs.of(scene)
     return scene.declaration, Results().pictures(inputs)
 
 
@@ -90,6 +90,7 @@ def test_marks_tell_number_time_kind_and_integrator():
     view.draw()
     _, pictures = pictured()
     marks = view.crossings.data
+    assert set(marks["start"]) == {1}
     assert list(marks["method"]) == [orbit.method for orbit in pictures.orbits for _ in orbit.kinds]
     assert np.array_equal(marks["time"], np.concatenate([orbit.times for orbit in pictures.orbits]))
     assert np.array_equal(marks["number"], np.concatenate([orbit.numbers for orbit in pictures.orbits]))

@@ -6,7 +6,7 @@ import pytest
 import core
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION
-from pwsviz.results.requests import Scheme, other_inputs, run_inputs, study_inputs
+from pwsviz.results.requests import Scheme, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
@@ -19,7 +19,7 @@ def results():
 
 
 def portrait(scene):
-    return PortraitInputs(run_inputs(scene), other_inputs(scene), scene.axes)
+    return PortraitInputs.of(scene)
 
 
 def test_portrait_alone_draws_no_error_curve(results):
@@ -109,7 +109,8 @@ def test_a_portrait_has_few_vertices_and_its_kinks_on_the_surface(results, syste
     pixel = np.ptp(orbit.path[np.isfinite(orbit.path).all(axis=1)], axis=0).max() / RESOLUTION
     for crossing in orbit.crossings:
         assert np.nanmin(np.linalg.norm(orbit.path - crossing, axis=1)) <= 3 * pixel
-    assert (len(orbit.crossings) > 0) == (len(run.crossings) > 0)
+    assert (len(orbit.crossings) > 0) == (len(run.crossings.passed) > 0)
+    assert (orbit.end is None) == (run.status is core.Status.COMPLETED)
     met = {tuple(x[:2]): (t, x) for t, x in zip(run.crossings.t, run.crossings.x, strict=True)}
     for crossing in orbit.crossings:
         assert abs(scene.build().switching(*met[tuple(crossing)])) < 1e-12
@@ -129,7 +130,8 @@ def test_a_jump_is_a_gap_in_the_path_and_a_line_of_its_own(results):
 def test_a_run_that_ends_where_it_slides_is_shown_whole(results):
     inputs = run_inputs(Scene(system="coulomb_friction"))[0]
     run, orbit = results.run(inputs), results.orbit(inputs)
-    assert orbit.kinds[-1] == "sliding"
+    assert orbit.end.status is core.Status.SLIDING
+    assert orbit.end.place == tuple(run.crossings.x[-1])
     assert np.array_equal(orbit.path[[0, -1]], run.x[[0, -1]])
     assert results.summary(inputs).crossings == len(run.crossings) - 1, "where it stops it does not cross"
 

@@ -1,0 +1,105 @@
+"""The marks on trajectories: crossings by kind, and the ends of runs that stop early by reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core import Status
+from pwsviz.figures.style import GREEN, GREY, ORANGE, PURPLE, VERMILION
+from pwsviz.results.orbits import End, Orbit
+
+__all__ = ["ENDS", "KIND_COLOURS", "KIND_MARKERS", "crossing_columns", "end_columns", "kind_columns"]
+
+KIND_MARKERS = {
+    "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
+}  # fmt: skip
+KIND_COLOURS = {
+    "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": ORANGE,
+}  # fmt: skip
+"""Colours of crossings; kinds of the same colour differ in their marker."""
+
+MOST_MARKS = 3000
+"""Most crossings marked in one portrait, shared equally among its runs: more take a browser too long to paint."""
+
+MARK_SIZE = {True: 7, False: 5}
+"""Diameter in pixels of the mark of a crossing: of the selected start, and of another one."""
+
+
+class EndLook(NamedTuple):
+    """The mark of a run that stops early."""
+
+    word: str
+    marker: str
+    colour: str
+
+
+ENDS = {
+    Status.SLIDING: EndLook("sliding", "square_x", GREEN),
+    Status.REPELLING: EndLook("repelling", "triangle_dot", GREEN),
+    Status.GRAZING: EndLook("grazing", "diamond_cross", VERMILION),
+    Status.ZENO: EndLook("Zeno", "hex_dot", ORANGE),
+    Status.ESCAPED: EndLook("blow-up", "circle_x", VERMILION),
+    Status.UNSTABLE: EndLook("unstable", "circle_x", VERMILION),
+    Status.NO_CONVERGENCE: EndLook("no solution", "circle_cross", GREY),
+    Status.STEP_LIMIT: EndLook("step limit", "circle_cross", GREY),
+    Status.CONTRADICTION: EndLook("defect", "circle_cross", GREY),
+}
+"""Mark of an end by the status of the run; whatever stops a run has one."""
+
+
+def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
+    """Return the columns that give the look of crossings of these kinds; "crossing" stands for an unknown kind."""
+    return {
+        "label": ["crossing" if kind == "transversal" else kind for kind in kinds],
+        "kind": kinds,
+        "marker": [KIND_MARKERS.get(kind, "circle") for kind in kinds],
+        "colour": [KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+    }
+
+
+def crossing_columns(orbits: Sequence[tuple[int, Orbit]], selected: int) -> dict[str, ArrayLike]:
+    """Return a row for each marked crossing.
+
+    Parameters
+    ----------
+    orbits : sequence of (int, Orbit)
+        Every orbit drawn, with the number of its start.
+    selected : int
+        Number of the selected start.
+    """
+    most = max(1, MOST_MARKS // len(orbits))
+    marks = [(number, orbit, k) for number, orbit in orbits for k in range(min(len(orbit.kinds), most))]
+    places = np.array([orbit.crossings[k] for _, orbit, k in marks]).reshape(-1, 2)
+    chosen = [number == selected for number, _, _ in marks]
+    return {
+        "x": places[:, 0],
+        "y": places[:, 1],
+        **kind_columns([orbit.kinds[k] for _, orbit, k in marks]),
+        "method": [orbit.method for _, orbit, _ in marks],
+        "number": [int(orbit.numbers[k]) for _, orbit, k in marks],
+        "time": [float(orbit.times[k]) for _, orbit, k in marks],
+        "start": [number for number, _, _ in marks],
+        "chosen": chosen,
+        "size": [MARK_SIZE[one] for one in chosen],
+    }
+
+
+def end_columns(orbits: Iterable[tuple[int, Orbit]]) -> dict[str, Any]:
+    """Return a row for each run that stops early; the orbits as for `crossing_columns`."""
+    ends: list[tuple[int, Orbit, End]] = [(number, one, one.end) for number, one in orbits if one.end is not None]
+    looks = [ENDS[end.status] for _, _, end in ends]
+    return {
+        "x": [end.place[0] for _, _, end in ends],
+        "y": [end.place[1] for _, _, end in ends],
+        "label": [f"end: {look.word}" for look in looks],
+        "marker": [look.marker for look in looks],
+        "colour": [look.colour for look in looks],
+        "method": [orbit.method for _, orbit, _ in ends],
+        "time": [end.t for _, _, end in ends],
+        "why": [end.status.reason for _, _, end in ends],
+        "start": [number for number, _, _ in ends],
+    }

@@ -1,0 +1,107 @@
+"""The curve of a run in the plane: its states, its crossings, and where steps are long the solution between them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import core
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.polyline_reduction import RESOLUTION, Floats, Mask, spliced
+from pwsviz.geometry.projection import PLANE, Axes, in_plane
+
+__all__ = ["curve", "jump_lines"]
+
+LONG_STEPS = 4000
+"""States up to which steps may be long enough to show; more of them are as many as a drawn curve has vertices."""
+
+FINEST = 20_000
+"""Vertices of a curve from which it is not refined further."""
+
+BEND = 1.0
+"""Pixels between a vertex and the line through its neighbours from which the curve between them is looked at."""
+
+STRAIGHT = 0.25
+"""Pixels between a piece of the curve and its chord from which the piece is divided."""
+
+PARTS = 4
+"""Parts into which such a piece is divided, so that a piece with a turning point is seen to bend."""
+
+
+def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> tuple[Floats, Mask]:
+    """Return the curve of a run as vertices (n, 2), and which of them are kinks; a jump leaves a gap.
+
+    Between steps that are long on a screen, vertices come from the method's own continuous extension, `run.at`.
+
+    Parameters
+    ----------
+    run : core.Trajectory
+        The run, with its steps recorded.
+    axes : (int, int)
+        The variables that span the plane.
+    near : Window, optional
+        The part of the plane that matters; without it all of it does.
+    """
+    crossings = run.crossings
+    places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
+    rows = jump_lines(in_plane(crossings.x, axes), in_plane(crossings.x_after, axes))
+    rows = rows[:, [0, 2, 1]]  # before, gap, after
+    there = np.ones(rows.shape[:2], dtype=bool)
+    there[crossings.kind != "jump", 1:] = False
+    inserted = np.repeat(places, there.sum(axis=1))
+    points, kinks = spliced(in_plane(run.x, axes), rows[there], inserted)
+    if len(run.t) > LONG_STEPS:
+        return points, kinks
+    t = np.insert(run.t, inserted, np.broadcast_to(crossings.t[:, None], there.shape)[there])
+    return _refined(run, axes, t, points, kinks, near)
+
+
+def jump_lines(before: Floats, after: Floats) -> Floats:
+    """Return (k, 3, 2): where each jump starts and ends in the plane, and a gap."""
+    return np.stack([before, after, np.full((len(before), PLANE), np.nan)], axis=1)
+
+
+def _refined(
+    run: core.Trajectory, axes: Axes, t: Floats, points: Floats, kinks: Mask, near: Window | None
+) -> tuple[Floats, Mask]:
+    """Divide the pieces of a curve that bend visibly, until none does."""
+    shown = np.isfinite(points).all(axis=1)
+    if near is not None:
+        shown &= near.holds(points)
+    if not shown.any():
+        return points, kinks
+    pixel = float(np.ptp(points[shown], axis=0).max()) / RESOLUTION
+    lasts: Mask = np.diff(t) > 0.0
+    corners = kinks.copy()
+    corners[[0, -1]] = True
+    corners[1:] |= ~lasts
+    corners[:-1] |= ~lasts
+    bent = np.asarray(_bent(points, corners, BEND * pixel) & lasts & (shown[1:] | shown[:-1]))
+    while bent.any() and len(points) < FINEST:
+        k = np.flatnonzero(bent)
+        share = np.arange(1, PARTS) / PARTS
+        times = t[k, None] + (t[k + 1] - t[k])[:, None] * share
+        try:
+            new = in_plane(run.at(times.ravel()), axes)
+        except ValueError:  # a part of a step may have no solution where the whole step has one
+            break
+        chord = points[k, None] + (points[k + 1] - points[k])[:, None] * share[:, None]
+        away = np.hypot(*np.moveaxis(new.reshape(chord.shape) - chord, -1, 0)).max(axis=1)
+        bent[k] = away > PARTS**2 * STRAIGHT * pixel
+        bent = np.repeat(bent, np.where(np.isin(np.arange(len(bent)), k), PARTS, 1))
+        inserted = np.repeat(k + 1, PARTS - 1)
+        t, kinks = np.insert(t, inserted, times.ravel()), np.insert(kinks, inserted, False)
+        points = np.insert(points, inserted, new, axis=0)
+    return points, kinks
+
+
+def _bent(points: Floats, corners: Mask, tolerance: float) -> Mask:
+    """Return (n − 1,) which pieces end at a vertex farther than the tolerance from the line through its neighbours.
+
+    At a corner the curve turns, however short its pieces are; a piece between two of them is taken to be bent.
+    """
+    away = np.zeros(len(points))
+    chord, leg = points[2:] - points[:-2], points[1:-1] - points[:-2]
+    with np.errstate(all="ignore"):
+        away[1:-1] = np.abs(chord[:, 0] * leg[:, 1] - chord[:, 1] * leg[:, 0]) / np.hypot(*chord.T)
+    turned = ~(away <= tolerance) & ~corners  # also where it is NaN: where the curve returns to a point
+    return np.asarray(turned[1:] | turned[:-1] | corners[1:] & corners[:-1])

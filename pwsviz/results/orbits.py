@@ -1,0 +1,152 @@
+"""Trajectories as the portrait draws them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from pwsviz.geometry.phase_plane import Window, closed_surface
+from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
+from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
+from pwsviz.results.curves import curve, jump_lines
+from pwsviz.results.requests import RunInputs
+
+__all__ = ["FAR", "End", "Levels", "Orbit", "orbit_of"]
+
+Levels = tuple[tuple[int, tuple[float, ...]], ...]
+"""Values of ψ for each side."""
+
+FAR = 8.0
+"""Sizes of the window around the first orbit, within which the other orbits are drawn."""
+
+FEW_STEPS = 300
+"""Most steps of a run that are marked on its curve."""
+
+SEVERAL_LEVELS = 6
+"""Most level sets of ψ drawn through an orbit on each side."""
+
+COMPARABLE = 2.0
+"""A closed surface within a window this many times as large as that of an orbit is shown whole beside it."""
+
+_RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
+"""Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
+
+
+@dataclass(frozen=True)
+class End:
+    """Where a run stopped before the end time.
+
+    Attributes
+    ----------
+    status : core.Status
+        Why it stopped.
+    t : float
+        When.
+    place : (float, float)
+        Where in the plane; of a run that goes beyond what is drawn, where its drawn part ends.
+    """
+
+    status: core.Status
+    t: float
+    place: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """One trajectory as the portrait draws it; each curve is a (k, 2) array with rows of NaN between its pieces."""
+
+    method: str
+    path: Floats
+    surface: Floats
+    crossings: Floats
+    numbers: NDArray[np.intp]
+    """Number of each crossing in the run, from 1."""
+    times: Floats
+    kinds: tuple[str, ...]
+    jumps: Floats
+    start: tuple[float, float]
+    levels: Levels
+    steps: Floats
+    """Ends of the steps if they are few, else none."""
+    end: End | None
+    """Where and why it stopped early; None if it reached the end time."""
+
+    @property
+    def runs_off(self) -> bool:
+        """Whether it may have gone very far, and only its beginning is drawn."""
+        return self.end is not None and self.end.status in _RUNS_OFF
+
+
+def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: Axes) -> Orbit:
+    """Return a run as the portrait draws it, as far as it stays within `near`.
+
+    Without such a window the whole of it, but of one that may have run off only the part near its beginning.
+    """
+    if near is None and run.status in _RUNS_OFF:
+        near = _surroundings(run, axes)
+    points, kinks = curve(run, axes, near)
+    crossings = run.crossings.passed
+    at = in_plane(crossings.x, axes)
+    marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))
+    marks = marks[distinct_pixels(at[marks])]
+    jumped = marks[crossings.kind[marks] == "jump"]
+    path = screen_path(points, kinks, near.holds(points) if near else None)
+    return Orbit(
+        method=inputs.scheme.method,
+        path=path,
+        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), axes),
+        crossings=at[marks],
+        numbers=1 + marks,
+        times=crossings.t[marks],
+        kinds=tuple(str(crossings.kind[k]) for k in marks),
+        jumps=jump_lines(at[jumped], in_plane(crossings.x_after[jumped], axes)).reshape(-1, PLANE),
+        start=(inputs.problem.x0[axes[0]], inputs.problem.x0[axes[1]]),
+        levels=_levels(run),
+        steps=_steps(run, near, axes),
+        end=_end(run, near, axes, path),
+    )
+
+
+def _steps(run: core.Trajectory, near: Window | None, axes: Axes) -> Floats:
+    """Return the states at the ends of steps, if they are few."""
+    at = in_plane(run.x, axes) if len(run.t) <= FEW_STEPS + 1 else np.empty((0, PLANE))
+    there = np.isfinite(at).all(axis=1) & (near.holds(at) if near else True)
+    return np.ascontiguousarray(at[there])
+
+
+def _end(run: core.Trajectory, near: Window | None, axes: Axes, path: Floats) -> End | None:
+    if run.status is core.Status.COMPLETED:
+        return None
+    last = in_plane(run.x[-1:], axes)
+    if not np.isfinite(last).all() or (near is not None and not near.holds(last).all()):
+        last = path[np.isfinite(path).all(axis=1)][-1:]
+    x, y = last[0].tolist()
+    return End(run.status, float(run.t[-1]), (x, y))
+
+
+def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
+    """Return a window many times as large as the first part of a run."""
+    anchors = np.concatenate([in_plane(run.x[:1], axes), in_plane(run.crossings.x[:12], axes), np.zeros((1, PLANE))])
+    return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(FAR / 2)
+
+
+def _levels(run: core.Trajectory) -> Levels:
+    """Return the values of ψ where the first few segments on each side began; none if level sets are not drawn.
+
+    They are rounded to what a screen can resolve, so that a change by round-off finds the same backdrop in the cache.
+    """
+    if not shows_levels(run.system):
+        return ()
+    sides = np.concatenate([run.side[:1], run.crossings.side])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
+    values = {}
+    for side in (-1, 1):
+        number = np.flatnonzero(sides == side)
+        psi = run.system.conserved(side, run.entered_t[number], run.entered_x[number])
+        values[side] = psi[:, 0] if psi.shape[1] else np.zeros(0)
+    scale = float(np.abs(np.concatenate(list(values.values()))).max(initial=0.0)) or 1.0
+    digits = 4 - math.floor(math.log10(scale))
+    return tuple((side, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for side, psi in values.items())

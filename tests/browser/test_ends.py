@@ -1,0 +1,61 @@
+"""What is painted of every run: crossings, touches and ends, and whose figures stand below."""
+
+import re
+
+import pytest
+
+from pwsviz.scene.permalink import query
+from pwsviz.scene.presets import PRESETS
+from pwsviz.scene.scene import Scene
+from tests.browser.looking import await_painted, settled_picture
+
+pytestmark = pytest.mark.browser
+
+#: Colours painted in a square of 16 pixels around a place of the plane.
+AROUND = """([x, y]) => {
+    const view = [...Bokeh.index.query(view => view.el?.getAttribute?.("aria-label")?.startsWith("Phase portrait"))][0]
+    const layer = view.canvas_view.primary, {x_scale, y_scale} = view.frame, ratio = layer.pixel_ratio
+    const corner = [x_scale.compute(x) - 8, y_scale.compute(y) - 8].map(value => Math.round(value * ratio))
+    const side = Math.round(16 * ratio), {data} = layer.canvas.getContext("2d").getImageData(...corner, side, side)
+    const count = Math.round(side * side)
+    return Array.from({length: count}, (_, k) => Array.from(data.slice(4 * k, 4 * k + 3)))
+}"""
+
+
+def close(colour, wanted):
+    return sum(abs(a - b) for a, b in zip(colour, wanted, strict=True)) < 60
+
+
+def preset_link(key, **changes):
+    scene = Scene()
+    scene.load({**PRESETS[key].settings, **changes})
+    return query(scene)
+
+
+def painted(page, place, colour):
+    """How many pixels around a place have about a colour."""
+    return sum(close(one, colour) for one in page.evaluate(AROUND, list(place)))
+
+
+@pytest.fixture
+def shown(visit, address):
+    def open_preset(key, **changes):
+        page = visit()
+        page.goto(f"{address}?{preset_link(key, **changes)}")
+        settled_picture(page, await_painted(page, "Phase portrait"))
+        return page
+
+    return open_preset
+
+
+def test_a_touch_is_marked_whichever_start_is_selected(shown):
+    page = shown("grazing")
+    assert painted(page, (0.5, 0.0), (213, 94, 0)) > 20  # vermilion, at the end of start 3
+    page.get_by_text(re.compile(r"Start 1 of 3\. Others that stop early: 3: grazing")).wait_for()
+
+
+def test_runs_that_slide_end_there_and_do_not_look_joined(shown):
+    page = shown("vf_sliding")
+    for x in (-1.3784, -0.3784, 0.6216):
+        assert painted(page, (x, 0.0), (0, 158, 115)) > 20, "green, of sliding"
+        assert painted(page, (x, 0.0), (0, 114, 178)) == 0, "no curve, which is blue, runs through"

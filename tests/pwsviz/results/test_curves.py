@@ -1,0 +1,48 @@
+"""Curves are the solution's, also between long steps; of many short steps nothing more is asked."""
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.geometry.polyline_reduction import RESOLUTION
+from pwsviz.results.curves import LONG_STEPS, curve
+
+
+def long_steps(method, tau, system="elliptic_curve", **options):
+    return core.integrate(core.CATALOGUE[system], (0.0, 10.0), tau=tau, method=method, **options)
+
+
+def distance(point, path):
+    """Distance of a point from a polyline, nan where it has a gap."""
+    a, b = path[:-1], path[1:]
+    share = np.clip(((point - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), 1e-300), 0.0, 1.0)
+    return np.nanmin(np.linalg.norm(a + share[:, None] * (b - a) - point, axis=1))
+
+
+@pytest.mark.parametrize(
+    ("method", "tau", "system"),
+    [("taylor", 1.0, "elliptic_curve"), ("dmm2", 0.25, "elliptic_curve"), ("taylor", 1.0, "bouncing_ball")],
+)
+def test_the_curve_between_long_steps_is_that_of_the_method(method, tau, system):
+    run = long_steps(method, tau, system)
+    path, _ = curve(run, (0, 1))
+    pixel = np.nanmax(np.ptp(path[np.isfinite(path).all(axis=1)], axis=0)) / RESOLUTION
+    times = np.linspace(run.t[0], run.t[-1], 501)
+    assert max(distance(point, path) for point in run.at(times)) < pixel
+    assert len(path) > len(run.t)
+
+
+def test_short_steps_are_drawn_as_they_are():
+    run = long_steps("dmm2", 1e-2)
+    assert len(run.t) < LONG_STEPS
+    assert len(curve(run, (0, 1))[0]) == len(run.t) + len(run.crossings)
+
+
+def test_a_step_without_solution_between_its_ends_is_left_a_chord(monkeypatch):
+    run = long_steps("dmm2", 0.25)
+
+    def refuse(_self, _times):
+        raise ValueError
+
+    monkeypatch.setattr(core.Trajectory, "at", refuse)
+    assert len(curve(run, (0, 1))[0]) == len(run.t) + len(run.crossings)
