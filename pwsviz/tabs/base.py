@@ -10,7 +10,7 @@ from bokeh.models.annotations import Span
 from bokeh.plotting import figure
 
 import core
-from pwsviz.export.tables import Table
+from pwsviz.export.files import Table, Tables
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.results.results import Results
@@ -82,8 +82,17 @@ class Tab(pn.viewable.Viewer):
         raise NotImplementedError
 
     def table(self) -> Table | None:
-        """Return the result as columns to export; None while there is none."""
-        raise NotImplementedError
+        """Return what is drawn as columns to export; None while there is nothing."""
+        return None
+
+    def tables(self) -> Tables:
+        """Return what is drawn as tables to export; by default the one of `table`."""
+        table = self.table()
+        return {} if table is None else {"": lambda: table}
+
+    def picture(self) -> figure | None:
+        """Return the figure on screen, if there is one."""
+        return self.plots[0].object if self.plots else None
 
     def program(self) -> str:
         """Return the lines of Python that repeat the study, to follow those of the runs; none by default."""

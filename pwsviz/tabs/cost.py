@@ -8,8 +8,8 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
+from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
-from pwsviz.export.tables import Table
 from pwsviz.figures.cost import CostView, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.scene import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS
