@@ -16,12 +16,13 @@ from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
-from pwsviz.report.numbers import Numbers, run_numbers, slope_numbers
+from pwsviz.report.numbers import run_numbers, slope_numbers
 from pwsviz.results.requests import RunInputs, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import Preset
 from pwsviz.scene.scene import Scene
+from pwsviz.text.tables import Numbers
 
 __all__ = ["Panel", "draw_panel"]
 
