@@ -88,7 +88,7 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
 def _conserved(scene: Scene, results: Results) -> Drawn:
     inputs = run_inputs(scene)
     view = ConservedView()
-    view.show(results.error_curves(inputs))
+    view.show(results.error_curves(inputs), results.landmarks(inputs[0], scene.axes))
     _make_static(view.figure, HEIGHT["plot"])
     tables = conserved_tables(lambda: [DrawnRun(scene.selected + 1, results.run(one)) for one in inputs])
     return view.figure, _measured(inputs, results), tables

@@ -113,7 +113,7 @@ def test_every_panel_says_what_it_shows_and_what_was_measured(page):
 
 def test_figures_have_their_summary_for_those_who_cannot_see_them(page):
     assert model_of(page).count('"aria-label"') == 4
-    assert "dmm2 stays below" in " ".join(Resources(page).text)
+    assert "dmm2 conserves ψ to " in " ".join(Resources(page).text)
 
 
 def test_nothing_can_be_dragged(page):
