@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,7 +25,7 @@ from pwsviz.figures.style import (
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.results.animation import Landmarks
+from pwsviz.results.animation import ROUND_OFF, Landmarks
 from pwsviz.results.results import ErrorCurve
 from pwsviz.text.words import rounded_up
 
@@ -32,7 +33,7 @@ FLOOR = MACHINE_EPSILON / 8
 """|Change of ψ| at which smaller ones and exact zeros are drawn, since a logarithmic axis has no place for them."""
 
 CEILING = 1e9
-"""|Change of ψ| at which a curve ends: a method that blows up would leave no room for the others."""
+"""|Δψ| at which a curve leaves the plot: a method that blows up would leave no room for the others."""
 
 MOST_BANDS = 400
 """Most crossings for which segments and ticks are drawn; more of them could not be told apart."""
@@ -44,7 +45,10 @@ NOWHERE = 1e-300
 """Height of a mark that is not to be seen: below the axis."""
 
 STEADY = 1e-12
-"""|Change of ψ| up to which it is round-off, whether it grows in time or not."""
+"""|Δψ|, relative to the size of ψ, up to which it is round-off, whether it grows in time or not."""
+
+NEAR_ONE = 10.0
+"""Factor by which the size of ψ must differ from 1 for a drift to be stated relative to it, too."""
 
 SUMMARY = "Absolute change of the conserved quantity against time, on a logarithmic axis"
 
@@ -57,7 +61,7 @@ class ConservedView:
             SUMMARY,
             y_axis_type="log",
             x_axis_label="time t",
-            y_axis_label="|numerical drift of ψ|",
+            y_axis_label="numerical drift of ψ, |Δψ|",
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.06),
         )
@@ -95,10 +99,13 @@ class ConservedView:
         plot.add_tools(
             HoverTool(
                 renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
-                tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("|change of ψ|", "$snap_y{%.2e}")],
+                tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("|Δψ|", "$snap_y{%.2e}")],
                 formatters={"$snap_x": "printf", "$snap_y": "printf"},
             )
         )  # fmt: skip
+        self.exits = ColumnDataSource({name: [] for name in ("t", "y", "colour", "words")})
+        exits = plot.scatter("t", "y", source=self.exits, marker="triangle", color="colour", size=12)
+        plot.add_tools(HoverTool(renderers=[exits], tooltips=[("", "@words")]))
         self.corners = fit_to_corners(plot, [0.0, 1.0], [FLOOR / 2, 1e-2])
 
     def _tick_glyphs(self) -> None:
@@ -138,13 +145,24 @@ class ConservedView:
             "colour": [line.colour for line in lines],
             "dash": [list(line.dash) for line in lines],
         }
+        self._show_exits(errors, heights)
         self._show_segments(errors[0])
         self._show_ticks(errors[0], landmarks)
-        self._show_round_off(float("nan") if landmarks is None else landmarks.round_off)
+        self._show_round_off(math.nan if landmarks is None else landmarks.round_off)
         top = max(float(np.nanmax(y, initial=1e-14)) for y in heights)
         end = max(curve.t_end for curve in errors)
         assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
-        describe(self.figure, f"{SUMMARY}. {conserved_text(errors)}")
+        describe(self.figure, f"{SUMMARY}. {conserved_text(errors, landmarks)}")
+
+    def _show_exits(self, errors: Sequence[ErrorCurve], heights: Sequence[Floats]) -> None:
+        """Mark where curves leave the plot at its upper end, and say how large their |Δψ| becomes."""
+        gone = [(curve, y) for curve, y in zip(errors, heights, strict=True) if np.nanmax(y, initial=0.0) >= CEILING]
+        self.exits.data = {
+            "t": [curve.t[1:][np.nanargmax(y)] for curve, y in gone],
+            "y": [CEILING] * len(gone),
+            "colour": [line_of(curve.method).colour for curve, _ in gone],
+            "words": [f"{curve.method} leaves the plot: {_largest(curve.error)}" for curve, _ in gone],
+        }
 
     def _show_segments(self, first: ErrorCurve) -> None:
         few = len(first.crossings) <= MOST_BANDS
@@ -177,27 +195,57 @@ class ConservedView:
 
 
 def drawable(error: Floats) -> Floats:
-    """Return errors raised to `FLOOR`, with NaN from the first one beyond `CEILING` on; NaN stays a gap."""
+    """Return errors raised to `FLOOR`, up to the first beyond `CEILING`, which is drawn there; NaN stays a gap."""
     beyond = np.maximum.accumulate(error > CEILING)  # for good: an envelope zigzags back
-    return np.where(beyond, np.nan, np.maximum(error, FLOOR))
+    after = np.concatenate([[False], beyond[:-1]])[: len(beyond)]
+    return np.where(after, np.nan, np.clip(error, FLOOR, CEILING))
 
 
-def conserved_text(curves: Sequence[ErrorCurve]) -> str:
-    """Return the drift of ψ of each integrator in a sentence; empty if no ψ is known."""
-    told = [words for curve in curves if (words := _drift(curve))]
-    return "; ".join(told) + "." if told else ""
+def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = None) -> str:
+    """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known.
+
+    Parameters
+    ----------
+    curves : sequence of ErrorCurve
+        One for each integrator.
+    landmarks : Landmarks, optional
+        Of the first run, with the round-off of ψ that is drawn; that of a ψ of size 1 where it is not given.
+    """
+    round_off = ROUND_OFF * MACHINE_EPSILON if landmarks is None else landmarks.round_off
+    told = [words for curve in curves if (words := _drift(curve, round_off))]
+    many = len(curves[0].crossings)
+    missing = f" {many:,} crossings: too many for their ticks and for the sides to be told apart." * (many > MOST_BANDS)
+    return "; ".join(told) + "." + missing if told else ""
 
 
-def _drift(curve: ErrorCurve) -> str:
-    """Say whether the error of one integrator drifts or stays below a bound; empty if no ψ is known."""
+def _drift(curve: ErrorCurve, round_off: float) -> str:
+    """Say whether the error of one integrator is round-off, stays below a bound or drifts; empty if no ψ is known."""
     known = np.isfinite(curve.error) | np.isinf(curve.error)
     t, error = curve.t[known], curve.error[known]
     if not len(error):
         return ""
-    worst = float(error.max())
+    worst, size = float(error.max()), round_off / (ROUND_OFF * MACHINE_EPSILON)
     if worst > CEILING:
-        return f"{curve.method} runs away beyond {rounded_up(CEILING)} by t = {t[np.argmax(error > CEILING)]:.4g}"
+        left = f"leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}"
+        return f"{curve.method} {left}: {_largest(error)}"
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
-    if worst <= STEADY or late <= 2 * early:
-        return f"{curve.method} keeps ψ exactly" if worst == 0 else f"{curve.method} stays below {rounded_up(worst)}"
-    return f"{curve.method} drifts to {rounded_up(worst)} by t = {t[-1]:.4g}"
+    if worst == 0:
+        return f"{curve.method} conserves ψ exactly"
+    if worst <= max(round_off, STEADY * size):
+        kind = "round-off" if worst <= round_off else "accumulated round-off"
+        return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
+    if late <= 2 * early:
+        return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
+    return f"{curve.method} drifts to {rounded_up(worst)}{_relative(worst, size)} by t = {t[-1]:.4g}"
+
+
+def _relative(error: float, size: float) -> str:
+    """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
+    if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
+        return ""
+    return f" ({rounded_up(error / size)} of the size of ψ, {size:.0e})".replace("e+0", "e").replace("e-0", "e-")
+
+
+def _largest(error: Floats) -> str:
+    worst = float(np.fmax.reduce(error))
+    return f"|Δψ| reaches {rounded_up(worst)}" if np.isfinite(worst) else "the numerical solution blows up"

@@ -7,22 +7,37 @@ from typing import Any
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import core
 from core.studies import CostCurve
-from pwsviz.figures.cost_text import ACROSS, UP, Across, Up, cost_of, cost_text, cost_words, error_of, setting_text
+from pwsviz.figures.cost_text import (
+    ACROSS,
+    UP,
+    Across,
+    Up,
+    cost_numbers,
+    cost_of,
+    cost_text,
+    cost_words,
+    crosses_as_the_solution,
+    error_of,
+    setting_text,
+)
 from pwsviz.figures.style import GREY, Line, assign, fit_to_corners, legend_below, line_of, mark_levels, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 
-__all__ = ["CostView", "cost_rows", "cost_text"]
+__all__ = ["CostView", "cost_numbers", "cost_rows", "cost_text"]
 
 EXTERNAL_LINES = {
     "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
     "heyoka": Line("#B4B4B4", (20, 6), "cross", 1.6),
 }
 """Looks of external solvers: grey, with dashes and markers that none of our methods has."""
+
+WRONG = "other number of crossings"
+"""Legend of runs that have not the crossings of the solution; they are drawn hollow."""
 
 
 class CostView:
@@ -47,11 +62,14 @@ class CostView:
         )
         names = ("x", "y", "colour", "marker", "label", "setting", "cost", "error", "status")
         self.points = ColumnDataSource({name: [] for name in names})
-        points = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=8, line_width=1.6)
+        look: dict[str, Any] = {"color": "colour", "size": 8, "line_width": 1.6}
+        points = plot.scatter("x", "y", source=self.points, marker="marker", **look)
+        self.wrong = ColumnDataSource({name: [] for name in names})
+        hollow = plot.scatter("x", "y", source=self.wrong, marker="circle", **look, fill_alpha=0.0)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         tips = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
-        plot.add_tools(HoverTool(renderers=[points], tooltips=tips))
-        legend_below(plot, 3, [({"field": "label"}, lines)])
+        plot.add_tools(HoverTool(renderers=[points, hollow], tooltips=tips))
+        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, lines), (WRONG, hollow)], widest=150)
 
     def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
         """Draw a study, or the part that is computed.
@@ -67,7 +85,7 @@ class CostView:
         """
         self._across.axis_label, self._up.axis_label = ACROSS[across], UP[up]
         level = study.floor[up] or MACHINE_EPSILON
-        drawn = [_Drawn(curve, across, up) for curve in study.curves]
+        drawn = [_Drawn(curve, crosses_as_the_solution(study, curve), across, up) for curve in study.curves]
         drawn = [one for one in drawn if one.there.any()]
         least = min((one.least for one in drawn), default=level)
         bottom = min(least, level) / 2  # where errors of 0 are drawn
@@ -80,7 +98,9 @@ class CostView:
             "label": [one.curve.title for one in drawn],
         }
         rows = [row for one in drawn for row in one.points(bottom)]
-        self.points.data = {name: [row[name] for row in rows] for name in self.points.data}
+        for source, wanted in ((self.points, True), (self.wrong, False)):
+            source.data = {name: [row[name] for row in rows if row["right"] is wanted] for name in source.data}
+        self._hollow.visible = bool(self.wrong.data["x"])
         self.floor.move(level)
         if rows:
             x, y = ([row[name] for row in rows] for name in ("x", "y"))
@@ -90,8 +110,8 @@ class CostView:
 class _Drawn:
     """The drawn form of one curve: points with a cost and an error, and gaps between them."""
 
-    def __init__(self, curve: CostCurve, across: Across, up: Up) -> None:
-        self.curve, self._across = curve, across
+    def __init__(self, curve: CostCurve, right: NDArray[np.bool_], across: Across, up: Up) -> None:
+        self.curve, self._right, self._across = curve, right, across
         self.line = line_of(curve.name) if not curve.peer else EXTERNAL_LINES[curve.name]
         self.error = error_of(curve, up)
         cost = cost_of(curve, across)
@@ -122,6 +142,7 @@ class _Drawn:
                 "cost": cost_words(cost, self._across),
                 "error": f"{self.error[k]:.1e}",
                 "status": self.curve.status[k],
+                "right": bool(self._right[k]),
             }
 
 

@@ -1,4 +1,4 @@
-"""A work-precision study in plain words."""
+"""A work-precision study in plain words, and its table of the cheapest integrators."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 import core
 from core.studies import CANCELLED, DONE, WAITING, CostCurve
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.tables import Numbers
 from pwsviz.text.words import duration, listed, plural
 
 Across = Literal["seconds", "evaluations"]
@@ -17,14 +19,17 @@ Up = Literal["state", "time", "invariant"]
 
 ACROSS: Mapping[str, str] = {"seconds": "run time (s)", "evaluations": "evaluations of the field"}
 UP: Mapping[str, str] = {
-    "state": "error of the state at the end",
-    "time": "error of the time of the last crossing",
-    "invariant": "greatest |Δψ| between crossings",
+    "state": "state error at the end, ‖x − x*‖₂",
+    "time": "error of the last crossing time, |t* − t̂|",
+    "invariant": "largest |Δψ| between crossings",
 }
 """Titles of the axes."""
 
 TARGETS = (1e-3, 1e-6, 1e-9)
-"""Errors for which the text names the cheapest integrator."""
+"""Errors for which the table names the cheapest integrators."""
+
+NONE = "–"
+"""In place of an integrator where none reaches an error."""
 
 _IN_MEMORY = 1e-3  #: seconds of preparing below which nothing was compiled or loaded
 
@@ -39,6 +44,12 @@ def error_of(curve: CostCurve, up: Up) -> Floats:
     return {"state": curve.state_error, "time": curve.time_error, "invariant": curve.invariant_error}[up]
 
 
+def crosses_as_the_solution(study: core.WorkPrecision, curve: CostCurve) -> NDArray[np.bool_]:
+    """Return (m,) whether a run has as many crossings as the solution; a run that has not is of another trajectory."""
+    right: NDArray[np.bool_] = curve.crossings == study.crossings
+    return right
+
+
 def setting_text(curve: CostCurve, k: int) -> str:
     """Return a setting as text: “τ = 0.01”."""
     name = "τ" if curve.setting_name == "tau" else curve.setting_name
@@ -50,16 +61,50 @@ def cost_words(cost: float, across: Across) -> str:
     return duration(cost) if across == "seconds" else plural(round(cost), "evaluation")
 
 
+def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
+    """Return the cheapest run of ours and of an external solver for each of `TARGETS`; no rows if there is no error."""
+    cost = "run time" if across == "seconds" else "evaluations"
+    header = ("error at most", "cheapest here", cost, "cheapest external solver", cost)
+    some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
+    rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
+    what = "Fastest" if across == "seconds" else "Fewest evaluations"
+    return Numbers(header, rows, caption=f"{what} to a given error; only runs with the solution's crossings count")
+
+
+def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> tuple[str, ...]:
+    """Return the row of one target: the error, then integrator and cost, of ours and of an external solver."""
+    cells = [f"{target:.0e}".replace("e-0", "e-")]
+    for peer in (False, True):
+        found = [_reach(study, curve, target, across, up) for curve in study.curves if curve.peer is peer]
+        best = min(filter(None, found), key=lambda one: one[0], default=None)
+        if best is None:
+            cells += [NONE, NONE]
+        else:
+            cost, curve, k = best
+            cells += [f"{curve.title}, {setting_text(curve, k)}", cost_words(cost, across)]
+    return tuple(cells)
+
+
+def _reach(
+    study: core.WorkPrecision, curve: CostCurve, target: float, across: Across, up: Up
+) -> tuple[float, CostCurve, int] | None:
+    """Return the least cost of a right run with an error up to the target, its curve and index; None if none is."""
+    good = (error_of(curve, up) <= target) & crosses_as_the_solution(study, curve)
+    cost = np.where(good, cost_of(curve, across), np.nan)
+    if np.isnan(cost).all():
+        return None
+    k = int(np.nanargmin(cost))
+    return float(cost[k]), curve, k
+
+
 def cost_text(study: core.WorkPrecision, across: Across, up: Up) -> str:
-    """Return a study in words: which integrator is cheapest for an error, compile times, and what is missing."""
+    """Return in words what a study measures, compile times, and what is missing or wrong."""
+    parts = []
     if not any(np.isfinite(error_of(curve, up)).any() for curve in study.curves):
-        start = f"There is no {UP[up]} to show: {_why_none(study, up)}."
-    else:
-        start = " ".join(_cheapest(study, target, across, up) for target in TARGETS)
-    parts = [start, _compiling(study), *_missing(study), _measured_against(study, up)]
+        parts.append(f"There is no {UP[up]} to show: {_why_none(study, up)}.")
     if across == "evaluations":
-        parts.insert(1, _about_evaluations(study))
-    return " ".join(filter(None, parts))
+        parts.append(_about_evaluations(study))
+    return " ".join(filter(None, [*parts, *_missing(study), _compiling(study), _measured_against(study, up)]))
 
 
 def _why_none(study: core.WorkPrecision, up: Up) -> str:
@@ -70,31 +115,6 @@ def _why_none(study: core.WorkPrecision, up: Up) -> str:
         "time": "no run has as many crossings as the solution" if study.crossings else "there is no crossing",
         "invariant": "no conserved quantity is known",
     }[up]
-
-
-def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> str:
-    """Return the cheapest integrator for an error, and how the best of the other kind (ours or external) compares."""
-    best = sorted(filter(None, (_reach(curve, target, across, up) for curve in study.curves)), key=lambda one: one[0])
-    if not best:
-        return f"None reaches an error of {target:.0e}."
-    cost, curve, k = best[0]
-    word = "Fastest" if across == "seconds" else "Fewest evaluations"
-    text = f"{word} to an error of {target:.0e}: {curve.title} ({setting_text(curve, k)}), {cost_words(cost, across)}"
-    others = [one for one in best[1:] if one[1].peer != curve.peer]
-    if others:
-        other = others[0]
-        whose = "of ours" if curve.peer else "of others"
-        text += f"; the best {whose}, {other[1].title}, takes {other[0] / cost:.3g} times as much"
-    return text + "."
-
-
-def _reach(curve: CostCurve, target: float, across: Across, up: Up) -> tuple[float, CostCurve, int] | None:
-    """Return the least cost of a setting with an error up to the target, with its curve and index; None if none is."""
-    cost = np.where(error_of(curve, up) <= target, cost_of(curve, across), np.nan)
-    if np.isnan(cost).all():
-        return None
-    k = int(np.nanargmin(cost))
-    return float(cost[k]), curve, k
 
 
 def _about_evaluations(study: core.WorkPrecision) -> str:
@@ -124,7 +144,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         places: dict[str, list[int]] = {}
         for k, status in enumerate(curve.status):
             if status not in (DONE, WAITING, CANCELLED):
-                wrong = f"not the {plural(study.crossings, 'crossing')} that the solution has"
+                wrong = f"not the {plural(study.crossings, 'crossing')} of the solution (drawn hollow)"
                 places.setdefault(wrong if np.isfinite(curve.seconds[k]) else status, []).append(k)
         for reason, found in places.items():
             yield f"{curve.title}{_where(curve, found)}: {reason}."
@@ -141,4 +161,4 @@ def _measured_against(study: core.WorkPrecision, up: Up) -> str:
     text = f"Run to t = {study.t_span[1]:.6g}, over {plural(study.crossings, 'crossing')}."
     if up == "invariant":
         return text
-    return f"{text} Measured against: {study.reference}; errors below {study.floor[up]:.0e} are round-off, or its own."
+    return f"{text} Compared with: {study.reference}; errors below {study.floor[up]:.0e} are round-off, or its own."

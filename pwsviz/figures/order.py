@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d
+from numpy.typing import ArrayLike
 
 import core
 from pwsviz.figures.style import GREEN, GREY, ORANGE, SKY, Line, fit_to_corners, legend_below, mark_levels, plain_figure
@@ -60,6 +62,33 @@ def time_rows(study: core.OrderStudy) -> list[Row]:
         Row(name, name, study.time_error[k], float(study.time_slope[k]), _ends(study.time_window[k]))
         for k, name in enumerate(f"crossing {count}" for count in study.crossings)
     ]
+
+
+def order_tables(study: core.OrderStudy, rows: Sequence[Row]) -> Mapping[str, Callable[[], Mapping[str, ArrayLike]]]:
+    """Return what a plot of these rows draws: the errors, a row for each curve and step size, and the fits."""
+    curves = np.array([row.name for row in rows])
+
+    def errors() -> Mapping[str, ArrayLike]:
+        return {
+            "integrator": np.repeat(np.array([study.method]), curves.size * study.taus.size),
+            "curve": np.repeat(curves, study.taus.size),
+            "tau": np.tile(study.taus, curves.size),
+            "error": np.concatenate([row.error for row in rows]),
+        }
+
+    def fits() -> Mapping[str, ArrayLike]:
+        windows = np.array([row.window for row in rows])
+        return {
+            "integrator": np.repeat(np.array([study.method]), curves.size),
+            "curve": curves,
+            "slope": np.array([row.slope for row in rows]),
+            "fit_from": windows[:, 0],
+            "fit_to": windows[:, 1],
+            "round_off": np.full(curves.size, study.floor),
+            "reference": np.repeat(np.array([study.reference]), curves.size),
+        }
+
+    return {"errors": errors, "fits": fits}
 
 
 def _ends(window: Floats) -> tuple[float, float]:

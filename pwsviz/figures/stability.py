@@ -9,9 +9,10 @@ from bokeh.plotting import figure
 import core
 from pwsviz.figures.stability_lines import DriftFigure, GrazingFigure
 from pwsviz.figures.stability_map import MapFigure, Shown
-from pwsviz.figures.stability_text import stability_table, stability_text
+from pwsviz.figures.stability_tables import stability_tables
+from pwsviz.figures.stability_text import stability_text
 
-__all__ = ["Part", "StabilityView", "stability_table", "stability_text"]
+__all__ = ["Part", "StabilityView", "stability_tables", "stability_text"]
 
 Part = Literal["map", "drift", "grazing"]
 

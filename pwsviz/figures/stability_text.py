@@ -1,11 +1,10 @@
-"""A stability study in words, and as a table."""
+"""A stability study in words."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 import core
 from core.studies import (
@@ -18,11 +17,10 @@ from core.studies import (
     Grazing,
     LargestTau,
     OutcomeMap,
-    outcome_words,
 )
 from pwsviz.text.words import listed, plural, rounded_up
 
-__all__ = ["cell_words", "side_words", "stability_table", "stability_text"]
+__all__ = ["cell_words", "side_words", "stability_text"]
 
 _SHORT: Mapping[int, str] = {
     core.Status.COMPLETED: "correct sequence of crossings",
@@ -40,11 +38,6 @@ _SHORT: Mapping[int, str] = {
     core.Status.CROSSING_LIMIT: "too many crossings",
     NO_START: "no start here",
 }
-
-SIDES = ("less", "more")
-"""The two sides of a tangency, in the order of the arrays of a `Grazing`."""
-
-Columns = dict[str, ArrayLike]
 
 
 def cell_words(code: int, expected: int) -> str:
@@ -167,61 +160,3 @@ def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
         error = f" |Δψ| ≤ {rounded_up(float(worst))}." if np.isfinite(worst) else ""
         sentences.append(f"{method} {tail}{error}")
     return [*sentences, "Crossings are compared with the exact solution where one is known, else the Taylor method."]
-
-
-def stability_table(study: core.StabilityStudy, part: str) -> Columns:
-    """Return one part of a study as columns (n,) by name; none if it is not computed."""
-    methods = np.array(study.methods)
-    if part == "largest_tau" and study.largest_tau is not None:
-        largest = study.largest_tau
-        return {
-            "integrator": methods, "largest_tau": largest.tau, "first_that_fails": largest.beyond,
-            "reason": np.array(largest.reason),
-        }  # fmt: skip
-    if part == "map" and study.map is not None:
-        return _map_table(study, study.map)
-    if part == "drift" and study.drift is not None:
-        drift = study.drift
-        columns: Columns = {
-            "integrator": np.repeat(methods, len(drift.t)),
-            "t": np.tile(drift.t, len(methods)),
-            "change_of_psi": drift.error.ravel(),
-        }
-        return columns
-    if part == "grazing" and study.grazing is not None:
-        return _grazing_table(study, study.grazing)
-    return {}
-
-
-def _map_table(study: core.StabilityStudy, found: OutcomeMap) -> Columns:
-    which, row, column = np.nonzero(found.outcome != NOT_YET)
-    outcome = found.outcome[which, row, column]
-    return {
-        "integrator": np.array(study.methods)[which],
-        "tau": found.taus[row],
-        study.coordinate_name: found.values[column],
-        "outcome": _words(outcome),
-        "as_the_solution": found.works[which, row, column],
-        "crossings": found.crossings[which, row, column],
-        "expected_crossings": found.expected_crossings[column],
-        "change_of_psi": found.error[which, row, column],
-    }
-
-
-def _grazing_table(study: core.StabilityStudy, grazing: Grazing) -> Columns:
-    which, side, n = np.nonzero(grazing.crossings >= 0)
-    return {
-        "integrator": np.array(study.methods)[which],
-        "side": np.array(SIDES)[side],
-        "delta": grazing.delta[n],
-        study.coordinate_name: grazing.starts[side, n],
-        "t_end": grazing.horizon[side, n],
-        "crossings": grazing.crossings[which, side, n],
-        "expected_crossings": grazing.expected[side, n],
-        "change_of_psi": grazing.error[which, side, n],
-        "outcome": _words(grazing.status[which, side, n]),
-    }
-
-
-def _words(codes: NDArray[np.int64]) -> NDArray[np.str_]:
-    return np.array([outcome_words(int(code)) for code in codes], dtype=str)

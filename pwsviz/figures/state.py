@@ -11,7 +11,7 @@ from bokeh.models.annotations import Span
 from bokeh.models.renderers import GlyphRenderer
 
 import core
-from pwsviz.figures.portrait import kind_columns
+from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     HEIGHT,
     PURPLE,

@@ -13,7 +13,7 @@ from panel_material_ui.template.base import Page
 
 import core
 from pwsviz.editor.form import SystemEditor
-from pwsviz.export.tables import Table, run_table
+from pwsviz.export.tables import drawn_runs, portrait_tables
 from pwsviz.figures.linking import link_portrait
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.portrait_panel import PortraitPanel
@@ -253,14 +253,10 @@ class Explorer(pn.viewable.Viewer):
     def _pieces(self) -> list[Piece]:
         """Return what can be exported: the run of the portrait, and the view beside it."""
         panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view].title
-        run = panel.shown.inputs.selected[0] if panel.shown else None
-
-        def table() -> Table | None:
-            return run_table(self.results.run(run)) if run else None
-
-        pieces = [Piece("Phase portrait", table, panel.portrait.figure)]
+        runs = drawn_runs(panel.shown.inputs, self.scene.selected, self.results.run) if panel.shown else list
+        pieces = [Piece("Phase portrait", portrait_tables(runs), panel.portrait.figure)]
         if view.outcome is not None:
-            pieces.append(Piece(title, view.table, view.plots[0].object if view.plots else None))
+            pieces.append(Piece(title, view.tables(), view.picture()))
         return pieces
 
     def settle(self, timeout: float) -> bool:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from html import escape
 from typing import Any, NamedTuple
 
@@ -13,8 +14,10 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.plotting import figure
 
+from pwsviz.export.about import about
+from pwsviz.export.files import Table, Tables, csv_bytes, file_name, npz_bytes
+from pwsviz.export.pictures import png_callback
 from pwsviz.export.script import snippet
-from pwsviz.export.tables import Table, csv_bytes, file_name, npz_bytes, png_callback
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
@@ -39,8 +42,8 @@ class Piece(NamedTuple):
     """Something to export: what a view shows."""
 
     title: str
-    table: Callable[[], Table | None]
-    """Returns its numbers, or None while there are none."""
+    tables: Tables
+    """What is drawn."""
     figure: figure | None
 
 
@@ -71,6 +74,7 @@ class ExportDialog(pn.viewable.Viewer):
             show_close_button=True,
         )
         self.dialog.param.watch(self._drop_files, "open")
+        self._address = ""
 
     def _drop_files(self, event: Any) -> None:
         """Drop the files once the dialog is closed: they may be large."""
@@ -85,6 +89,7 @@ class ExportDialog(pn.viewable.Viewer):
         address : str
             Address of the page, without a query.
         """
+        self._address = address
         try:
             self.link.param.update(value=f"{address}?{query(self.scene)}", error_state=False, helper_text="")
         except ValueError as reason:
@@ -111,15 +116,20 @@ class ExportDialog(pn.viewable.Viewer):
         return button
 
     def _row(self, piece: Piece) -> pn.Row:
-        buttons = [self._download(piece, "csv", csv_bytes), self._download(piece, "npz", npz_bytes)]
+        buttons = [
+            self._download(f"CSV {name}".strip(), f"{piece.title} {name}", "csv", partial(_write_csv, table))
+            for name, table in piece.tables.items()
+        ]
+        if piece.tables:
+            buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables)))
         if piece.figure is not None:
             image = pmui.Button(label="PNG", icon="image", color="primary", size="small", margin=(4, 4))
             image.js_on_click(args={"name": file_name(self.scene, piece.title, "png")}, code=png_callback(piece.figure))
             buttons.append(image)
         return pn.Row(pmui.Typography(piece.title, margin=(8, 8), width=170), *buttons, margin=0)
 
-    def _download(self, piece: Piece, ending: str, write: Callable[[Table, str], bytes]) -> Any:
-        scene_link = self.link.value.partition("?")[2]
+    def _download(self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes]) -> Any:
+        origin = about(self.scene, self._address)
 
         async def data() -> io.BytesIO:
             """Write the file in a thread: a million rows take seconds, which must not block other sessions.
@@ -127,13 +137,13 @@ class ExportDialog(pn.viewable.Viewer):
             The browser saves a file only if its data differ from the last. The time is therefore written, too, so that
             a second click saves a second file. (Clearing the data in between made the browser save some files twice.)
             """
-            about = f"{scene_link} {datetime.now(UTC).isoformat()}"
-            return await asyncio.to_thread(lambda: io.BytesIO(write(piece.table() or {}, about)))
+            written = origin | {"written": datetime.now(UTC).isoformat()}
+            return await asyncio.to_thread(lambda: io.BytesIO(write(written)))
 
         return pmui.FileDownload(
             callback=data,
-            filename=file_name(self.scene, piece.title, ending),
-            label=ending.upper(),
+            filename=file_name(self.scene, what, ending),
+            label=label,
             auto=True,
             size="small",
             margin=(4, 4),
@@ -142,3 +152,11 @@ class ExportDialog(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """The dialog, closed until it is opened."""
         return self.dialog
+
+
+def _write_csv(table: Callable[[], Table], origin: Mapping[str, str]) -> bytes:
+    return csv_bytes(table(), origin)
+
+
+def _write_npz(tables: Tables, origin: Mapping[str, str]) -> bytes:
+    return npz_bytes({name: table() for name, table in tables.items()}, origin)

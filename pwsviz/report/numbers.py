@@ -4,24 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import core
 from pwsviz.figures.order import Row
 from pwsviz.results.requests import RunInputs
 from pwsviz.results.results import Summary
+from pwsviz.text.tables import Numbers
 from pwsviz.text.words import duration, rounded_up
 
-__all__ = ["Numbers", "run_numbers", "slope_numbers"]
-
-
-@dataclass(frozen=True)
-class Numbers:
-    """A table of text cells, and a note about it."""
-
-    header: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
+__all__ = ["run_numbers", "slope_numbers"]
 
 
 def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:

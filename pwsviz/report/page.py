@@ -17,11 +17,11 @@ __all__ = ["Bench", "Figure", "page_html"]
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of the paper: its panels, the data file of each, and the seconds it took."""
+    """A figure of the paper: its panels, the data files of each, and the seconds it took."""
 
     label: str
     panels: tuple[Panel, ...]
-    files: tuple[str, ...]
+    files: tuple[tuple[str, ...], ...]
     seconds: float
 
 

@@ -9,17 +9,20 @@ from typing import Any
 from bokeh.plotting import figure
 
 import core
-from pwsviz.export.tables import Table, order_table, runs_table
+from pwsviz.export.about import about
+from pwsviz.export.files import Tables
+from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, portrait_tables
 from pwsviz.figures.conserved import ConservedView
-from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
+from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
-from pwsviz.report.numbers import Numbers, run_numbers, slope_numbers
+from pwsviz.report.numbers import run_numbers, slope_numbers
 from pwsviz.results.requests import RunInputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import Preset
 from pwsviz.scene.scene import Scene
+from pwsviz.text.tables import Numbers
 
 __all__ = ["Panel", "draw_panel"]
 
@@ -37,9 +40,11 @@ class Panel:
     preset: Preset
     plot: figure
     numbers: Numbers
-    table: Table
+    tables: Tables
     link: str
     """The scene as the query string of the page's address."""
+    about: Mapping[str, str]
+    """The scene and how it was integrated."""
 
     @property
     def summary(self) -> str:
@@ -58,12 +63,12 @@ def draw_panel(preset: Preset, results: Results) -> Panel:
     scene = Scene()
     scene.load(preset.settings)
     draw = _portrait if preset.figure in PORTRAITS else _DRAW[scene.view]
-    plot, numbers, table = draw(scene, results)
+    plot, numbers, tables = draw(scene, results)
     plot.name = preset.key
-    return Panel(preset, plot, numbers, table, query(scene))
+    return Panel(preset, plot, numbers, tables, query(scene), about(scene))
 
 
-Drawn = tuple[figure, Numbers, Table]
+Drawn = tuple[figure, Numbers, Tables]
 
 
 def _portrait(scene: Scene, results: Results) -> Drawn:
@@ -76,23 +81,21 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     ground = inputs.selected[0].problem
     view.show_backdrop(results.backdrop(ground, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
     _make_static(view.figure, HEIGHT["portrait"])
-    return view.figure, *_measured((*inputs.selected, *inputs.others), results)
+    tables = portrait_tables(drawn_runs(inputs, scene.selected, results.run))
+    return view.figure, _measured((*inputs.selected, *inputs.others), results), tables
 
 
 def _conserved(scene: Scene, results: Results) -> Drawn:
     inputs = run_inputs(scene)
     view = ConservedView()
-    view.show(results.error_curves(inputs))
+    view.show(results.error_curves(inputs), results.landmarks(inputs[0], scene.axes))
     _make_static(view.figure, HEIGHT["plot"])
-    return view.figure, *_measured(inputs, results)
+    tables = conserved_tables(lambda: [DrawnRun(scene.selected + 1, results.run(one)) for one in inputs])
+    return view.figure, _measured(inputs, results), tables
 
 
-def _measured(inputs: Sequence[RunInputs], results: Results) -> tuple[Numbers, Table]:
-    """Return the numbers of the runs, and their data; several runs of one method are numbered."""
-    names = [one.scheme.method for one in inputs]
-    titles = [f"{name}.{names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names)]
-    runs = {title: results.run(one) for title, one in zip(titles, inputs, strict=True)}
-    return run_numbers({one: results.summary(one) for one in inputs}), runs_table(runs)
+def _measured(inputs: Sequence[RunInputs], results: Results) -> Numbers:
+    return run_numbers({one: results.summary(one) for one in inputs})
 
 
 def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable[[Scene, Results], Drawn]:
@@ -104,7 +107,7 @@ def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable
         slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in curves)
         describe(view.figure, f"{error[0].upper()}{error[1:]} of {study.method} against the step size: {slopes}.")
         _make_static(view.figure, HEIGHT["plot"])
-        return view.figure, slope_numbers(study, curves), order_table(study)
+        return view.figure, slope_numbers(study, curves), order_tables(study, curves)
 
     return draw
 

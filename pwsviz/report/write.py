@@ -6,15 +6,16 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import TextIO
 
 from pwsviz.bench import QUICK, STANDARD, sections
 from pwsviz.bench.machine import machine_lines
-from pwsviz.export.tables import Table, csv_bytes
+from pwsviz.export.about import release
+from pwsviz.export.files import Table, csv_bytes
 from pwsviz.report.page import Bench, Figure, page_html
-from pwsviz.report.panels import draw_panel
+from pwsviz.report.panels import Panel, draw_panel
 from pwsviz.results.results import Results
 from pwsviz.scene.presets import PRESETS, Preset
 
@@ -133,7 +134,7 @@ class _Report:
         started = time.perf_counter()
         panels = tuple(draw_panel(preset, self._results) for preset in presets)
         seconds = time.perf_counter() - started
-        files = tuple(self._write_table(panel.preset.key, panel.table, f"?{panel.link}") for panel in panels)
+        files = tuple(self._write_tables(panel) for panel in panels)
         self._figures.append(Figure(label, panels, files, seconds))
 
     def add_bench(self, quick: bool) -> None:
@@ -154,7 +155,12 @@ class _Report:
         page = page_html(self._figures, FIGURES, _about(), self._bench, missing)
         self._write(PAGE, page.encode())
 
-    def _write_table(self, name: str, table: Table, about: str = "") -> str:
+    def _write_tables(self, panel: Panel) -> tuple[str, ...]:
+        """Write the tables of a panel, and return the names of the files."""
+        key, tables = panel.preset.key, panel.tables.items()
+        return tuple(self._write_table(f"{key}-{name}", table(), panel.about) for name, table in tables)
+
+    def _write_table(self, name: str, table: Table, about: Mapping[str, str] | None = None) -> str:
         file = f"{name}.csv"
         self._write(file, csv_bytes(table, about))
         return file
@@ -169,8 +175,4 @@ class _Report:
 
 
 def _about() -> list[str]:
-    try:
-        release = version("pwsviz")
-    except PackageNotFoundError:  # not installed
-        release = "from source"
-    return [f"pwsviz {release}, {datetime.now(UTC):%Y-%m-%d}; Bokeh {version('bokeh')}", *machine_lines()]
+    return [f"{release()}, {datetime.now(UTC):%Y-%m-%d}; Bokeh {version('bokeh')}", *machine_lines()]

@@ -75,7 +75,8 @@ def _refined(
     corners[[0, -1]] = True
     corners[1:] |= ~lasts
     corners[:-1] |= ~lasts
-    bent = np.asarray(_bent(points, corners, BEND * pixel) & lasts & (shown[1:] | shown[:-1]))
+    bent = _bent(points, corners, BEND * pixel)
+    bent &= lasts & (shown[1:] | shown[:-1])
     while bent.any() and len(points) < FINEST:
         k = np.flatnonzero(bent)
         share = np.arange(1, PARTS) / PARTS

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 import panel as pn
@@ -10,12 +10,13 @@ from bokeh.models.annotations import Span
 from bokeh.plotting import figure
 
 import core
-from pwsviz.export.tables import Table
+from pwsviz.export.files import Table, Tables
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.tables import Numbers, table_markup
 from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
@@ -81,9 +82,22 @@ class Tab(pn.viewable.Viewer):
         """Draw a whole or a partial result, and return it in words."""
         raise NotImplementedError
 
+    def numbers(self, outcome: Outcome) -> Sequence[Numbers]:
+        """Return the figures of a whole or partial result as tables, shown below the plot; none by default."""
+        return ()
+
     def table(self) -> Table | None:
-        """Return the result as columns to export; None while there is none."""
-        raise NotImplementedError
+        """Return what is drawn as columns to export; None while there is nothing."""
+        return None
+
+    def tables(self) -> Tables:
+        """Return what is drawn as tables to export; by default the one of `table`."""
+        table = self.table()
+        return {} if table is None else {"": lambda: table}
+
+    def picture(self) -> figure | None:
+        """Return the figure on screen, if there is one."""
+        return self.plots[0].object if self.plots else None
 
     def program(self) -> str:
         """Return the lines of Python that repeat the study, to follow those of the runs; none by default."""
@@ -106,7 +120,7 @@ class Tab(pn.viewable.Viewer):
     def advance(self, done: int, total: int, partial: Outcome) -> None:
         """Draw a partial result."""
         self.shown = None
-        self._say(self.draw(partial))
+        self._show(partial)
         self._fade(past=False)
 
     def present(self, inputs: Hashable, outcome: Outcome | Exception) -> None:
@@ -117,13 +131,13 @@ class Tab(pn.viewable.Viewer):
             self._fade(past=True)
             return
         self.outcome, self.shown = outcome, inputs
-        self._say(self.draw(outcome))
+        self._show(outcome)
         self._fade(past=False)
 
     def redraw(self) -> None:
         """Draw the same result again, after a change of `settings`."""
         if self.outcome is not None and self.built:
-            self._say(self.draw(self.outcome))
+            self._show(self.outcome)
 
     def expect(self, system: core.PiecewiseSystem) -> None:
         """Clear the words and fade the figures if they belong to another system."""
@@ -144,9 +158,10 @@ class Tab(pn.viewable.Viewer):
         self._summaries.append(plot.html_attributes["aria-label"])
         return pane
 
-    def _say(self, words: str) -> None:
-        """Show the result in words below the figure, and give them to screen readers."""
-        self.words.object = as_text(words)
+    def _show(self, outcome: Outcome) -> None:
+        """Draw a result, show it in figures and words below the plot, and give the words to screen readers."""
+        words = self.draw(outcome)
+        self.words.object = "".join(map(table_markup, self.numbers(outcome))) + as_text(words)
         for pane, summary in zip(self.plots, self._summaries, strict=True):
             describe(pane.object, f"{summary}. {words}")
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import core
-from pwsviz.export.tables import Table, run_table
+from pwsviz.export.files import Tables
+from pwsviz.export.tables import DrawnRun, conserved_tables
 from pwsviz.figures.conserved import ConservedView, conserved_text
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
@@ -58,9 +59,12 @@ class ConservedTab(Tab):
         self.plots[0].visible = there
         if there:
             self.view.show(outcome.curves, outcome.marks)
-        said = conserved_text(outcome.curves) if there else ""
+        said = conserved_text(outcome.curves, outcome.marks) if there else ""
         return f"{said} {conserved_note(system)}".strip()
 
-    def table(self) -> Table | None:
-        """Return the first integrator's run at its own steps."""
-        return run_table(self.results.run(self.inputs().runs[0])) if self.outcome is not None else None
+    def tables(self) -> Tables:
+        """Return the drift of every integrator at its own steps, and its crossings."""
+        inputs, start = self.shown, self.scene.selected + 1
+        if not isinstance(inputs, ErrorInputs):
+            return {}
+        return conserved_tables(lambda: [DrawnRun(start, self.results.run(one)) for one in inputs.runs])

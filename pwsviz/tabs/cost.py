@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 
 import core
+from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
-from pwsviz.export.tables import Table
-from pwsviz.figures.cost import CostView, cost_rows, cost_text
+from pwsviz.figures.cost import CostView, cost_numbers, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.scene import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS
 from pwsviz.tabs.base import LongTab
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.tables import Numbers
 from pwsviz.widgets.setting_buttons import choice
 
 
@@ -55,6 +57,10 @@ class CostTab(LongTab):
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)
         return cost_text(outcome, across, up)
+
+    def numbers(self, outcome: core.WorkPrecision) -> Sequence[Numbers]:
+        """Return the cheapest integrators."""
+        return [cost_numbers(outcome, self.scene.cost_across, self.scene.cost_up)]
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

@@ -7,9 +7,9 @@ from functools import partial
 from typing import Any
 
 import core
+from pwsviz.export.files import Tables
 from pwsviz.export.script import order_program
-from pwsviz.export.tables import Table, order_table
-from pwsviz.figures.order import OrderView, Row, state_rows, time_rows
+from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
 from pwsviz.figures.summaries import study_text
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.tabs.base import LongTab
@@ -61,9 +61,9 @@ class OrderTab(LongTab):
             words += f" {chosen} chooses its own steps and has no order; {outcome.method} is shown in its place."
         return words
 
-    def table(self) -> Table | None:
-        """Return both errors over the step sizes."""
-        return order_table(self.outcome) if self.outcome is not None else None
+    def tables(self) -> Tables:
+        """Return the errors over the step sizes, and the fits."""
+        return order_tables(self.outcome, self._rows(self.outcome)) if self.outcome is not None else {}
 
     def program(self) -> str:
         """Return the lines that repeat the study."""

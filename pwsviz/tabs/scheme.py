@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pwsviz.export.tables import Table
 from pwsviz.figures.scheme import SCHEME_STYLE, scheme_markup
 from pwsviz.results.requests import RunInputs, run_inputs
 from pwsviz.tabs.base import Tab
@@ -48,10 +47,6 @@ class SchemeTab(Tab):
         """Clear the pane, which belongs to another system, and show these words."""
         super().await_system(words)
         self.mathematics.object = ""
-
-    def table(self) -> Table | None:
-        """Return None: there are no numbers to export."""
-        return None
 
     def present(self, inputs: Any, outcome: Any) -> None:
         """Show the mathematics, or clear it and say why there is none: that of another scheme would mislead."""

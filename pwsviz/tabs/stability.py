@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import panel as pn
+from bokeh.plotting import figure
 
 import core
+from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
-from pwsviz.export.tables import Table
-from pwsviz.figures.stability import StabilityView, stability_table, stability_text
+from pwsviz.figures.stability import StabilityView, stability_tables, stability_text
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.scene import STABILITY_PARTS, STABILITY_SHOWN
 from pwsviz.tabs.base import LongTab
@@ -60,8 +61,8 @@ class StabilityTab(LongTab):
         self._shown.visible = self._method.visible = part == "map"
         self._coordinate.visible = part != "drift"
         assert self.view is not None  # noqa: S101  (made before)
-        figure = self.view.figure(part)
-        pane = next((pane for pane in self.plots if pane.object is figure), None) or self.plot(figure)
+        plot = self.view.figure(part)
+        pane = next((pane for pane in self.plots if pane.object is plot), None) or self.plot(plot)
         if self._place.objects != [pane]:
             self._place.objects = [pane]
 
@@ -73,9 +74,13 @@ class StabilityTab(LongTab):
         self.view.show(outcome, scene.stability_part, scene.selected_method, scene.stability_shown)
         return stability_text(outcome, scene.stability_part, scene.selected_method)
 
-    def table(self) -> Table | None:
-        """Return the columns of the part shown."""
-        return stability_table(self.outcome, self.scene.stability_part) if self.outcome is not None else None
+    def tables(self) -> Tables:
+        """Return the tables of the part shown."""
+        return stability_tables(self.outcome, self.scene.stability_part) if self.outcome is not None else {}
+
+    def picture(self) -> figure | None:
+        """Return the figure of the part shown."""
+        return self.view.figure(self.scene.stability_part) if self.view is not None else None
 
     def program(self) -> str:
         """Return the lines that repeat the study."""

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import panel as pn
 
 import core
-from pwsviz.export.tables import Table, run_table
+from pwsviz.export.files import Tables
+from pwsviz.export.tables import DrawnRun, portrait_tables
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.state import StateView, state_text
@@ -63,6 +64,9 @@ class StateTab(Tab):
         self._panels.objects = self.plots[: len(names)]
         return state_text(names, outcome.curves)
 
-    def table(self) -> Table | None:
-        """Return the first integrator's run at its own steps."""
-        return run_table(self.results.run(self.inputs().runs[0])) if self.outcome is not None else None
+    def tables(self) -> Tables:
+        """Return the states of every integrator at its own steps, and its crossings."""
+        inputs, start = self.shown, self.scene.selected + 1
+        if not isinstance(inputs, ErrorInputs):
+            return {}
+        return portrait_tables(lambda: [DrawnRun(start, self.results.run(one)) for one in inputs.runs])

@@ -26,6 +26,11 @@ p { margin: 0 0 2px 0; }
 .about { color: var(--mui-palette-text-secondary); margin: 2px 0 6px 0; }
 .error { color: var(--mui-palette-error-main); }
 .stopped { border-left: 3px solid var(--mui-palette-warning-main); padding-left: 8px; margin: 4px 0; }
+.numbers { overflow-x: auto; margin: 2px 0 8px 0; }
+.numbers table { border-collapse: collapse; font-size: 0.8125rem; }
+.numbers caption { text-align: left; color: var(--mui-palette-text-secondary); padding-bottom: 2px; }
+.numbers :is(th, td) { text-align: left; font-weight: 400; padding: 1px 14px 1px 0; vertical-align: baseline; }
+.numbers thead th { color: var(--mui-palette-text-secondary); border-bottom: 1px solid var(--mui-palette-divider); }
 .run { display: flex; align-items: baseline; gap: 8px; }
 .run svg { flex: none; align-self: center; }
 .run b { font-weight: 600; }

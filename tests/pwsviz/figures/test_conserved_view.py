@@ -9,7 +9,7 @@ import pytest
 from pwsviz.figures.conserved import CEILING, FLOOR, NOWHERE, ConservedView, conserved_text, drawable
 from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
-from pwsviz.results.animation import landmarks
+from pwsviz.results.animation import Landmarks, landmarks
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import ErrorCurve, Results
 from pwsviz.scene.scene import Scene
@@ -35,8 +35,9 @@ def curve(error, method="dmm2", t_end=20.0):
 
 def test_zero_is_drawn_at_the_floor_and_overflow_not_at_all():
     drawn = drawable(np.array([0.0, 1e-10, 1e250, np.nan]))
-    assert list(drawn[:2]) == [FLOOR, 1e-10]
-    assert np.isnan(drawn[2:]).all()
+    assert list(drawn[:3]) == [FLOOR, 1e-10, CEILING], "the curve leaves through the upper end of the axis"
+    assert np.isnan(drawn[3:]).all()
+    assert np.isnan(drawable(np.array([1e250, 1.0]))[1])
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -65,6 +66,7 @@ def test_a_run_with_very_many_crossings_has_no_bands():
     view, _, _ = shown(t_end=2000.0, tau=0.05)
     assert all(len(source.data["start"]) == 0 for source in view.segments.values())
     assert len(view.instants.data["t"]) == 0
+    assert "crossings: too many for their ticks" in view.figure.html_attributes["aria-label"]
 
 
 @pytest.mark.parametrize(("system", "kind"), [("elliptic_curve", "transversal"), ("bouncing_ball", "jump")])
@@ -97,16 +99,27 @@ def test_round_off_is_marked_where_it_can_be_told_from_machine_epsilon():
 
 
 def test_screen_readers_hear_the_same_sentence():
-    view, curves, _ = shown()
+    view, curves, run = shown()
     said = view.figure.html_attributes
     assert said["role"] == "img"
-    assert conserved_text(curves) in said["aria-label"]
+    assert conserved_text(curves, landmarks(run, (0, 1))) in said["aria-label"]
 
 
 def test_the_sentence_tells_round_off_from_drift():
     drifting = curve(np.linspace(0, 6.4e-7, 300), "rk2")
     noise = curve(1e-16 * np.arange(9))
-    assert conserved_text([noise, drifting]) == "dmm2 stays below 8e-16; rk2 drifts to 7e-7 by t = 20."
+    words = "dmm2 conserves ψ to accumulated round-off, |Δψ| ≤ 8e-16; rk2 drifts to 7e-7 by t = 20."
+    assert conserved_text([noise, drifting]) == words
+
+
+def test_what_is_round_off_depends_on_the_size_of_psi():
+    def words(errors, size):
+        return conserved_text([curve(errors)], Landmarks(np.empty((0, 2)), (), 2 * MACHINE_EPSILON * size))
+
+    large, small = 4e-8 * np.arange(9), 1e-16 * np.arange(9)
+    assert words(large, 1e9) == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4e-7 (4e-16 of the size of ψ, 1e9)."
+    assert words(large, 1.0) == "dmm2 drifts to 4e-7 by t = 20."
+    assert words(small, 1e-9) == "dmm2 drifts to 8e-16 (8e-7 of the size of ψ, 1e-9) by t = 20."
 
 
 def test_an_error_that_comes_and_goes_is_no_drift():
@@ -114,13 +127,21 @@ def test_an_error_that_comes_and_goes_is_no_drift():
     assert conserved_text([waves]) == "rk4 stays below 1e-3."
 
 
-def test_an_error_beyond_the_axis_is_said_to_run_away():
-    grown = curve([0.0, 1e-3, 1.0, 10 * CEILING, np.inf], t_end=4.0)
-    assert conserved_text([grown]) == "dmm2 runs away beyond 1e+9 by t = 3."
+def test_an_error_beyond_the_axis_is_marked_where_it_leaves_with_its_size():
+    gone = curve([0.0, 1e-3, 1.0, 4.5e16, 1.0], "rk2", t_end=4.0)
+    assert conserved_text([gone]) == "rk2 leaves the plot at t = 3: |Δψ| reaches 5e+16."
+    view = ConservedView()
+    view.show([gone])
+    assert (view.exits.data["t"], view.exits.data["y"]) == ([3.0], [CEILING])
+    assert view.exits.data["words"] == ["rk2 leaves the plot: |Δψ| reaches 5e+16"]
+    assert view.curves.data["ys"][0][2] == CEILING
+    assert view.corners.data["y"][1] >= CEILING
+    endless = curve([0.0, 1.0, np.inf], t_end=2.0)
+    assert conserved_text([endless]) == "dmm2 leaves the plot at t = 2: the numerical solution blows up."
 
 
 def test_no_error_at_all_is_said_so():
-    assert conserved_text([curve([0.0, 0.0, 0.0])]) == "dmm2 keeps ψ exactly."
+    assert conserved_text([curve([0.0, 0.0, 0.0])]) == "dmm2 conserves ψ exactly."
 
 
 def test_where_no_conserved_quantity_is_known_nothing_is_said():

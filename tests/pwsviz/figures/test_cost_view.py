@@ -7,7 +7,7 @@ import pytest
 
 import core
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision
-from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_rows, cost_text
+from pwsviz.figures.cost import EXTERNAL_LINES, CostView, cost_numbers, cost_rows, cost_text
 from pwsviz.figures.style import line_of
 
 FLOOR = {"state": 1e-14, "time": 1e-13, "invariant": 1e-15}
@@ -62,9 +62,9 @@ def test_the_axes_are_named_by_what_stands_on_them_and_nothing_is_built_anew():
         view.show(BOTH, across, up)
         labels.add((view.figure.xaxis[0].axis_label, view.figure.yaxis[0].axis_label))
     assert labels == {
-        ("run time (s)", "error of the state at the end"),
-        ("evaluations of the field", "error of the time of the last crossing"),
-        ("run time (s)", "greatest |Δψ| between crossings"),
+        ("run time (s)", "state error at the end, ‖x − x*‖₂"),
+        ("evaluations of the field", "error of the last crossing time, |t* − t̂|"),
+        ("run time (s)", "largest |Δψ| between crossings"),
     }
     assert set(view.figure.references()) == models
 
@@ -120,6 +120,7 @@ def test_a_study_with_nothing_in_it_yet_can_be_drawn():
     view.show(study(nothing), "seconds", "state")
     assert view.points.data["x"] == []
     assert "no run has reached the end" in cost_text(study(nothing), "seconds", "state")
+    assert cost_numbers(study(nothing), "seconds", "state").rows == ()
 
 
 def test_rows_hold_everything_once():
@@ -132,25 +133,36 @@ def test_rows_hold_everything_once():
     assert set(rows["outcome"]) == {DONE}
 
 
-def test_words_say_which_is_the_fastest_to_an_error():
-    between = curve("dmm4", [2e-3], [1e-4])
-    words = cost_text(study(DMM2, between, SCIPY), "seconds", "state")
-    assert (
-        "Fastest to an error of 1e-03: dmm2 (τ = 0.0316), 1 ms; the best of others, SciPy DOP853, takes 10 times"
-        in words
+def test_the_table_names_the_cheapest_of_ours_and_of_the_external_solvers():
+    table = cost_numbers(study(DMM2, curve("dmm4", [2e-3], [1e-4]), SCIPY), "seconds", "state")
+    assert table.rows == (
+        ("1e-3", "dmm2, τ = 0.0316", "1 ms", "SciPy DOP853, tolerance = 0.1", "10 ms"),
+        ("1e-6", "dmm2, τ = 0.01", "10 ms", "SciPy DOP853, tolerance = 0.0316", "20 ms"),
+        ("1e-9", "–", "–", "SciPy DOP853, tolerance = 0.01", "30 ms"),
     )
-    assert "Fastest to an error of 1e-06: dmm2 (τ = 0.01), 10 ms" in words
-    assert "Fastest to an error of 1e-09: SciPy DOP853 (tolerance = 0.01), 30 ms." in words
-    assert "Compile/load time (not included): dmm2 250 ms, dmm4 250 ms and SciPy DOP853 250 ms." in words
+    words = cost_text(BOTH, "seconds", "state")
+    assert "Compile/load time (not included): dmm2 250 ms and SciPy DOP853 250 ms." in words
     assert "exact (linear flow)" in words
 
 
-def test_words_count_evaluations_where_these_are_shown():
+def test_a_run_with_other_crossings_never_wins_and_is_drawn_hollow():
+    wrong = curve("rk2", [1e-9, 1e-2], [1e-12, 1e-3], crossings=np.array([7.0, 8.0]))
+    table = cost_numbers(study(DMM2, wrong), "seconds", "state")
+    assert [row[1] for row in table.rows] == ["dmm2, τ = 0.0316", "dmm2, τ = 0.01", "–"]
+    view = CostView()
+    view.show(study(DMM2, wrong), "seconds", "state")
+    assert (view.wrong.data["x"], view.wrong.data["label"]) == ([1e-9], ["rk2"])
+    assert 1e-9 not in view.points.data["x"]
+    assert view.figure.legend[0].items[1].visible
+    view.show(BOTH, "seconds", "state")
+    assert not view.figure.legend[0].items[1].visible
+
+
+def test_evaluations_are_counted_where_these_are_shown():
     silent = curve("heyoka", [1e-9], [1e-12], evaluations=np.array([math.nan]))
-    words = cost_text(study(DMM2, silent), "evaluations", "state")
-    assert "Fewest evaluations to an error of 1e-03: dmm2 (τ = 0.0316), 1,000 evaluations." in words
-    assert "None reaches an error of 1e-09." in words
-    assert "heyoka does not count its evaluations." in words
+    table = cost_numbers(study(DMM2, silent), "evaluations", "state")
+    assert table.rows[0] == ("1e-3", "dmm2, τ = 0.0316", "1,000 evaluations", "–", "–")
+    assert "heyoka does not count its evaluations." in cost_text(study(DMM2, silent), "evaluations", "state")
 
 
 def test_words_say_what_is_missing_and_why():
@@ -163,7 +175,7 @@ def test_words_say_what_is_missing_and_why():
     words = cost_text(study(late, gone, off, rest), "seconds", "state")
     assert "rk4, τ = 0.0316 and 1 other setting: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
-    assert "rk2: not the 8 crossings that the solution has." in words
+    assert "rk2: not the 8 crossings of the solution (drawn hollow)." in words
     assert "1 setting not measured yet." in words
     assert "1 setting cancelled." in words
 
@@ -182,4 +194,4 @@ def test_a_real_study_is_drawn_and_told():
     view = CostView()
     view.show(real, "seconds", "state")
     assert view.curves.data["label"] == ["taylor", "SciPy DOP853"]
-    assert "Fastest to an error of 1e-09: taylor" in cost_text(real, "seconds", "state")
+    assert cost_numbers(real, "seconds", "state").rows[2][1].startswith("taylor, tolerance = ")

@@ -1,8 +1,9 @@
 """Order plots draw what a study says, with its fits."""
 
 import numpy as np
+import pytest
 
-from pwsviz.figures.order import OrderView, Row, fitted_line, state_rows, time_rows
+from pwsviz.figures.order import OrderView, Row, fitted_line, order_tables, state_rows, time_rows
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -16,6 +17,20 @@ def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
         assert len(view.curves.data["xs"]) == len(view.fits.data["xs"]) == count
         assert view.floor.ticker.ticks == [study.floor]
         assert all("slope 2.0" in label or "slope 1.9" in label for label in view.curves.data["label"])
+
+
+def test_the_tables_hold_every_curve_and_fit_that_is_drawn():
+    study = Results().study(study_inputs(Scene(methods=["rk2"])))
+    for rows, errors, slopes in (
+        (state_rows(study), study.state_error, study.state_slope),
+        (time_rows(study), study.time_error, study.time_slope),
+    ):
+        tables = {name: table() for name, table in order_tables(study, rows).items()}
+        assert tables["errors"]["error"].tolist() == pytest.approx(errors.ravel().tolist(), nan_ok=True, rel=0)
+        assert tables["errors"]["tau"].reshape(len(rows), -1).tolist() == [study.taus.tolist()] * len(rows)
+        assert tables["fits"]["slope"].tolist() == slopes.tolist()
+        assert {name: len(set(map(len, table.values()))) for name, table in tables.items()} == {"errors": 1, "fits": 1}
+        assert set(tables["errors"]["integrator"]) == {"rk2"}
 
 
 def test_missing_errors_leave_gaps_and_no_fit():

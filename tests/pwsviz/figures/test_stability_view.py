@@ -8,7 +8,7 @@ import pytest
 import core
 from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS
 from pwsviz.figures.conserved import FLOOR
-from pwsviz.figures.stability import StabilityView, stability_table, stability_text
+from pwsviz.figures.stability import StabilityView, stability_tables, stability_text
 from pwsviz.figures.stability_map import COLOURS
 from pwsviz.figures.stability_text import cell_words
 from pwsviz.figures.style import line_of
@@ -51,7 +51,7 @@ def test_a_study_of_which_nothing_is_there_yet_is_an_empty_figure(study, part):
     for source in (drawn.cells, drawn.limits) if part == "map" else (drawn.curves,):
         assert all(len(column) == 0 for column in source.data.values())
     assert stability_text(empty(study), part, "dmm2") == "Nothing is computed yet."
-    assert stability_table(empty(study), part) == {}
+    assert stability_tables(empty(study), part) == {}
 
 
 # The map -------------------------------------------------------------------------------------------------------------
@@ -216,14 +216,14 @@ def test_the_text_of_drift_bounds_each_integrator(study):
 
 @pytest.mark.parametrize(("part", "rows"), [("largest_tau", 2), ("map", 60), ("drift", None), ("grazing", 56)])
 def test_columns_are_of_one_length_and_hold_every_run(study, part, rows):
-    table = stability_table(study, part)
+    table = stability_tables(study, part)[part]()
     lengths = {len(column) for column in table.values()}
     assert lengths == {rows or 2 * len(study.drift.t)}
     assert set(table["integrator"]) == set(METHODS)
 
 
 def test_rows_of_the_map_are_its_cells(study):
-    table = stability_table(study, "map")
+    table = stability_tables(study, "map")["map"]()
     for n in (0, 17, 59):
         k = METHODS.index(table["integrator"][n])
         i, j = (

@@ -312,9 +312,9 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     explorer.scene.view = "order"
     explorer.settle(20)
     portrait, order = explorer._pieces()
-    assert len(portrait.table()["t"]) == 2001
+    assert len(portrait.tables["curves"]()["t"]) == 2 * 2001
     assert portrait.figure is explorer.portrait_panel.portrait.figure
-    assert len(order.table()) > 2
+    assert len(order.tables["errors"]()["error"]) > 20
     explorer.export.open("http://here/app")
     assert explorer.export.link.value.startswith("http://here/app?v=1")
     assert "core.integrate" in explorer.export.program.object

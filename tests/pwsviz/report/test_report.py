@@ -113,7 +113,7 @@ def test_every_panel_says_what_it_shows_and_what_was_measured(page):
 
 def test_figures_have_their_summary_for_those_who_cannot_see_them(page):
     assert model_of(page).count('"aria-label"') == 4
-    assert "dmm2 stays below" in " ".join(Resources(page).text)
+    assert "dmm2 conserves ψ to " in " ".join(Resources(page).text)
 
 
 def test_nothing_can_be_dragged(page):
@@ -133,20 +133,22 @@ def test_anchors_lead_somewhere(page):
 
 
 def test_runs_are_those_of_the_core_to_the_last_digit(written):
-    table = table_of(written[0] / "portrait_elliptic.csv")
-    for name, start in (("dmm2.1", (-1, -1)), ("dmm2.2", (-1, -0.5)), ("dmm2.3", (-1.2, 0))):
+    curves, crossings = (table_of(written[0] / f"portrait_elliptic-{name}.csv") for name in ("curves", "crossings"))
+    for number, start in enumerate(((-1, -1), (-1, -0.5), (-1.2, 0)), 1):
         run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), x0=start, tau=0.01)
-        assert np.array_equal(numbers(table[f"{name}.t"]), run.t)
-        assert np.array_equal(np.column_stack([numbers(table[f"{name}.{v}"]) for v in "xy"]), run.x)
-        assert np.array_equal(numbers(table[f"{name}.crossing_t"]), run.crossings.t)
+        rows, met = (numbers(table["start"]) == number for table in (curves, crossings))
+        assert np.array_equal(numbers(curves["t"])[rows], run.t)
+        assert np.array_equal(np.column_stack([numbers(curves[v])[rows] for v in "xy"]), run.x)
+        assert np.array_equal(numbers(crossings["t"])[met], run.crossings.t)
 
 
 def test_errors_of_crossing_times_are_those_of_the_core(written):
-    table = table_of(written[0] / "elliptic_time.csv")
+    table = table_of(written[0] / "elliptic_time-errors.csv")
     study = core.order_study(core.CATALOGUE["elliptic_curve"], STUDY_TAUS, x0=(-1, -1))
-    assert np.array_equal(numbers(table["tau"]), study.taus)
     for k, row in zip((10, 20, 30), study.time_error, strict=True):
-        assert np.array_equal(numbers(table[f"time_error_{k}"]), row)
+        there = np.array(table["curve"]) == f"crossing {k}"
+        assert np.array_equal(numbers(table["tau"])[there], study.taus)
+        assert np.array_equal(numbers(table["error"])[there], row)
 
 
 def test_one_line_a_figure_is_said(written):
@@ -157,7 +159,7 @@ def test_one_line_a_figure_is_said(written):
 
 def test_a_summary_ends_the_command(tmp_path, capsys):
     assert main(["report", "--out", str(tmp_path), "--no-bench", "--only", "fig:elliptic_time"]) == 0
-    assert re.search(r"^2 files are written to .* \(\d\.\d MB\); open .*report\.html\. \d+ s in all\.$",
+    assert re.search(r"^3 files are written to .* \(\d\.\d MB\); open .*report\.html\. \d+ s in all\.$",
                      capsys.readouterr().out, re.MULTILINE)  # fmt: skip
 
 
@@ -185,9 +187,9 @@ def test_a_folder_without_permission_is_said(tmp_path, capsys):
 
 
 def test_a_file_that_cannot_be_written_later_on_is_said(tmp_path, capsys):
-    (tmp_path / "elliptic_time.csv").mkdir()
+    (tmp_path / "elliptic_time-errors.csv").mkdir()
     assert main(["report", "--out", str(tmp_path), "--no-bench", "--only", "fig:elliptic_time"]) == 1
-    assert f"cannot write {tmp_path / 'elliptic_time.csv'}: " in capsys.readouterr().err
+    assert f"cannot write {tmp_path / 'elliptic_time-errors.csv'}: " in capsys.readouterr().err
 
 
 def test_an_interrupted_report_keeps_and_names_what_there_is(tmp_path, capsys, monkeypatch):
@@ -201,10 +203,10 @@ def test_an_interrupted_report_keeps_and_names_what_there_is(tmp_path, capsys, m
     monkeypatch.setattr(writing, "draw_panel", interrupted)
     only = [word for label in ("fig:elliptic_time", "fig:elliptic_transition") for word in ("--only", label)]
     assert main(["report", "--out", str(tmp_path), *only]) == 130
-    assert "Interrupted; 2 files are written" in capsys.readouterr().err
+    assert "Interrupted; 3 files are written" in capsys.readouterr().err
     text = (tmp_path / PAGE).read_text(encoding="utf-8")
     assert "Given up before the end; missing: fig:elliptic_transition, Benchmark." in text
-    assert (tmp_path / "elliptic_time.csv").exists()
+    assert (tmp_path / "elliptic_time-errors.csv").exists()
 
 
 # The benchmark -------------------------------------------------------------------------------------------------------

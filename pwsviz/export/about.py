@@ -1,0 +1,95 @@
+"""What a file or a picture shows, in words: the system, its parameters and how it was integrated."""
+
+from __future__ import annotations
+
+import re
+from importlib.metadata import PackageNotFoundError, version
+
+import core
+from pwsviz.scene.names import short_name
+from pwsviz.scene.permalink import query
+from pwsviz.scene.scene import Scene
+from pwsviz.text.words import listed
+
+__all__ = ["about", "caption", "release"]
+
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def release() -> str:
+    """Return the name and the version of this package."""
+    try:
+        return f"pwsviz {version('pwsviz')}"
+    except PackageNotFoundError:  # not installed
+        return "pwsviz from source"
+
+
+def about(scene: Scene, address: str = "") -> dict[str, str]:
+    """Return what recomputes a scene, each part under its name: for the header of a file.
+
+    Parameters
+    ----------
+    scene : Scene
+        The settings.
+    address : str
+        Address of the page, without a query.
+    """
+    try:
+        link = f"{address}?{query(scene)}"
+    except ValueError:  # too large for a link; its parts follow
+        link = "none, the scene is too large"
+    parts = {"program": release(), "link": link, "system": scene.declaration.name, "equations": _equations(scene)}
+    return parts | {"parameters": _parameters(scene), "starts": _starts(scene), "integration": _integration(scene)}
+
+
+def caption(scene: Scene, title: str) -> str:
+    """Return the caption of a picture: its title, the equations, the parameters and the method."""
+    parts = about(scene)
+    stated = (parts[name] for name in ("equations", "parameters", "starts", "integration"))
+    return f"{title} of {parts['system']}. " + " ".join(f"{part[0].upper()}{part[1:]}." for part in stated if part)
+
+
+def _equations(scene: Scene) -> str:
+    """Return the laws of both sides, as “g < 0: x′ = 2·y, ψ₋ = …; g > 0: …; g = …”."""
+    system = scene.declaration
+    sides = (("g < 0", system.f_minus, "ψ₋", system.psi_minus), ("g > 0", system.f_plus, "ψ₊", system.psi_plus))
+    laws = []
+    for where, field, psi, quantities in sides:
+        rates = [f"{name}′ = {rate}" for name, rate in zip(system.variables, field, strict=True)]
+        laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {quantity}" for quantity in quantities)]))
+    jump = [f"reset map at g = 0: ({', '.join(system.jump)})"] if system.jump else []
+    return _readable("; ".join([*laws, f"g = {system.g}", *jump]), system)
+
+
+def _readable(text: str, system: core.PiecewiseSystem) -> str:
+    """Return expressions as they are printed: powers raised, a dot for each product, parameters by their symbols."""
+    symbols = {q.name: short_name(q) for q in system.parameters}
+    text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
+    text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(_RAISED), text)
+    return text.replace("**", "^").replace("*", "·").replace("-", "−")
+
+
+def _parameters(scene: Scene) -> str:
+    symbols = {q.name: short_name(q) for q in scene.declaration.parameters}
+    return ", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items()).replace("-", "−")
+
+
+def _starts(scene: Scene) -> str:
+    points = "; ".join(f"({', '.join(f'{x:.15g}' for x in start)})" for start in scene.starts)
+    names = ", ".join(scene.declaration.variables)
+    return f"started at ({names}) = {points}".replace("-", "−")
+
+
+def _integration(scene: Scene) -> str:
+    """Return the integrators, the step size and what happens at crossings."""
+    used = scene.used
+    steps = [f"step size τ = {scene.tau:.15g}"] if not all(map(_adaptive, used)) else []
+    steps += [f"tolerance {scene.tolerance:.3g} (taylor)"] if any(map(_adaptive, used)) else []
+    crossings = "crossings located by the transition scheme" if scene.locate else "crossings stepped over"
+    if scene.locate and scene.perturbation_order is not None:
+        crossings += f", their times perturbed by {scene.perturbation_scale:g}·τ^{scene.perturbation_order}"
+    return f"integrated by {listed(used)} with {' and '.join(steps)} to t = {scene.t_end:.15g}; {crossings}"
+
+
+def _adaptive(method: str) -> bool:
+    return core.METHODS[method].adaptive

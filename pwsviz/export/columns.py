@@ -1,0 +1,45 @@
+"""Meaning and unit of the columns of exported tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+__all__ = ["MEANINGS", "meanings"]
+
+_TIME = "in the system's unit of time"
+
+MEANINGS: Mapping[str, str] = {
+    "start": "number of the start, from 1",
+    "integrator": "its name",
+    "step": "number of the step, from 0; of very long runs every k-th step is kept",
+    "t": f"time, {_TIME}",
+    "side": "sign of g on the side occupied",
+    "side_entered": "sign of g on the side entered; 0 where the run stopped",
+    "change_of_psi": "|Δψ|, the numerical drift of ψ since the start; the largest over several ψ",
+    "number": "number of the crossing in its run, from 1",
+    "kind": "kind of the crossing",
+    "tau": f"step size τ, {_TIME}",
+    "tolerance": "error of a step relative to the state",
+    "error": "error of the quantity that the figure shows",
+    "slope": "fitted order",
+    "fit_from": f"least τ of the fit, {_TIME}",
+    "fit_to": f"greatest τ of the fit, {_TIME}",
+    "seconds": "processor time of a run, in s",
+    "compile_seconds": "processor time to compile or load, not included in seconds, in s",
+    "evaluations": "evaluations of the (discrete) field",
+    "state_error": "‖x − x*‖₂ at the end",
+    "time_error": f"|t̂ − t*| of the last crossing, {_TIME}",
+    "invariant_error": "largest |Δψ| between two crossings",
+    "crossings": "number of crossings",
+    "expected_crossings": "number of crossings of the solution",
+    "as_the_solution": "whether the run ends as the solution does, with as many crossings",
+    "largest_tau": f"largest step size that works, {_TIME}",
+    "first_that_fails": f"smallest step size that fails, {_TIME}",
+    "delta": "distance of the start from the tangency",
+}
+"""Meaning of each column by its name; the variables of a system need none."""
+
+
+def meanings(names: Iterable[str]) -> str:
+    """Return the meaning of the columns named, those that need one, on one line."""
+    return "; ".join(f"{name}: {MEANINGS[name]}" for name in names if name in MEANINGS)

@@ -1,0 +1,37 @@
+"""Small tables of figures, for the page and for the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from html import escape
+
+__all__ = ["Numbers", "table_markup"]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A table of text cells; the first cell of a row names it."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+    """What holds for the whole table."""
+    caption: str = ""
+
+
+def table_markup(table: Numbers) -> str:
+    """Return a table as HTML, with its caption and with headers that screen readers announce; empty without rows."""
+    if not table.rows:
+        return ""
+    head = _row(f'<th scope="col">{escape(cell)}</th>' for cell in table.header)
+    body = "".join(
+        _row([f'<th scope="row">{escape(first)}</th>', *(f"<td>{escape(cell)}</td>" for cell in rest)])
+        for first, *rest in table.rows
+    )
+    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+    return f'<div class="numbers"><table>{caption}<thead>{head}</thead><tbody>{body}</tbody></table></div>'
+
+
+def _row(cells: Iterable[str]) -> str:
+    return f"<tr>{''.join(cells)}</tr>"

@@ -1,0 +1,48 @@
+"""What is exported is what is painted."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from tests.browser.test_portrait import FIGURE, PORTRAIT, await_still, await_that, inside
+
+pytestmark = pytest.mark.browser
+
+CURVES = f"""label => ({FIGURE})(label).rows.filter(row => "xs" in row && "method" in row).flatMap(row =>
+    Array.from(row.method, (method, k) => ({{method, x: Array.from(row.xs[k]), y: Array.from(row.ys[k])}})))"""
+"""The curves of a figure as the browser has them."""
+
+
+def saved(page, button):
+    """The rows of a CSV file that a button saves, without its comments."""
+    with page.expect_download() as download:
+        button.click()
+    lines = download.value.path().read_text(encoding="utf-8").splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def test_files_of_the_portrait_and_of_the_drift_hold_every_curve_that_is_painted(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    await_still(page)
+    page.mouse.click(*inside(page.evaluate(PORTRAIT), 0.3, 0.7))
+    await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 2)
+    page.wait_for_timeout(1500)
+    painted = [page.evaluate(CURVES, label) for label in ("Phase portrait", "Absolute change")]
+    page.get_by_role("button", name=re.compile("Take away|Export")).click()
+    files = page.get_by_role("button", name=re.compile("^CSV"))
+    files.first.wait_for()
+    names = [files.nth(k).inner_text() for k in range(files.count())]
+    portrait, drift = (saved(page, files.nth(k)) for k, name in enumerate(names) if "crossings" not in name)
+    assert len({(row["start"], row["integrator"]) for row in portrait}) == len(painted[0]) == 4
+    for curve in painted[0]:  # each is that of a run in the file, at the resolution of the screen
+        ends = [(curve["x"][k], curve["y"][k]) for k in (0, -1)]
+        runs = [[row for row in portrait if row["integrator"] == curve["method"] and row["start"] == n] for n in "12"]
+        assert ends in [[(float(run[k]["x"]), float(run[k]["y"])) for k in (0, -1)] for run in runs]
+    for curve in painted[1]:
+        rows = [row for row in drift if row["integrator"] == curve["method"]]
+        assert np.allclose([float(row["t"]) for row in rows[1:]], curve["x"])
+    assert {row["integrator"] for row in drift} == {"dmm2", "rk2"}
