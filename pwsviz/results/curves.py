@@ -64,7 +64,7 @@ def _refined(
     run: core.Trajectory, axes: Axes, t: Floats, points: Floats, kinks: Mask, near: Window | None
 ) -> tuple[Floats, Mask]:
     """Divide the pieces of a curve that bend visibly, until none does."""
-    shown = np.isfinite(points).all(axis=1)
+    shown: Mask = np.isfinite(points).all(axis=1)
     if near is not None:
         shown &= near.holds(points)
     if not shown.any():
@@ -75,8 +75,8 @@ def _refined(
     corners[[0, -1]] = True
     corners[1:] |= ~lasts
     corners[:-1] |= ~lasts
-    bent = _bent(points, corners, BEND * pixel)
-    bent &= lasts & (shown[1:] | shown[:-1])
+    bent: Mask = _bent(points, corners, BEND * pixel)
+    np.logical_and(bent, lasts & (shown[1:] | shown[:-1]), out=bent)
     while bent.any() and len(points) < FINEST:
         k = np.flatnonzero(bent)
         share = np.arange(1, PARTS) / PARTS
