@@ -15,8 +15,9 @@ from sympy import Expr, Symbol
 import core
 from core.integrate import checked_start
 from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted, to_text
-from pwsviz.scene.scene import MAX_COORDINATE
+from pwsviz.scene.scene import MAX_COORDINATE, can_use
 from pwsviz.text.mathml import TOO_LONG, markup, too_long
+from pwsviz.text.words import listed
 
 __all__ = ["FIELDS", "Checked", "Draft", "Finding", "check", "examples", "split"]
 
@@ -252,7 +253,7 @@ class _Check:
             return tuple(self.finding(word, k, verdict) for k, verdict in enumerate(self.declaration.verdicts[side]))
         found = () if system is None else system.laws.modes[side].conserved
         words = f"Found for you, since f{_SIGNS[word][0]} has no divergence:"
-        none = Finding("None given; conservative methods will not be offered.", False)
+        none = Finding(_without_quantity(word, system), False)
         return tuple(Finding(words, True, _equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
     def finding(self, word: str, k: int, verdict: Verdict) -> Finding:
@@ -278,6 +279,16 @@ class _Check:
             self.complain(field, str(reason))
             return None
         return system
+
+
+def _without_quantity(word: str, system: core.PiecewiseSystem | None) -> str:
+    """Say what it means that a side has no conserved quantity; of a system with other faults, that alone."""
+    if system is None:
+        return "None given."
+    refused = [name for name in core.METHODS if not can_use(system, name)]
+    if refused:
+        return f"None given or found on either side, so {listed(refused)} will not be offered."
+    return f"None given or found: where g {'<' if word == 'minus' else '>'} 0, conservative methods have no ψ to keep."
 
 
 def _parameter(text: str) -> core.Parameter:

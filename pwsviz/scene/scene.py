@@ -37,8 +37,11 @@ STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
 TOLERANCES = (1e-15, 1e-3)
 """Least and greatest tolerance (error of a step relative to the state) of an integrator that chooses its own steps."""
 
+END_TIME = 20.0
+"""End time of a system that has none of its own in `END_TIMES`."""
+
 END_TIMES = {"type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
-"""Least end times of slow systems: at the default of 20 their trajectories have only just reached the surface."""
+"""End times of slow systems: at `END_TIME` their trajectories have only just reached the surface."""
 
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
 """Offered orders p of the perturbation c·τᵖ of crossing times; None for no perturbation."""
@@ -69,7 +72,7 @@ class Scene(param.Parameterized):
     methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
     tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
     tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of integrators that choose their own steps.")
-    t_end = param.Number(default=20.0, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
+    t_end = param.Number(default=END_TIME, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
     locate = param.Boolean(default=True, doc="Land on the surface at crossings (Mannshardt), or step over it.")
     perturbation_order: Any = param.Selector(
         default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the perturbation c·τᵖ of crossing times."
@@ -88,9 +91,10 @@ class Scene(param.Parameterized):
 
     def __init__(self, **params: Any) -> None:
         self._no_defaults = False
+        self._timed = ""  # the system whose end time was considered last
         super().__init__(**params)
         chosen = self.declaration
-        missing = {"values": dict(chosen.values), "starts": (chosen.x0,), "t_end": self._long_enough()}
+        missing = {"values": dict(chosen.values), "starts": (chosen.x0,), "t_end": self._end_of_system()}
         self.param.update(**{name: value for name, value in missing.items() if name not in params})
 
     # Reading it ------------------------------------------------------------------------------------------------------
@@ -108,7 +112,7 @@ class Scene(param.Parameterized):
     @property
     def offered(self) -> list[str]:
         """Integrators that can be used with the system."""
-        return [name for name in core.METHODS if _can_use(self.declaration, name)]
+        return [name for name in core.METHODS if can_use(self.declaration, name)]
 
     @property
     def used(self) -> list[str]:
@@ -149,6 +153,7 @@ class Scene(param.Parameterized):
         """Set all settings at once to those of a scene, as `settings` returned them."""
         with self._without_defaults():
             self.param.update(**settings)
+        self._timed = self.system
 
     def load(self, settings: Mapping[str, Any]) -> None:
         """Set some settings, and all others to their defaults; the user's own system is kept.
@@ -195,6 +200,7 @@ class Scene(param.Parameterized):
             self.param.update(
                 own=system, system=OWN, stability_coordinate=0, view=self._telling_view(system), **changes
             )
+        self.t_end = self._end_of_system()
 
     @param.depends("system", watch=True)
     def _start_afresh(self) -> None:
@@ -205,17 +211,21 @@ class Scene(param.Parameterized):
         chosen = self.declaration
         self.param.update(
             values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=(0, 1), stability_coordinate=0,
-            t_end=self._long_enough(), view=self._telling_view(chosen),
+            t_end=self._end_of_system(), view=self._telling_view(chosen),
         )  # fmt: skip
 
     def _telling_view(self, system: core.PiecewiseSystem) -> str:
         """Return the view shown, or the state where that is empty: the system has no ψ to be conserved."""
         return "state" if self.view == "conserved" and not (system.psi_minus or system.psi_plus) else str(self.view)
 
-    def _long_enough(self) -> float:
-        """Return the end time, raised to that of `END_TIMES` as far as `MAX_STEPS` steps of this size reach."""
-        wanted = max(self.t_end, END_TIMES.get(self.system, 0.0))
-        return float(max(self.t_end, min(wanted, self.tau * MAX_STEPS)))
+    def _end_of_system(self) -> float:
+        """Return the system's own end time, or the present one if that was not the system's before: the user's choice.
+
+        The own end time is reached in at most `MAX_STEPS` steps of the present size.
+        """
+        usual, self._timed = END_TIMES.get(self._timed, END_TIME), self.system
+        own = min(END_TIMES.get(self.system, END_TIME), self.tau * MAX_STEPS)
+        return float(own if self.t_end == usual else self.t_end)
 
     def place(self, start: Start) -> None:
         """Add a trajectory, and select it.
@@ -386,7 +396,8 @@ class Scene(param.Parameterized):
         return {**self.values, name: number(value, short_name(parameters[name]), low, high)}
 
 
-def _can_use(system: core.PiecewiseSystem, method: str) -> bool:
+def can_use(system: core.PiecewiseSystem, method: str) -> bool:
+    """Return whether a method, a key of `core.METHODS`, can be used on a system."""
     try:
         checked_method(system, method)
     except ValueError:

@@ -11,8 +11,8 @@ __all__ = ["Dropdown"]
 
 DROPDOWN_CSS = """
 :host { --line: color-mix(in srgb, var(--mui-palette-text-primary) 23%, transparent); font: inherit; }
-.bk-input-group { position: relative; width: 100%; }
-label { position: absolute; top: -8px; left: 9px; z-index: 1; padding: 0 5px; max-width: calc(100% - 18px);
+:host .bk-input-group { position: relative; width: 100%; padding: 8px 0 0; }
+:host label { position: absolute; top: 0; left: 9px; z-index: 1; padding: 0 5px; max-width: calc(100% - 18px);
         overflow: hidden; text-overflow: ellipsis; white-space: nowrap; font-size: 0.75rem; line-height: 16px;
         color: var(--mui-palette-text-secondary); background: var(--mui-palette-background-default); }
 select.bk-input:not([multiple]) {
@@ -23,7 +23,7 @@ select.bk-input:hover { border-color: var(--mui-palette-text-primary); }
 select.bk-input:focus-visible { border-color: var(--mui-palette-primary-main); outline: none;
          box-shadow: 0 0 0 1px var(--mui-palette-primary-main); }
 option, optgroup { color: var(--mui-palette-text-primary); background: var(--mui-palette-background-paper); }
-.bk-input-group::after { content: ""; position: absolute; right: 14px; top: 18px; pointer-events: none;
+.bk-input-group::after { content: ""; position: absolute; right: 14px; top: 26px; pointer-events: none;
          border: 5px solid transparent; border-top-color: var(--mui-palette-text-secondary); border-bottom-width: 0; }
 """
 
@@ -32,7 +32,7 @@ class Dropdown(pn.widgets.Select):
     """A labelled list of which one entry is chosen."""
 
     def __init__(self, label: str, **params: Any) -> None:
-        look = {"stylesheets": [DROPDOWN_CSS], "sizing_mode": "stretch_width", "margin": (9, 0, 6, 0)}
+        look = {"stylesheets": [DROPDOWN_CSS], "sizing_mode": "stretch_width", "margin": (2, 0, 6, 0)}
         super().__init__(label=label, **look, **params)
 
     def offer(self, options: Mapping[str, Any], value: Any) -> None:

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.looking import await_painted, type_into
+from tests.browser.looking import await_built, await_painted, type_into
 
 pytestmark = pytest.mark.browser
 
@@ -26,6 +26,7 @@ def test_the_plane_named_is_the_plane_drawn_after_another_system(visit):
     page = visit()
     page.goto(f"{page.url}?v=1&system=rigid_body&t_end=1")
     await_painted(page, "Phase portrait")
+    await_built(page)
     await_shown(page, "plane", "y1, y2")
     page.get_by_role("combobox", name="System").select_option("Kepler with a shell")
     await_shown(page, "plane", "x, y")
@@ -36,6 +37,7 @@ def test_the_plane_named_is_the_plane_drawn_after_another_system(visit):
 def test_the_system_named_is_the_last_that_was_written(visit):
     page = visit()
     await_painted(page, "Phase portrait")
+    await_built(page)
     for name in ("First", "Second", "Third"):
         page.get_by_role("button", name="Write your own").click()
         page.get_by_text("This system is ready.").wait_for()
@@ -51,6 +53,7 @@ def test_the_system_named_is_the_last_that_was_written(visit):
 def test_a_list_is_chosen_from_by_keyboard(visit):
     page = visit()
     await_painted(page, "Phase portrait")
+    await_built(page)
     type_into(page, "End time", "2")
     system = page.get_by_role("combobox", name="System")
     system.focus()

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from tests.browser.looking import await_other_picture, await_painted, field, settled_picture, type_into
+from tests.browser.looking import await_built, await_other_picture, await_painted, field, settled_picture, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -116,3 +116,29 @@ def test_a_click_saves_one_file_and_the_next_another(visit):
         saved.clear()
     page.keyboard.press("Escape")
     page.get_by_role("button", name=re.compile("^CSV")).first.wait_for(state="detached")
+
+
+@pytest.mark.deep
+def test_what_the_editor_says_of_conservative_methods_is_what_the_page_then_offers(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.get_by_role("button", name="Write your own").click()
+    page.get_by_text("This system is ready.").wait_for()
+    field(page, "Field f₊, where g > 0").fill("2*y\n3*x**2 - 2 - y")
+    field(page, "Conserved quantities ψ₊").fill("")
+    page.get_by_text("where g > 0, conservative methods have no ψ to keep").wait_for()
+    assert page.get_by_text("will not be offered").count() == 0
+    page.get_by_role("button", name="Use this system").click()
+    page.get_by_role("dialog").wait_for(state="hidden")
+    sync_api.expect(page.get_by_role("checkbox", name="dmm2")).to_be_visible()
+
+
+@pytest.mark.deep
+def test_a_system_comes_with_its_own_end_time_whatever_came_before(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_built(page)
+    systems = page.get_by_role("combobox", name="System")
+    for name, end in (("Crossing upward", "40.0"), ("Pendulum", "20.0")):
+        systems.select_option(name)
+        sync_api.expect(field(page, "End time")).to_have_value(end, timeout=20_000)

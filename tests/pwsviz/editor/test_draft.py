@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import core
 from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check, examples, split
+from pwsviz.scene.scene import can_use
 
 OSCILLATOR = Draft(
     name="Mine",
@@ -256,3 +257,15 @@ def test_no_text_in_any_field_raises(name, text):
 
 def test_a_parameter_with_a_wrong_value_is_complained_of_where_it_stands_alone():
     assert list(check(replace(OSCILLATOR, parameters="k = 30 in [0.1, 10]")).complaints) == ["parameters"]
+
+
+def test_a_side_without_quantity_leaves_out_no_method_that_the_other_side_admits():
+    kept = replace(examples["Duffing oscillator, stiffness switched"], psi_plus="", f_plus="v\n-a*x - v")
+    checked = check(kept)
+    assert can_use(checked.system, "dmm2")
+    (words,) = [finding.words for finding in checked.conserved[1]]
+    assert words == "None given or found: where g > 0, conservative methods have no ψ to keep."
+    neither = check(replace(kept, psi_minus="", f_minus="v\n-a*x - v"))
+    (words,) = [finding.words for finding in neither.conserved[1]]
+    for name in core.METHODS:
+        assert (f" {name} " in f" {words} ".replace(",", " ")) != can_use(neither.system, name)

@@ -165,6 +165,23 @@ def test_a_slow_system_gets_time_to_cross_and_no_more_steps_than_allowed():
     require_few_steps(scene.t_end, scene.tau)
 
 
+def test_the_end_time_does_not_depend_on_the_systems_chosen_before():
+    scene = Scene()
+    for system, end in (("type_upward", 40.0), ("pendulum", 20.0), ("type_sliding", 40.0), ("kepler", 20.0)):
+        scene.system = system
+        assert scene.t_end == end
+    scene.system = "type_upward"
+    scene.use(core.CATALOGUE["pendulum"])
+    assert scene.t_end == 20.0
+    other = Scene(system="type_upward")
+    scene.restore(other.settings())
+    scene.system = "pendulum"
+    assert scene.t_end == 20.0
+    scene.accept("t_end", "30")
+    scene.system = "type_upward"
+    assert scene.t_end == 30.0, "what the person chose stays"
+
+
 def test_trajectories_are_placed_moved_and_removed():
     scene = Scene()
     scene.place((0.5, 0.25))
