@@ -100,6 +100,6 @@ def end_columns(orbits: Iterable[tuple[int, Orbit]]) -> dict[str, Any]:
         "colour": [look.colour for look in looks],
         "method": [orbit.method for _, orbit, _ in ends],
         "time": [end.t for _, _, end in ends],
-        "why": [end.status.reason for _, _, end in ends],
+        "kind": [end.status.reason for _, _, end in ends],
         "start": [number for number, _, _ in ends],
     }

@@ -7,18 +7,20 @@ browser moves them (see `gestures`), and reports the new places to the server.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from bokeh.core.properties import value
-from bokeh.events import Event, PointEvent, Tap
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
+from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, ResetTool
 from bokeh.plotting import figure
 
 import core
+from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.marks import crossing_columns, end_columns
+from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     GREY,
     ORANGE,
@@ -47,13 +49,15 @@ PALE_STAR = "#F7DDA2"
 RIM = "#9A6700"
 """Outline of the stars; black would be lost on a dark page."""
 
-NEAR = 1.2
-"""Size, relative to the first orbit, of the window within which orbits of other integrators may widen the view."""
+ROOM = 1.08
+"""Size of the view relative to the box of the trajectories that it is fitted to."""
 
-OTHERS = 3.0
-"""The same for orbits from other starts."""
-
-SUMMARY = "Phase portrait"
+FOLLOW = """
+const [across, up] = ranges
+corners.data = { x: [across.start, across.end], y: [up.start, up.end] }
+for (const range of ranges) { range.have_updated_interactively = false }
+"""
+"""JavaScript run when the user has panned or zoomed: what is seen then is kept, at equal scales, at any size."""
 
 END_SIZE = 15
 """Diameter in pixels of the mark of an end: wide enough that two runs which end at one place do not look joined."""
@@ -63,6 +67,10 @@ STEP_SIZE = 3.5
 
 POINTED_SIZE = 19
 """Diameter in pixels of the ring around the crossing under the pointer: a mark, and some room."""
+
+
+def _ignore(*_: Any) -> None:
+    """Do nothing, where nobody listens."""
 
 
 class PortraitView:
@@ -79,15 +87,17 @@ class PortraitView:
         move, call `show_starts`; otherwise the star stays where it was dropped.
     on_remove, on_select : callable
         Called with the index of the start to remove or to select.
+    on_zoom : callable, optional
+        Called with the visible part of the plane when the user has panned or zoomed.
+    on_fit : callable, optional
+        Called when the user wants to see the trajectories again.
 
     Attributes
     ----------
     frame : Window or None
-        The part of the plane to which the view is fitted, unless the user has zoomed.
+        The part of the plane that the view was last told to show.
     covered : Window or None
         The part of the plane the backdrop covers.
-    dragging : bool
-        Whether a star is being dragged; the view then stays as it is.
     """
 
     def __init__(
@@ -97,12 +107,12 @@ class PortraitView:
         on_move: Callable[[int, float, float], None],
         on_remove: Callable[[int], None],
         on_select: Callable[[int], None],
+        on_zoom: Callable[[Window], None] = _ignore,
+        on_fit: Callable[[], None] = _ignore,
     ) -> None:
         self.figure = self._plot()
         self.frame: Window | None = None
         self.covered: Window | None = None
-        self.dragging = False
-        self._fitted_to: Hashable = None
         self._box: Window | None = None
         self._backdrop: Backdrop | None = None
         self._visible: Window | None = None
@@ -118,7 +128,7 @@ class PortraitView:
         self._crossing_glyphs()
         self._start_glyphs()
         self._add_legend()
-        self._watch_window(on_window)
+        self._watch_window(on_window, on_zoom, on_fit)
         self._watch_gestures(on_place)
 
     @staticmethod
@@ -126,12 +136,14 @@ class PortraitView:
         plot = plain_figure(
             SUMMARY,
             match_aspect=True,
-            x_range=DataRange1d(range_padding=0.08),
-            y_range=DataRange1d(range_padding=0.08),
+            x_range=DataRange1d(range_padding=0.0),
+            y_range=DataRange1d(range_padding=0.0),
             active_drag="pan",
             active_scroll="wheel_zoom",
         )
         plot.grid.visible = False
+        for reset in (tool for tool in plot.tools if isinstance(tool, ResetTool)):
+            reset.description = "Fit to the trajectories"
         return plot
 
     def _backdrop_glyphs(self) -> None:
@@ -187,7 +199,7 @@ class PortraitView:
 
     def _end_glyphs(self) -> None:
         plot = self.figure
-        self.ends = unseen(("x", "y", "label", "marker", "colour", "method", "time", "why", "start"))
+        self.ends = unseen(("x", "y", "label", "marker", "colour", "method", "time", "kind", "start"))
         self.stops = plot.scatter(
             "x", "y", source=self.ends, marker="marker", size=END_SIZE, fill_color="white", line_color="colour",
             line_width=2,
@@ -196,7 +208,7 @@ class PortraitView:
             HoverTool(
                 renderers=[self.stops], attachment="above", visible=False, limit=3, formatters={"@time": "printf"},
                 tooltips=[
-                    ("stops at time", "@time{%.9g}"), ("as", "@why"), ("integrator", "@method"), ("start", "@start"),
+                    ("stops at time", "@time{%.9g}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start"),
                 ],
             )
         )  # fmt: skip
@@ -234,7 +246,9 @@ class PortraitView:
             ],
         )
 
-    def _watch_window(self, on_window: Callable[[Window], None]) -> None:
+    def _watch_window(
+        self, on_window: Callable[[Window], None], on_zoom: Callable[[Window], None], on_fit: Callable[[], None]
+    ) -> None:
         across, up = ranges(self.figure)
 
         def tell(_attribute: str, _old: object, _new: object) -> None:
@@ -246,6 +260,16 @@ class PortraitView:
         for axis in (across, up):
             axis.on_change("start", tell)
             axis.on_change("end", tell)
+
+        def zoom(event: Event) -> None:
+            ends = np.array([event.x0, event.x1, event.y0, event.y1] if isinstance(event, RangesUpdate) else [], float)
+            if len(ends) and np.isfinite(ends).all():
+                on_zoom(Window(*ends.tolist()))
+
+        follow = CustomJS(args={"corners": self.corners, "ranges": [across, up]}, code=FOLLOW)
+        self.figure.js_on_event(RangesUpdate, follow)
+        self.figure.on_event(RangesUpdate, zoom)
+        self.figure.on_event(Reset, lambda _event: on_fit())
 
     # Gestures --------------------------------------------------------------------------------------------------------
 
@@ -264,18 +288,15 @@ class PortraitView:
     def _handle_gesture(self, said: dict[str, Sequence[Any]]) -> None:
         """Pass on a gesture that the browser reports."""
         act, index, x, y, self._heard = (said[name][0] for name in ("act", "index", "x", "y", "count"))
-        self.dragging = act == "drag"
         if act in self._acts and 0 <= index < len(self.starts.data["x"]) and math.isfinite(x) and math.isfinite(y):
             self._acts[act](int(index), float(x), float(y))
-        if act == "drop" and self._box is not None:
-            self._fit(self._fitted_to, self._box)
 
     # What is drawn ---------------------------------------------------------------------------------------------------
 
     def show_orbits(
         self, system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
-    ) -> Window:
-        """Draw the trajectories, fit the view if it no longer suits them, and return the part it is fitted to.
+    ) -> None:
+        """Draw the trajectories; the view stays as it is.
 
         Parameters
         ----------
@@ -299,7 +320,6 @@ class PortraitView:
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._box = extent(pictures.orbits, pictures.others)
-        return self._fit((pictures.inputs.selected[0].problem.declaration, axes), self._box)
 
     def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
         """Put the stars at the starts; after a refused move this puts its star back."""
@@ -320,21 +340,19 @@ class PortraitView:
         self.surface_entry.label = value(surface_name(system))
         self.surface_entry.visible = self.tint_entry.visible = shows_surface(system, axes)
 
-    def _fit(self, what: Hashable, box: Window) -> Window:
-        """Fit the view to `box`, unless a star is being dragged or the present view shows the box large enough.
+    def fit(self) -> None:
+        """Let the view show the trajectories drawn last."""
+        if self._box is not None:
+            self.look_at(self._box.scaled(ROOM))
 
-        Another system, or another plane, always gets a new view.
-        """
-        news = what != self._fitted_to
-        if self.frame is None or news or not (self.dragging or _holds(self.frame, box)):
-            self.frame, self._fitted_to = box, what
-            assign(self.corners, x=[box.x_low, box.x_high], y=[box.y_low, box.y_high])
-            for axis in ranges(self.figure):  # zoom in as far as floats resolve, and out as far as is useful
-                axis.min_interval = 1e-9 * _power_of_ten(max(map(abs, box)))
-                axis.max_interval = 1e4 * _power_of_ten(max(box.width, box.height))
-        if news:
-            refit(self.figure)
-        return self.frame
+    def look_at(self, window: Window) -> None:
+        """Let the view show at least this part of the plane, as large as the screen and equal scales allow."""
+        self.frame, self._visible = window, None
+        assign(self.corners, x=[window.x_low, window.x_high], y=[window.y_low, window.y_high])
+        for axis in ranges(self.figure):  # zoom in as far as floats resolve, and out as far as is useful
+            axis.min_interval = 1e-9 * power_of_ten(max(map(abs, window)))
+            axis.max_interval = 1e4 * power_of_ten(max(window.width, window.height))
+        refit(self.figure)
 
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
@@ -350,39 +368,6 @@ class PortraitView:
             self.levels[side].data = _columns(backdrop.levels[side])
             self.orbit_levels[side].data = _columns(backdrop.orbit_levels[side])
             self.arrows[side].data = _columns(backdrop.arrows[side])
-
-
-def portrait_text(
-    system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
-) -> str:
-    """Return what the portrait shows, in sentences for screen readers."""
-    across, up = (system.variables[k] for k in pictures.inputs.axes)
-    x, y = starts[selected]
-    count = len(starts)
-    which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
-    crossed = "; ".join(
-        f"{one.method} crosses the surface {one.crossings} time{'s' * (one.crossings != 1)}"
-        for one in pictures.summaries
-    )
-    return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {crossed}."
-
-
-def extent(orbits: Sequence[Orbit], others: Sequence[Orbit] = ()) -> Window:
-    """Return the box of the first orbit, closed surfaces of comparable size, and the orbits near it.
-
-    Parameters
-    ----------
-    orbits : sequence of Orbit
-        One for each integrator, from the selected start.
-    others : sequence of Orbit
-        The same from the other starts, start by start. Those of the first integrator count, farther out (`OTHERS`)
-        than the orbits of other integrators (`NEAR`).
-    """
-    first = Window.around(np.concatenate([orbits[0].path, orbits[0].surface]))
-    points = np.concatenate([*(orbit.path for orbit in orbits), orbits[0].surface])
-    there = np.concatenate([np.empty((0, 2)), *(orbit.path for orbit in others[:: len(orbits)])])
-    near, far = first.scaled(NEAR).holds(points), first.scaled(OTHERS).holds(there)
-    return Window.around(np.concatenate([points[near], there[far]]))
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
@@ -401,17 +386,6 @@ def _step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:
     dots = np.concatenate([orbit.steps for orbit in orbits])
     colours = [line_of(orbit.method).colour for orbit in orbits for _ in orbit.steps]
     return {"x": dots[:, 0], "y": dots[:, 1], "colour": colours}
-
-
-def _holds(frame: Window, box: Window) -> bool:
-    """Whether the box lies in the frame, enlarged by 6 %, and has at least 40 % of its width and height."""
-    room = frame.scaled(1.06)
-    return room.covers(box) and min(box.width / frame.width, box.height / frame.height) >= 0.4
-
-
-def _power_of_ten(size: float) -> float:
-    """Return the power of ten below a size: bounds of a range should change seldom, as each change refits the view."""
-    return 10.0 ** math.floor(math.log10(size))
 
 
 def _polygons(backdrop: Backdrop) -> list[tuple[Floats, list[Floats]]]:

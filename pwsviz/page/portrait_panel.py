@@ -11,16 +11,18 @@ import panel_material_ui as pmui
 from bokeh.models.annotations import Span
 
 import core
-from pwsviz.figures.marks import ENDS
 from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.portrait_text import figures_of
 from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import portrait_note
 from pwsviz.page.player import Player
+from pwsviz.page.window_fields import Ends, WindowFields
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.scene import Scene, Start
+from pwsviz.scene.validation import window
 from pwsviz.tasks.scheduler import Scheduler
-from pwsviz.text.words import as_text, complaint, listed
+from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 
 REMIND = 300
@@ -56,8 +58,11 @@ class PortraitPanel(pn.viewable.Viewer):
             on_move=self.move,
             on_remove=self.remove,
             on_select=self._select,
+            on_zoom=self._keep_window,
+            on_fit=self.fit,
         )
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
+        self.limits = WindowFields(scene, self._seen, self.fit)
         self.player = Player(self.portrait, lines)
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
@@ -66,6 +71,9 @@ class PortraitPanel(pn.viewable.Viewer):
             variant="indeterminate", visible=False, sizing_mode="stretch_width", margin=0
         )
         self.shown: Pictures | None = None
+        self._aimed_at: tuple[Any, ...] = ()
+        self._told: Any = None
+        scene.param.watch(lambda event: None if event.new == self._told else self._aim(), "window")
         self._visible: Window | None = None
 
     def refresh(self) -> None:
@@ -105,15 +113,55 @@ class PortraitPanel(pn.viewable.Viewer):
         self.trouble.object = ""
         fade(self.pane, past=False)
         system, axes = self._declaration(outcome), outcome.inputs.axes
-        before = self.portrait.frame
         self.shown = outcome
         self._mark_starts()
-        if self.portrait.frame != before:
-            self._visible = None
+        self._aim_first(outcome)
         self.note.object = as_text(portrait_note(system, axes), "about")
         self.status.object = as_text(figures_of(outcome), "about") + run_lines(outcome.summaries)
         self._cover()
         self._submit_frames()
+
+    def _aim_first(self, shown: Pictures) -> None:
+        """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""
+        kind = (self._declaration(shown), shown.inputs.axes)
+        current = self.scheduler.submitted("runs") == shown.inputs
+        if kind != self._aimed_at[:2] or (current and self.scene.loads != self._aimed_at[2]):
+            self._aimed_at = (*kind, self.scene.loads if current else -1)
+            self._aim()
+
+    def _aim(self) -> None:
+        """Let the view show the window of the scene; without one, what suits the trajectories."""
+        self._told = self.scene.window
+        self._visible = None
+        if self.scene.window is None:
+            self.portrait.fit()
+        else:
+            self.portrait.look_at(Window(*self.scene.window))
+
+        self.limits.sync()
+
+    def _seen(self) -> Ends:
+        """Return the ends of what is visible, rounded to about a pixel."""
+        seen = self._visible or self.portrait.frame or Window(-1.0, 1.0, -1.0, 1.0)
+        digits = _digits(seen)
+        return tuple(round(end, digits) for end in seen)
+
+    def fit(self) -> None:
+        """Let the view show the present trajectories."""
+        self._told = None
+        self.scene.window = None
+        self._aim()
+        self._cover()
+
+    def _keep_window(self, seen: Window) -> None:
+        """Keep what the user looks at after panning or zooming, rounded to about a pixel."""
+        self._visible = seen
+        try:
+            self._told = window(self._seen())
+        except ValueError:  # farther out than a link can say
+            return
+        self.scene.window = self._told
+        self.limits.sync()
 
     def _mark_starts(self) -> None:
         """Draw the present curves, with the starts of the scene."""
@@ -142,6 +190,7 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def _look_at(self, window: Window) -> None:
         self._visible = window
+        self.limits.sync()
         self._cover()
 
     def _cover(self) -> None:
@@ -206,26 +255,19 @@ class PortraitPanel(pn.viewable.Viewer):
         """Return portrait, player and notes in a column."""
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
-            self.pane, self.player, self.note, self.trouble, self.status,
+            self.pane, pn.Row(self.player, self.limits.button, margin=0, sizing_mode="stretch_width"), self.limits,
+            self.note, self.trouble, self.status,
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
 
 
-def figures_of(pictures: Pictures) -> str:
-    """Return of which start the figures below the portrait are, and which others stop early; empty if there is one."""
-    count, index = pictures.inputs.start_count, pictures.inputs.index
-    if count == 1:
-        return ""
-    stops: dict[str, set[int]] = {}
-    for number, orbit in pictures.numbered:
-        if orbit.end is not None and number != index + 1:
-            stops.setdefault(ENDS[orbit.end.status].word, set()).add(number)
-    told = "; ".join(f"{listed([str(k) for k in sorted(who)])}: {word}" for word, who in stops.items())
-    return f"Start {index + 1} of {count}." + (f" Others that stop early: {told}." if told else "")
-
-
 def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, int] = (0, 1)) -> Start:
     """Return the state at a point of the plane, rounded to about a pixel; the other coordinates come from `others`."""
-    digits = 3 - math.floor(math.log10(max(view.width, view.height)))
+    digits = _digits(view)
     shown = {axes[0]: round(x, digits), axes[1]: round(y, digits)}
     return tuple(shown.get(k, value) for k, value in enumerate(others))
+
+
+def _digits(view: Window) -> int:
+    """Return to how many digits a coordinate has to be rounded to keep about a pixel of a view."""
+    return 3 - math.floor(math.log10(max(view.width, view.height)))

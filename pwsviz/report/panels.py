@@ -14,6 +14,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, portrait_tables
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
+from pwsviz.figures.framing import extent
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.report.numbers import run_numbers, slope_numbers
@@ -77,9 +78,11 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     view = PortraitView(_ignore, _ignore, _ignore, _ignore, _ignore)
     a, b = scene.axes
     starts = [(start[a], start[b]) for start in scene.starts]
-    frame = view.show_orbits(scene.declaration, pictures, starts, scene.selected)
+    view.show_orbits(scene.declaration, pictures, starts, scene.selected)
+    view.fit()
     ground = inputs.selected[0].problem
-    view.show_backdrop(results.backdrop(ground, frame.scaled(2.0), pictures.orbits[0].levels, scene.axes))
+    window = extent(pictures.orbits, pictures.others).scaled(2.0)
+    view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, scene.axes))
     _make_static(view.figure, HEIGHT["portrait"])
     tables = portrait_tables(drawn_runs(inputs, scene.selected, results.run))
     return view.figure, _measured((*inputs.selected, *inputs.others), results), tables

@@ -75,10 +75,8 @@ def _refined(
     corners[[0, -1]] = True
     corners[1:] |= ~lasts
     corners[:-1] |= ~lasts
-    bent: Mask = _bent(points, corners, BEND * pixel)
-    np.logical_and(bent, lasts & (shown[1:] | shown[:-1]), out=bent)
-    while bent.any() and len(points) < FINEST:
-        k = np.flatnonzero(bent)
+    bent: Mask = _bent(points, corners, BEND * pixel) & lasts & (shown[1:] | shown[:-1])
+    while len(k := np.flatnonzero(bent)) and len(points) < FINEST:
         share = np.arange(1, PARTS) / PARTS
         times = t[k, None] + (t[k + 1] - t[k])[:, None] * share
         try:
@@ -87,8 +85,10 @@ def _refined(
             break
         chord = points[k, None] + (points[k + 1] - points[k])[:, None] * share[:, None]
         away = np.hypot(*np.moveaxis(new.reshape(chord.shape) - chord, -1, 0)).max(axis=1)
-        bent[k] = away > PARTS**2 * STRAIGHT * pixel
-        bent = np.repeat(bent, np.where(np.isin(np.arange(len(bent)), k), PARTS, 1))
+        counts = np.where(bent, PARTS, 1)
+        still = np.zeros(len(bent), dtype=bool)
+        still[k] = away > PARTS**2 * STRAIGHT * pixel
+        bent = np.repeat(still, counts)
         inserted = np.repeat(k + 1, PARTS - 1)
         t, kinks = np.insert(t, inserted, times.ravel()), np.insert(kinks, inserted, False)
         points = np.insert(points, inserted, new, axis=0)

@@ -37,7 +37,7 @@ _FIRST = ("methods", "own", "system")
 the system, which sets the defaults of the other settings."""
 _WORDS = ("view", "study_method", "cost_across", "cost_up", "stability_part", "stability_shown")
 _LAST = (
-    "selected", "axes", "tolerance", "locate", "perturbation_order", "perturbation_scale", "peers", *_WORDS,
+    "selected", "axes", "window", "tolerance", "locate", "perturbation_order", "perturbation_scale", "peers", *_WORDS,
     "stability_coordinate",
 )  # fmt: skip
 _SETTINGS = (*_FIRST, "starts", "tau", "t_end", *_LAST)
@@ -94,6 +94,8 @@ def _text(scene: Scene, key: str) -> str:
             return ";".join(",".join(map(_decimal, start)) for start in value)
         case "axes":
             return ",".join(variables[k] for k in value)
+        case "window":
+            return "auto" if value is None else ",".join(map(_decimal, value))
         case "stability_coordinate":
             return str(variables[value])
         case "locate":
@@ -288,6 +290,8 @@ def _take(scene: Scene, key: str, text: str) -> None:
             value = tuple(tuple(map(_number, part.split(","))) for part in text.split(";"))
         case "axes":
             value = tuple(_index(name, variables) for name in text.split(","))
+        case "window":
+            value = None if text == "auto" else tuple(map(_number, text.split(",")))
         case "stability_coordinate":
             value = _index(text, variables)
         case "selected":

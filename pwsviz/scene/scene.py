@@ -16,7 +16,17 @@ import core
 from core.integrate import checked_method, checked_start
 from pwsviz.geometry.projection import PLANE
 from pwsviz.scene.names import short_name
-from pwsviz.scene.validation import MAX_STEPS, number, one_of, require_few_steps
+from pwsviz.scene.validation import (
+    MAX_STEPS,
+    number,
+    one_of,
+    plane,
+    require_few_steps,
+    require_known,
+    switch,
+    whole_number,
+    window,
+)
 from pwsviz.scene.views import VIEWS
 
 MAX_COORDINATE = 1e6
@@ -59,7 +69,13 @@ class _ViewKey(param.Parameter):  # type: ignore[type-arg]
 
 
 class Scene(param.Parameterized):
-    """The settings of one page: a system, where it starts, and how it is integrated."""
+    """The settings of one page: a system, where it starts, and how it is integrated.
+
+    Attributes
+    ----------
+    loads : int
+        How often a whole scene was loaded into this one, which then brings a window of its own.
+    """
 
     system: Any = param.Selector(
         default="elliptic_curve", objects=[*core.CATALOGUE, OWN], doc="Key in `core.CATALOGUE`, or `OWN`."
@@ -69,6 +85,9 @@ class Scene(param.Parameterized):
     starts: Any = param.ClassSelector(default=(), class_=tuple, doc="Initial states, one for each trajectory.")
     selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="Index of the start that is selected.")
     axes: Any = param.ClassSelector(default=(0, 1), class_=tuple, doc="The two variables that span the portrait.")
+    window: Any = param.ClassSelector(
+        default=None, class_=tuple, doc="Ends (left, right, bottom, top) of the portrait; None: as suits what it shows."
+    )
     methods = param.ListSelector(default=["dmm2", "rk2"], objects=list(core.METHODS), doc="Integrators side by side.")
     tau = param.Number(default=1e-2, bounds=(1e-6, 1.0), doc="Step size.")
     tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of integrators that choose their own steps.")
@@ -92,6 +111,7 @@ class Scene(param.Parameterized):
     def __init__(self, **params: Any) -> None:
         self._no_defaults = False
         self._timed = ""  # the system whose end time was considered last
+        self.loads = 0
         super().__init__(**params)
         chosen = self.declaration
         missing = {"values": dict(chosen.values), "starts": (chosen.x0,), "t_end": self._end_of_system()}
@@ -173,6 +193,7 @@ class Scene(param.Parameterized):
             fresh.accept(name, given.pop(name, getattr(fresh, name)))
         for name, value in given.items():
             fresh.accept(name, value)
+        self.loads += 1
         self.restore(fresh.settings())
 
     @contextmanager
@@ -194,7 +215,7 @@ class Scene(param.Parameterized):
         """
         if system.dimension < PLANE:
             raise ValueError("A portrait needs two variables at least.")
-        changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1)}
+        changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1), "window": None}
         checked_start(system, 0.0, system.x0)
         with self._without_defaults():
             self.param.update(
@@ -211,8 +232,13 @@ class Scene(param.Parameterized):
         chosen = self.declaration
         self.param.update(
             values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=(0, 1), stability_coordinate=0,
-            t_end=self._end_of_system(), view=self._telling_view(chosen),
+            t_end=self._end_of_system(), view=self._telling_view(chosen), window=None,
         )  # fmt: skip
+
+    @param.depends("axes", watch=True)
+    def _look_afresh(self) -> None:
+        if not self._no_defaults:
+            self.window = None
 
     def _telling_view(self, system: core.PiecewiseSystem) -> str:
         """Return the view shown, or the state where that is empty: the system has no ψ to be conserved."""
@@ -278,19 +304,20 @@ class Scene(param.Parameterized):
             return
         checks: dict[str, Callable[[str, object], Any]] = {
             "tau": self._checked_tau,
-            "tolerance": self._checked_tolerance,
+            "tolerance": lambda _, value: self._checked_number("The tolerance", "tolerance", value),
             "t_end": self._checked_end,
-            "perturbation_scale": self._checked_scale,
+            "perturbation_scale": lambda _, value: self._checked_number("The factor", "perturbation_scale", value),
             "methods": self._checked_methods,
             "peers": self._checked_peers,
             "starts": self._checked_starts,
             "selected": self._checked_selected,
-            "axes": self._checked_axes,
+            "axes": lambda _, value: plane(value, len(self.declaration.variables)),
             "values": self._checked_values,
-            "locate": self._checked_switch,
+            "locate": lambda _, value: switch(value),
             "stability_coordinate": self._checked_coordinate,
             "system": self._checked_system,
             "view": lambda _, value: one_of(VIEWS, value),
+            "window": lambda _, value: window(value),
         }
         check = checks.get(name)
         if check is None and not (name in self.param and isinstance(self.param[name], param.Selector)):
@@ -318,28 +345,25 @@ class Scene(param.Parameterized):
         require_few_steps(self.t_end, tau)
         return tau
 
-    def _checked_tolerance(self, _: str, value: object) -> float:
-        return number(value, "The tolerance", *self.param["tolerance"].bounds)
+    def _checked_number(self, subject: str, field: str, value: object) -> float:
+        return number(value, subject, *self.param[field].bounds)
 
     def _checked_end(self, _: str, value: object) -> float:
         t_end = self.checked_time("t_end", value)
         require_few_steps(t_end, self.tau)
         return t_end
 
-    def _checked_scale(self, _: str, value: object) -> float:
-        return number(value, "The factor", *self.param["perturbation_scale"].bounds)
-
     def _checked_methods(self, _: str, value: object) -> list[str]:
         if not isinstance(value, list) or not value:
             raise ValueError("Choose at least one integrator.")
-        _require_known(value, core.METHODS, "an integrator")
+        require_known(value, core.METHODS, "an integrator")
         resting = set(self.methods) - set(self.offered)
         return [name for name in core.METHODS if name in value or name in resting]
 
     def _checked_peers(self, _: str, value: object) -> list[str]:
         if not isinstance(value, list):
             raise ValueError(f"“{value}” is no list of integrators.")
-        _require_known(value, EXTERNAL_SOLVERS, "an integrator to compare with")
+        require_known(value, EXTERNAL_SOLVERS, "an integrator to compare with")
         return [name for name in EXTERNAL_SOLVERS if name in value]
 
     def _checked_system(self, _: str, value: object) -> str:
@@ -349,11 +373,6 @@ class Scene(param.Parameterized):
 
     def _checked_choice(self, name: str, value: object) -> object:
         return one_of(self.param[name].objects, value)
-
-    def _checked_switch(self, _: str, value: object) -> bool:
-        if not isinstance(value, bool):
-            raise ValueError(f"“{value}” is neither on nor off.")
-        return value
 
     def _checked_x0(self, index: str, value: object) -> Start:
         if not index:
@@ -376,17 +395,10 @@ class Scene(param.Parameterized):
         return tuple(self._checked_start(start) for start in value)
 
     def _checked_selected(self, _: str, value: object) -> int:
-        return _whole_number(value, "The number of the selected start", len(self.starts))
+        return whole_number(value, "The number of the selected start", len(self.starts))
 
     def _checked_coordinate(self, _: str, value: object) -> int:
-        return _whole_number(value, "The number of a variable", len(self.declaration.variables))
-
-    def _checked_axes(self, _: str, value: object) -> tuple[int, int]:
-        d = len(self.declaration.variables)
-        whole = isinstance(value, tuple) and len(value) == 2 and all(type(i) is int and 0 <= i < d for i in value)
-        if not isinstance(value, tuple) or not whole or value[0] == value[1]:
-            raise ValueError(f"“{value}” does not name two of the {d} variables: take two different numbers below {d}.")
-        return value
+        return whole_number(value, "The number of a variable", len(self.declaration.variables))
 
     def _checked_values(self, name: str, value: object) -> dict[str, float]:
         parameters = {p.name: p for p in self.declaration.parameters}
@@ -403,15 +415,3 @@ def can_use(system: core.PiecewiseSystem, method: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _require_known(names: list[Any], known: Mapping[str, Any], what: str) -> None:
-    for name in names:
-        if name not in known:
-            raise ValueError(f"“{name}” is not {what}; there are {', '.join(known)}.")
-
-
-def _whole_number(value: object, subject: str, count: int) -> int:
-    if type(value) is not int or not 0 <= value < count:
-        raise ValueError(f"{subject} has to lie between 0 and {count - 1}; it is “{value}”.")
-    return value

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+LIMIT = 1e9
+"""Largest |coordinate| of the ends of a window."""
+
+NARROWEST = 1e-9
+"""Least width and height of a window, relative to its largest |coordinate|: less is not resolved on a screen."""
 
 MAX_STEPS = 2_000_000
 """Most steps of one run on the page, so that a mistyped step size cannot keep it busy."""
+
+
+_ENDS = ("left", "right", "bottom", "top")
 
 
 def number(value: object, subject: str, low: float, high: float) -> float:
@@ -42,6 +52,26 @@ def one_of(choices: Iterable[object], value: object) -> object:
     return value
 
 
+def window(value: object) -> tuple[float, float, float, float] | None:
+    """Check the window of the portrait: None for one that suits the trajectories, or left, right, bottom and top end.
+
+    Raises
+    ------
+    ValueError
+        Naming the end that is refused, or what else is wrong.
+    """
+    if value is None:
+        return None
+    if not isinstance(value, tuple) or len(value) != len(_ENDS):
+        raise ValueError(f"A window needs {len(_ENDS)} numbers: the {', '.join(_ENDS)} end.")
+    left, right, bottom, top = (
+        number(end, f"The {name} end", -LIMIT, LIMIT) for name, end in zip(_ENDS, value, strict=True)
+    )
+    if min(right - left, top - bottom) <= NARROWEST * max(map(abs, (left, right, bottom, top))):
+        raise ValueError("The right end has to lie right of the left one, and the top end above the bottom one.")
+    return left, right, bottom, top
+
+
 def require_few_steps(t_end: float, tau: float) -> None:
     """Raise a ValueError that says what to change if a run needs more than `MAX_STEPS` steps."""
     steps = t_end / tau
@@ -50,6 +80,37 @@ def require_few_steps(t_end: float, tau: float) -> None:
             f"{steps:,.0f} steps are more than this page runs ({MAX_STEPS:,}): "
             f"take τ ≥ {_rounded_up(t_end / MAX_STEPS)} or an end time ≤ {tau * MAX_STEPS:g}."
         )
+
+
+def require_known(names: list[Any], known: Mapping[str, Any], what: str) -> None:
+    """Raise a ValueError that names the first unknown name, what it should be, and the known ones."""
+    for name in names:
+        if name not in known:
+            raise ValueError(f"“{name}” is not {what}; there are {', '.join(known)}.")
+
+
+def switch(value: object) -> bool:
+    """Return whether something is on; ValueError if the value is neither True nor False."""
+    if not isinstance(value, bool):
+        raise ValueError(f"“{value}” is neither on nor off.")
+    return value
+
+
+def plane(value: object, count: int) -> tuple[int, int]:
+    """Return two different numbers of variables below `count`; ValueError if they are not."""
+    whole = isinstance(value, tuple) and len(value) == 2 and all(type(i) is int and 0 <= i < count for i in value)
+    if not isinstance(value, tuple) or not whole or value[0] == value[1]:
+        raise ValueError(
+            f"“{value}” does not name two of the {count} variables: take two different numbers below {count}."
+        )
+    return value
+
+
+def whole_number(value: object, subject: str, count: int) -> int:
+    """Return a whole number from 0 to `count` − 1; ValueError, naming the subject, if it is none."""
+    if type(value) is not int or not 0 <= value < count:
+        raise ValueError(f"{subject} has to lie between 0 and {count - 1}; it is “{value}”.")
+    return value
 
 
 def _rounded_up(value: float) -> str:

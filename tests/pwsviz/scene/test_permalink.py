@@ -41,6 +41,7 @@ CHOICES = {
     "study_method": st.sampled_from(list(core.METHODS)),
     "selected": st.integers(0, MAX_STARTS - 1),
     "axes": st.permutations(range(4)).map(lambda order: tuple(order[:2])),
+    "window": st.one_of(st.none(), st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS)),
     "stability_coordinate": st.integers(0, 3),
     "x0.0": MODEST,
     "x0.1": MODEST,
@@ -102,6 +103,19 @@ def test_the_usual_scene_has_the_shortest_link():
     assert query(Scene()) == "v=1"
     assert query(Scene(system="pendulum")) == "v=1&system=pendulum"
     assert query(Scene(system="type_upward")) == "v=1&system=type_upward", "its longer end time is usual"
+
+
+def test_a_window_is_in_the_link_once_it_is_chosen():
+    scene = Scene()
+    scene.accept("window", (-2.5, 1.0, -1.0, 0.125))
+    assert query(scene) == "v=1&window=-2.5,1.0,-1.0,0.125"
+    assert read(query(scene)) == (scene.settings(), [])
+    scene.accept("axes", (1, 0))
+    assert scene.window is None, "another plane has another window"
+    for wrong in ("1,0,0,1", "0,1,0", "0,1,0,inf", "0,0,0,0", "a,b,c,d", "1,1.0000000000000002,0,1", "-1e99,0,0,1"):
+        found, complaints = read(f"v=1&window={wrong}")
+        assert found["window"] is None
+        assert "Used instead: auto." in complaints[0]
 
 
 def test_a_link_can_be_read_by_people():

@@ -1,0 +1,73 @@
+"""The window of the portrait stays where it is put."""
+
+import re
+
+import pytest
+
+from tests.browser.looking import field
+from tests.browser.test_portrait import PORTRAIT, await_still, await_that, drag, inside
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def page(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    await_still(page)
+    return page
+
+
+def window(page):
+    """Left and right end, and the middle in y: a legend that grows takes height from the plot."""
+    left, right, bottom, top = page.evaluate(PORTRAIT)["range"]
+    return [left, right, (bottom + top) / 2]
+
+
+def test_neither_a_new_start_nor_one_that_escapes_moves_the_window(page):
+    before = window(page)
+    page.mouse.click(*inside(page.evaluate(PORTRAIT), 0.97, 0.95))  # from here the solution runs off to infinity
+    await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 2)
+    page.get_by_text(re.compile("Start 2 of 2")).first.wait_for()
+    await_still(page)
+    assert window(page) == pytest.approx(before, abs=0.01)
+    star = page.evaluate(PORTRAIT)["stars"][0]
+    drag(page, star, (90, 120))
+    page.mouse.up()
+    await_still(page)
+    assert window(page) == pytest.approx(before, abs=0.01)
+
+
+def test_pan_is_kept_in_the_link_and_fit_returns(page):
+    before = page.evaluate(PORTRAIT)["range"]
+    drag(page, inside(page.evaluate(PORTRAIT), 0.9, 0.9), (-80, 40))
+    page.mouse.up()
+    page.wait_for_url(re.compile("window="))
+    panned = page.evaluate(PORTRAIT)["range"]
+    assert panned[0] > before[0]
+    page.reload()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    size = panned[1] - panned[0]
+    assert page.evaluate(PORTRAIT)["range"] == pytest.approx(panned, abs=0.02 * size)
+    type_tau = field(page, "Step size τ")
+    type_tau.fill("0.02")
+    type_tau.press("Enter")
+    page.get_by_text(re.compile("1,000 steps")).first.wait_for()
+    assert page.evaluate(PORTRAIT)["range"] == pytest.approx(panned, abs=0.02 * size)
+    page.mouse.move(*inside(page.evaluate(PORTRAIT), 0.5, 0.9))
+    page.get_by_title("Fit to the trajectories").click()
+    await_that(page, PORTRAIT, lambda seen: seen["range"] == pytest.approx(before, abs=0.02 * size))
+    page.wait_for_url(lambda url: "window=" not in url)
+
+
+def test_limits_can_be_typed(page):
+    page.get_by_role("button", name="Limits of the portrait").click()
+    entry = field(page, "Right end")
+    entry.fill("6")
+    entry.press("Enter")
+    page.wait_for_url(re.compile("window="))
+    seen = await_that(page, PORTRAIT, lambda seen: seen["range"][1] >= 6)
+    left, right, bottom, top = seen["range"]
+    assert seen["frame"][2] / (right - left) == pytest.approx(seen["frame"][3] / (top - bottom), rel=0.01)
