@@ -175,7 +175,8 @@ def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
     """Return the lines that repeat a stability study."""
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
-    call = _call("study = core.stability_study", ("system", _span(scene)), keywords | {"parts": repr(parts)})
+    keywords |= {"parts": repr(parts)} | ({} if inputs.tau is None else {"tau": repr(inputs.tau)})
+    call = _call("study = core.stability_study", ("system", f"(0.0, {inputs.t_end!r})"), keywords)
     return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
 
 

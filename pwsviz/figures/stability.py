@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Literal
 
 from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.stability_lines import DriftFigure, GrazingFigure
-from pwsviz.figures.stability_map import MapFigure, Shown
+from pwsviz.figures.stability_map import Choose, MapFigure, Shown
 from pwsviz.figures.stability_tables import stability_tables
-from pwsviz.figures.stability_text import stability_text
+from pwsviz.figures.stability_text import stability_numbers, stability_text
 
-__all__ = ["Part", "StabilityView", "stability_tables", "stability_text"]
+__all__ = ["Part", "StabilityView", "stability_numbers", "stability_tables", "stability_text"]
 
 Part = Literal["map", "drift", "grazing"]
 
-_FIGURES: dict[str, type[MapFigure | DriftFigure | GrazingFigure]] = {
-    "map": MapFigure,
-    "drift": DriftFigure,
-    "grazing": GrazingFigure,
-}
-
 
 class StabilityView:
-    """Three figures, each made when it is first asked for; `show` only changes their data."""
+    """Three figures, each made when it is first asked for; `show` only changes their data.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    on_choose : callable
+        Called with the place of a click on the map: a step size and a coordinate of the start.
+    """
+
+    def __init__(self, on_choose: Choose) -> None:
+        self._make: dict[str, Callable[[], MapFigure | DriftFigure | GrazingFigure]] = {
+            "map": partial(MapFigure, on_choose), "drift": DriftFigure, "grazing": GrazingFigure,
+        }  # fmt: skip
         self._made: dict[str, MapFigure | DriftFigure | GrazingFigure] = {}
 
     def figure(self, part: Part) -> figure:
@@ -53,7 +58,13 @@ class StabilityView:
         else:
             drawn.show(study)
 
+    def mark(self, tau: float, value: float) -> None:
+        """Mark a step size and a coordinate of the start on the map, if it is made."""
+        drawn = self._made.get("map")
+        if isinstance(drawn, MapFigure):
+            drawn.mark(tau, value)
+
     def _of(self, part: Part) -> MapFigure | DriftFigure | GrazingFigure:
         if part not in self._made:
-            self._made[part] = _FIGURES[part]()
+            self._made[part] = self._make[part]()
         return self._made[part]

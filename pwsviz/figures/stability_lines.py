@@ -31,7 +31,7 @@ class DriftFigure:
             x_axis_type="log",
             y_axis_type="log",
             x_axis_label="time since the start",
-            y_axis_label="|numerical drift of ψ|",
+            y_axis_label="numerical drift of ψ, |Δψ|",
             x_range=DataRange1d(range_padding=0.02),
             y_range=DataRange1d(range_padding=0.06),
         )
@@ -78,7 +78,7 @@ class GrazingFigure:
             x_axis_type="log",
             y_axis_type="log",
             x_axis_label="distance δ of the start from the tangency",
-            y_axis_label="greatest |Δψ|",
+            y_axis_label="largest |Δψ|",
             x_range=DataRange1d(range_padding=0.04),
             y_range=DataRange1d(range_padding=0.06),
         )
@@ -95,7 +95,7 @@ class GrazingFigure:
         rings = plot.scatter(
             "x", "y", source=self.wrong, marker="circle", fill_alpha=0.0, line_color=VERMILION, line_width=2, size=17
         )
-        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "less, 0 or unknown"})
+        mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, 0 or unknown"})
         self.corners = fit_to_corners(plot, [1e-14, 0.1], [FLOOR / 2, 1e-12])
         tips = [("", "@method, @side"), ("δ", "@x"), ("crossings", "@crossings"), ("|Δψ|", "@error"), ("", "@status")]
         plot.add_tools(HoverTool(renderers=marks, tooltips=tips))

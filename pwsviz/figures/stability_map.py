@@ -2,40 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
+from bokeh.events import Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, LogColorMapper
 from bokeh.models.annotations import ColorBar
 from bokeh.palettes import Cividis256
+from numpy.typing import NDArray
 
 import core
-from core.studies import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
-from pwsviz.figures.stability_text import cell_words
-from pwsviz.figures.style import (
-    BLUE,
-    BROWN,
-    GREEN,
-    GREY,
-    OCHRE,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    VIOLET,
-    assign,
-    fit_to_corners,
-    legend_below,
-    line_of,
-    plain_figure,
-)
+from core.studies import NOT_YET, OutcomeMap
+from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.figures.style import GREY, assign, fit_to_corners, legend_below, line_of, plain_figure
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 
-__all__ = ["COLOURS", "MapFigure", "Shown"]
+__all__ = ["NO_VALUE", "Choose", "MapFigure", "Shown"]
 
 Shown = Literal["outcome", "error"]
+
+Choose = Callable[[float, float], None]
+"""Called with the step size and the coordinate of the start on which the user clicks."""
+
+NO_VALUE = "no value of |Δψ|: the numerical solution blows up, or no ψ is known"
+"""Legend of grey cells."""
 
 FLOOR = MACHINE_EPSILON / 8
 """|Δψ| at the lower end of the colour scale; smaller ones have the same colour."""
@@ -43,33 +35,21 @@ FLOOR = MACHINE_EPSILON / 8
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
-COLOURS: Mapping[int, str] = {
-    core.Status.COMPLETED: SKY,  # and every run with the correct sequence of crossings
-    WRONG_CROSSINGS: ORANGE,
-    WENT_ON: OCHRE,
-    core.Status.ESCAPED: VERMILION,
-    core.Status.UNSTABLE: "#7f1d1d",
-    core.Status.CONTRADICTION: "#000000",
-    core.Status.NO_CONVERGENCE: PURPLE,
-    core.Status.SLIDING: GREEN,
-    core.Status.GRAZING: BROWN,
-    core.Status.ZENO: VIOLET,
-    core.Status.REPELLING: BLUE,
-    core.Status.STEP_LIMIT: GREY,
-    core.Status.CROSSING_LIMIT: GREY,
-    NO_START: "#404040",
-}
-"""Colour of each outcome."""
-
 _CELLS = ("left", "right", "bottom", "top", "tau", "value", "words", "crossings", "error")
 
 
 class MapFigure:
-    """One fixed figure: τ across, the coordinate of the start up, a cell for each run."""
+    """One fixed figure: τ across, the coordinate of the start up, a cell for each run.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    on_choose : callable
+        Called with the place of a click.
+    """
+
+    def __init__(self, on_choose: Choose) -> None:
         self.figure = plain_figure(
-            "what comes of a run, in colours, over step size (logarithmic) and one coordinate of the start",
+            "outcome of runs, in colours, over step size (logarithmic) and one coordinate of the start",
             x_axis_type="log",
             x_axis_label="step size τ",
             y_axis_label="start",
@@ -81,16 +61,20 @@ class MapFigure:
         self.cells = ColumnDataSource({name: [] for name in (*_CELLS, "colour")})
         outcomes = plot.quad(**edges, source=self.cells, fill_color="colour")
         self.heat = ColumnDataSource({name: [] for name in (*_CELLS, "height")})
-        mapper = LogColorMapper(palette=Cividis256, low=FLOOR, high=CEILING, nan_color=GREY)
+        mapper = LogColorMapper(palette=Cividis256, low=FLOOR, high=CEILING)
         errors = plot.quad(**edges, source=self.heat, fill_color={"field": "height", "transform": mapper})
+        self.blank = ColumnDataSource({name: [] for name in _CELLS})
+        blanks = plot.quad(**edges, source=self.blank, fill_color=GREY)
         self.bar = ColorBar(color_mapper=mapper, title="|Δψ|", visible=False, width=12)
         plot.add_layout(self.bar, "right")
         self._limit_glyphs()
+        self._place_glyphs()
         self.corners = fit_to_corners(plot, [1e-3, 1.0], [-1.0, 1.0])
         tips = [("", "@words"), ("τ", "@tau"), ("start", "@value"), ("crossings", "@crossings"), ("|Δψ|", "@error")]
-        plot.add_tools(HoverTool(renderers=[outcomes, errors], tooltips=tips))
-        legend_below(plot, 2, [({"field": "words"}, outcomes)], widest=240)
-        self._legend = plot.legend[0]
+        plot.add_tools(HoverTool(renderers=[outcomes, errors, blanks], tooltips=tips))
+        entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks)]
+        self._outcomes, self._blanks = legend_below(plot, 2, entries, widest=240)
+        plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> None:
         """Make the labelled lines at the largest step size that works for each integrator."""
@@ -103,17 +87,33 @@ class MapFigure:
             text_baseline="bottom", x_offset=-3, y_offset=-6, **box,
         )  # fmt: skip
 
+    def _place_glyphs(self) -> None:
+        """Make the cross at the step size and the start of the page: a dark one on a light one, seen on every cell."""
+        self.place = ColumnDataSource({"x": [], "y": []})
+        for colour, width in (("#FFFFFF", 6), ("#000000", 2.5)):
+            self.figure.scatter("x", "y", source=self.place, marker="cross", size=26, color=colour, line_width=width)
+
     def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
         """Draw what is computed of the map of one integrator, and the largest step size of each integrator."""
         self.figure.yaxis[0].axis_label = f"{study.coordinate_name} at the start"
-        self._legend.visible, self.bar.visible = what == "outcome", what == "error"
         cells = {} if study.map is None else _cells(study.map, study.methods.index(method))
-        for source, wanted in ((self.cells, "outcome"), (self.heat, "error")):
-            source.data = {name: cells[name] if cells and what == wanted else [] for name in source.data}
+        known = np.isfinite(cells.get("height", np.empty(0)))
+        rows = {"outcome": np.ones(len(known), dtype=bool), "error": known, "blank": ~known}
+        for source, which, wanted in (
+            (self.cells, "outcome", "outcome"), (self.heat, "error", "error"), (self.blank, "blank", "error"),
+        ):  # fmt: skip
+            kept = rows[which] & (what == wanted)
+            assign(source, **{name: cells[name][kept] if cells else [] for name in source.data})
+        self._outcomes.visible, self.bar.visible = what == "outcome", what == "error"
+        self._blanks.visible = what == "error" and bool((~known).any())
         self._show_limits(study)
         if study.map is not None:
             across, up = _edges(np.log(study.map.taus)), _edges(study.map.values)
             assign(self.corners, x=np.exp(across[[0, -1]]), y=up[[0, -1]])
+
+    def mark(self, tau: float, value: float) -> None:
+        """Put the cross at a step size and a coordinate of the start."""
+        assign(self.place, x=[tau], y=[value])
 
     def _show_limits(self, study: core.StabilityStudy) -> None:
         largest = study.largest_tau
@@ -135,23 +135,28 @@ def _edges(centres: Floats) -> Floats:
     return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
 
 
-def _cells(found: OutcomeMap, k: int) -> dict[str, Floats | list[str]]:
+def _choose(event: Event, on_choose: Choose) -> None:
+    if isinstance(event, PointEvent) and event.x is not None and event.y is not None:
+        on_choose(float(event.x), float(event.y))
+
+
+def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
     """Return the columns of the computed cells of one integrator."""
-    row, column = np.nonzero(found.outcome[k] != NOT_YET)
+    shown = outcomes_shown(found, k)
+    row, column = np.nonzero(shown != NOT_YET)
     across, up = np.exp(_edges(np.log(found.taus))), _edges(found.values)
-    outcome, error, works = (a[k][row, column] for a in (found.outcome, found.error, found.works))
-    codes = np.where(works, core.Status.COMPLETED, outcome)
+    error, codes = found.error[k][row, column], shown[row, column].tolist()
     counts = zip(found.crossings[k][row, column], found.expected_crossings[column], strict=True)
     return {
         "left": across[row],
         "right": across[row + 1],
         "bottom": up[column],
         "top": up[column + 1],
-        "tau": [f"{tau:.3g}" for tau in found.taus[row]],
-        "value": [f"{value:.4g}" for value in found.values[column]],
-        "words": [cell_words(*given) for given in zip(codes, found.expected[column], strict=True)],
-        "crossings": [f"{has} of {should}" for has, should in counts],
-        "error": [f"{e:.1e}" if np.isfinite(e) else "no value" for e in error],
-        "colour": [COLOURS[code] for code in codes],
+        "tau": np.array([f"{tau:.3g}" for tau in found.taus[row]]),
+        "value": np.array([f"{value:.4g}" for value in found.values[column]]),
+        "words": np.array([OUTCOMES[code].words for code in codes]),
+        "crossings": np.array([f"{has} of {should}" for has, should in counts]),
+        "error": np.array([f"{e:.1e}" if np.isfinite(e) else "no value" for e in error]),
+        "colour": np.array([OUTCOMES[code].colour for code in codes]),
         "height": np.maximum(error, FLOOR),
     }

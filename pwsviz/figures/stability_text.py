@@ -1,50 +1,19 @@
-"""A stability study in words."""
+"""A stability study in words and in small tables."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
 
 import numpy as np
 
 import core
-from core.studies import (
-    ENDINGS,
-    NO_START,
-    NOT_YET,
-    WENT_ON,
-    WRONG_CROSSINGS,
-    Drift,
-    Grazing,
-    LargestTau,
-    OutcomeMap,
-)
-from pwsviz.text.words import listed, plural, rounded_up
+from core.studies import NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
+from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.text.tables import Numbers
+from pwsviz.text.words import plural, rounded_up
 
-__all__ = ["cell_words", "side_words", "stability_text"]
+__all__ = ["side_words", "stability_numbers", "stability_text"]
 
-_SHORT: Mapping[int, str] = {
-    core.Status.COMPLETED: "correct sequence of crossings",
-    WRONG_CROSSINGS: "wrong number of crossings",
-    WENT_ON: "goes on where the solution stops",
-    core.Status.ESCAPED: "the numerical solution blows up",
-    core.Status.UNSTABLE: "the scheme leaves the solution",
-    core.Status.CONTRADICTION: "an error of the program",
-    core.Status.NO_CONVERGENCE: "a step has no solution",
-    core.Status.SLIDING: "stops: slides",
-    core.Status.GRAZING: "stops: touches the surface",
-    core.Status.ZENO: "stops: crossings accumulate",
-    core.Status.REPELLING: "stops: repelled from both sides",
-    core.Status.STEP_LIMIT: "too many steps",
-    core.Status.CROSSING_LIMIT: "too many crossings",
-    NO_START: "no start here",
-}
-
-
-def cell_words(code: int, expected: int) -> str:
-    """Return the outcome of a run in a few words; if the outcome of the solution is not known, say that instead."""
-    if expected not in ENDINGS and code != NO_START:
-        return "the reference gives up"
-    return _SHORT[code]
+UNKNOWN = "–"
+"""In place of a number that is not known, or that there is not."""
 
 
 def side_words(study: core.StabilityStudy, side: int) -> str:
@@ -53,65 +22,91 @@ def side_words(study: core.StabilityStudy, side: int) -> str:
     return f"{study.coordinate_name} {'<>'[side]} {value:.6g}".replace("-", "−")
 
 
-def stability_text(study: core.StabilityStudy, part: str, method: str) -> str:
-    """Return one part of a study in words: the same as its figure shows, also for screen readers.
+# Words ---------------------------------------------------------------------------------------------------------------
+
+
+def stability_text(study: core.StabilityStudy, part: str) -> str:
+    """Return in words what one part of a study is; its figures are in `stability_numbers`.
 
     Parameters
     ----------
     part
-        "largest_tau", "map" (which includes the former), "drift" or "grazing".
-    method
-        The integrator of the map.
+        "map" (which includes the largest step sizes), "drift" or "grazing".
     """
-    words = []
-    if part in ("largest_tau", "map") and study.largest_tau is not None:
-        words += _limits(study, study.largest_tau)
-    if part == "map" and study.map is not None:
-        words += _outcomes(study, study.map, method)
+    if part == "map" and (study.map is not None or study.largest_tau is not None):
+        return f"Crossings compared with: {study.reference}."
     if part == "drift" and study.drift is not None:
-        words += _drift(study, study.drift)
-    if part in ("largest_tau", "map") and words:
-        words.append(f"Crossings compared with: {study.reference}.")
+        return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:
-        words += _grazing(study, study.grazing)
-    return " ".join(words) or "Nothing is computed yet."
+        return _grazing_words(study, study.grazing)
+    return "Nothing is computed yet."
 
 
-def _limits(study: core.StabilityStudy, largest: LargestTau) -> list[str]:
-    """Return a sentence for each integrator on the largest step size that works."""
-    sentences = []
-    for k, name in enumerate(study.methods):
-        tau, beyond, reason = largest.tau[k], largest.beyond[k], largest.reason[k]
-        if not largest.done[k]:
-            continue
-        if np.isnan(beyond):
-            every = f"{name}: every step size tried works, up to τ = {tau:.3g}."
-            sentences.append(every if np.isfinite(tau) else f"{name}: no answer, {reason}.")
-        elif np.isnan(tau):
-            sentences.append(f"{name}: not even τ = {beyond:.3g} works: {reason}.")
-        else:
-            sentences.append(f"{name}: works up to τ = {tau:.3g}; at {beyond:.3g}: {reason}.")
-    start = f"Largest step size from the start chosen, to t = {largest.horizon:.4g}:"
-    return [start, *sentences] if sentences else []
+def _drift_words(drift: Drift) -> str:
+    if not np.isfinite(drift.error).any():
+        return "No conserved quantity is known, so there is no drift to see."
+    return f"{plural(drift.steps, 'step')} of the step size in the sidebar, τ = {drift.tau:.3g}."
 
 
-def _outcomes(study: core.StabilityStudy, found: OutcomeMap, method: str) -> list[str]:
-    """Return the shares of the outcomes in the map of one integrator."""
+def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
+    """Say where the tangency is."""
+    name = study.coordinate_name
+    if not grazing.found:
+        return f"No tangency: at no {name} in the range searched does the trajectory touch the surface in passing."
+    place = ", ".join(f"{v:.4g}" for v in grazing.state)
+    start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
+    words = [f"{start} ({place}).", f"Runs beside it with the step size in the sidebar, τ = {grazing.tau:.3g}."]
+    if not (grazing.expected >= 0).any():
+        words.append("There is nothing to compare with: the solution itself stops on the surface.")
+    else:
+        words.append("Crossings compared with: the exact solution where one is known, else the Taylor method.")
+    return " ".join(words)
+
+
+# Tables --------------------------------------------------------------------------------------------------------------
+
+
+def stability_numbers(study: core.StabilityStudy, part: str, method: str) -> list[Numbers]:
+    """Return the figures of one part of a study, as far as it is computed; `method` is the integrator of the map."""
+    tables = []
+    if part == "map" and study.largest_tau is not None:
+        tables.append(_limits(study, study.largest_tau))
+    if part == "map" and study.map is not None:
+        tables.append(_shares(study, study.map, method))
+    if part == "drift" and study.drift is not None:
+        tables.append(_drifts(study, study.drift))
+    if part == "grazing" and study.grazing is not None:
+        tables.append(_misses(study, study.grazing))
+    return tables
+
+
+def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
+    """Return the largest step size that works, for each integrator."""
+    rows = tuple(
+        (name, _size(largest.tau[k]), _size(largest.beyond[k]), largest.reason[k] or "every step size tried works")
+        for k, name in enumerate(study.methods)
+        if largest.done[k]
+    )
+    caption = f"Largest step size from the chosen start, to t = {largest.horizon:.4g}"
+    return Numbers(("integrator", "works up to τ", "fails at τ", "reason"), rows, caption=caption)
+
+
+def _shares(study: core.StabilityStudy, found: OutcomeMap, method: str) -> Numbers:
+    """Return the shares of the outcomes in the map of one integrator, the most frequent first."""
     k = study.methods.index(method)
-    done = found.outcome[k] != NOT_YET
-    total = int(done.sum())
-    if not total:
-        return []
-    codes = np.where(found.works[k], core.Status.COMPLETED, found.outcome[k])
-    expected = np.broadcast_to(found.expected, codes.shape)
-    words = [cell_words(*given) for given in zip(codes[done], expected[done], strict=True)]
-    counts = sorted(((words.count(word), word) for word in set(words)), reverse=True)
-    shares = listed([f"{word}: {_share(count / total)}" for count, word in counts])
-    sentences = [f"Map of {method}, {plural(total, 'run')}: {shares}."]
-    errors = found.error[k][found.works[k]]
-    if np.isfinite(errors).any():
-        sentences.append(f"Where the sequence of crossings is correct, |Δψ| ≤ {rounded_up(float(np.nanmax(errors)))}.")
-    return sentences
+    codes = outcomes_shown(found, k)
+    done = codes[codes != NOT_YET]
+    words, counts = np.unique([OUTCOMES[code].words for code in done.tolist()], return_counts=True)
+    order = np.argsort(-counts, kind="stable")
+    rows = tuple((str(words[n]), _share(counts[n] / len(done)), _bound(found, k, str(words[n]))) for n in order)
+    return Numbers(("outcome", "share", "|Δψ| at most"), rows, caption=f"Map of {method}, {plural(len(done), 'run')}")
+
+
+def _bound(found: OutcomeMap, k: int, words: str) -> str:
+    """Return the largest |Δψ| among the runs with one outcome."""
+    codes = outcomes_shown(found, k)
+    there = np.isin(codes, [code for code, outcome in OUTCOMES.items() if outcome.words == words])
+    return _at_most(float(np.fmax.reduce(found.error[k][there], initial=np.nan)))
 
 
 def _share(part: float) -> str:
@@ -119,44 +114,34 @@ def _share(part: float) -> str:
     return f"{part:.0%}" if 0.005 <= part <= 0.995 or part == 1.0 else ("under 1%" if part < 0.5 else "over 99%")
 
 
-def _drift(study: core.StabilityStudy, drift: Drift) -> list[str]:
-    """Return the worst error of each integrator in its long run, and where it stopped."""
-    sentences = [f"{plural(drift.steps, 'step')} of τ = {drift.tau:.3g}."]
+def _drifts(study: core.StabilityStudy, drift: Drift) -> Numbers:
+    """Return the worst error of each integrator in its long run, and how it ended."""
+    rows = []
     for name, error, status, message in zip(study.methods, drift.error, drift.status, drift.message, strict=True):
         known = np.flatnonzero(np.isfinite(error))
-        if not len(known):
-            if message:
-                sentences.append(f"{name}: {message}")
-            continue
-        stopped = status not in (core.Status.COMPLETED, core.Status.RUNNING)
-        until = "until it stops" if stopped else f"up to t = {drift.t[known[-1]]:.4g}"
-        end = f"|Δψ| ≤ {rounded_up(float(error[known].max()))} {until}"
-        sentences.append(f"{name}: {end}." + (f" It stops at {message}" if stopped else ""))
-    if len(sentences) == 1:
-        sentences.append("No conserved quantity is known, so there is no drift to see.")
-    return sentences
+        until = f"{drift.t[known[-1]]:.4g}" if len(known) else UNKNOWN
+        going = "under way" if status is core.Status.RUNNING else "reaches the end"
+        rows.append((name, _at_most(float(np.fmax.reduce(error))), until, message or going))
+    return Numbers(("integrator", "|Δψ| at most", "up to t", "outcome"), tuple(rows))
 
 
-def _grazing(study: core.StabilityStudy, grazing: Grazing) -> list[str]:
-    """Say where the tangency is, and how close to it each integrator finds the right crossings."""
-    name = study.coordinate_name
-    if not grazing.found:
-        return [f"No tangency: at no {name} in the range searched does the trajectory touch the surface in passing."]
-    place = ", ".join(f"{v:.4g}" for v in grazing.state)
-    start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
-    sentences = [f"{start} ({place}). Runs of τ = {grazing.tau:.3g} beside it:"]
+def _misses(study: core.StabilityStudy, grazing: Grazing) -> Numbers:
+    """Return how close to the tangency each integrator finds the correct crossings."""
+    rows = []
+    judged = bool((grazing.expected >= 0).any())
     for k, method in enumerate(study.methods):
-        wrong = grazing.missed[k].any(axis=0)
         if not (grazing.crossings[k] >= 0).any():
             continue
-        if not (grazing.expected >= 0).any():
-            tail = "has nothing to be compared with: the solution itself stops on the surface."
-        elif not wrong.any():
-            tail = "finds every crossing and no other, at every distance."
-        else:
-            far, many = float(grazing.delta[wrong].max()), f"{wrong.sum()} of {len(wrong)} distances"
-            tail = f"has a wrong number of crossings at {many}, the farthest δ = {far:.0e}."
-        worst = np.fmax.reduce(grazing.error[k], axis=None, initial=-np.inf)
-        error = f" |Δψ| ≤ {rounded_up(float(worst))}." if np.isfinite(worst) else ""
-        sentences.append(f"{method} {tail}{error}")
-    return [*sentences, "Crossings are compared with the exact solution where one is known, else the Taylor method."]
+        wrong = grazing.missed[k].any(axis=0)
+        far = f"{float(grazing.delta[wrong].max()):.0e}" if wrong.any() else UNKNOWN
+        many = f"{wrong.sum()} of {len(wrong)} distances" if judged else UNKNOWN
+        rows.append((method, many, far, _at_most(float(np.fmax.reduce(grazing.error[k], axis=None)))))
+    return Numbers(("integrator", "wrong number of crossings", "farthest at δ", "|Δψ| at most"), tuple(rows))
+
+
+def _size(tau: float) -> str:
+    return f"{tau:.3g}" if np.isfinite(tau) else UNKNOWN
+
+
+def _at_most(error: float) -> str:
+    return rounded_up(error) if np.isfinite(error) else UNKNOWN

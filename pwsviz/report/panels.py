@@ -13,8 +13,8 @@ from pwsviz.export.about import about
 from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, portrait_tables
 from pwsviz.figures.conserved import ConservedView
-from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
 from pwsviz.figures.framing import extent
+from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.report.numbers import run_numbers, slope_numbers

@@ -109,13 +109,16 @@ class StabilityInputs:
     methods: tuple[str, ...]
     part: str
     coordinate: int
+    tau: float | None = None
+    """Step size of the scene; None for the map, which has many."""
 
     @classmethod
     def of(cls, scene: Scene) -> StabilityInputs:
         """Read it from a scene, leaving out settings that have no effect on its part."""
         part = scene.stability_part
         coordinate = scene.stability_coordinate if part != "drift" else 0
-        return cls(InitialValueProblem.of(scene), min(scene.t_end, STABILITY_END), tuple(scene.used), part, coordinate)
+        tau, end = scene.tau if part != "map" else None, min(scene.t_end, STABILITY_END)
+        return cls(InitialValueProblem.of(scene), end, tuple(scene.used), part, coordinate, tau)
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:

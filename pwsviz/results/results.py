@@ -358,6 +358,7 @@ def _stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: 
         methods=inputs.methods,
         coordinate=inputs.coordinate,
         parts=parts,
+        tau=inputs.tau,
         executor=pool,
         cancel=cancel,
         progress=report,

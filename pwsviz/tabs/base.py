@@ -187,8 +187,9 @@ class LongTab(Tab):
         self.progress = Progress(lambda: self.on_cancel(), lambda: self.on_again())
 
     def begin(self) -> None:
-        """Show the progress bar."""
+        """Show the progress bar, and fade the figures: what they show is not what was asked for."""
         self.progress.begin()
+        self._fade(past=True)
 
     def advance(self, done: int, total: int, partial: Outcome) -> None:
         """Show the progress and the partial result."""
@@ -203,3 +204,12 @@ class LongTab(Tab):
     def stop(self) -> None:
         """Show that the computation was cancelled; the partial result stays."""
         self.progress.stop()
+
+
+def always_located(scene: Scene) -> str:
+    """Say that a study locates crossings where the page does not, or perturbs them; else nothing."""
+    if not scene.locate:
+        return "In this study crossings are always located, although the page steps over them."
+    if scene.perturbation_order is not None:
+        return "In this study crossing times are never perturbed, although they are on the page."
+    return ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import panel as pn
@@ -10,18 +11,20 @@ from bokeh.plotting import figure
 import core
 from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
-from pwsviz.figures.stability import StabilityView, stability_tables, stability_text
+from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.scene import STABILITY_PARTS, STABILITY_SHOWN
-from pwsviz.tabs.base import LongTab
+from pwsviz.tabs.base import LongTab, always_located
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.tables import Numbers
+from pwsviz.text.words import complaint
 from pwsviz.widgets.setting_buttons import choice
 
 
 class StabilityTab(LongTab):
     """The map of outcomes, the drift in long runs, and runs that almost touch the surface."""
 
-    settings = ("stability_shown", "study_method")
+    settings = ("stability_shown", "study_method", "tau", "starts", "selected")
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
@@ -38,7 +41,7 @@ class StabilityTab(LongTab):
     def build(self) -> list[Any]:
         """Make the choices, and the plot of the chosen part."""
         scene = self.scene
-        self.view = StabilityView()
+        self.view = StabilityView(self._go)
         self._part = choice(scene, "stability_part", lambda: {words: key for key, words in STABILITY_PARTS.items()})
         self._method = choice(scene, "study_method", lambda: {n: n for n in scene.used}, ("system", "methods"))
         self._shown = choice(scene, "stability_shown", lambda: {words: key for key, words in STABILITY_SHOWN.items()})
@@ -72,7 +75,20 @@ class StabilityTab(LongTab):
         self._offer()
         scene = self.scene
         self.view.show(outcome, scene.stability_part, scene.selected_method, scene.stability_shown)
-        return stability_text(outcome, scene.stability_part, scene.selected_method)
+        self.view.mark(scene.tau, scene.x0[outcome.coordinate])
+        return f"{stability_text(outcome, scene.stability_part)} {always_located(scene)}".strip()
+
+    def numbers(self, outcome: core.StabilityStudy) -> Sequence[Numbers]:
+        """Return the figures of the part shown."""
+        return stability_numbers(outcome, self.scene.stability_part, self.scene.selected_method)
+
+    def _go(self, tau: float, value: float) -> None:
+        """Take the step size and the start on which the user clicked, rounded to what a screen resolves."""
+        try:
+            self.scene.accept("tau", float(f"{tau:.3g}"))
+            self.scene.accept(f"x0.{self.scene.stability_coordinate}", float(f"{value:.4g}"))
+        except ValueError as reason:
+            self.words.object = complaint(reason)
 
     def tables(self) -> Tables:
         """Return the tables of the part shown."""

@@ -192,7 +192,7 @@ class Asked(Exception):  # noqa: N818  (no error)
         (
             {"view": "stability", "stability_part": "grazing", "stability_coordinate": 1},
             "stability_study",
-            {"methods": ("dmm2", "rk2"), "parts": ("grazing",), "coordinate": 1},
+            {"methods": ("dmm2", "rk2"), "parts": ("grazing",), "coordinate": 1, "tau": 0.01},
         ),
     ],
 )
@@ -216,7 +216,7 @@ def test_the_long_studies_are_asked_for_as_the_page_does(settings, function, exp
 def test_what_the_long_studies_find_is_printed(monkeypatch, capsys):
     few = {
         "work_precision": {"settings": {"dmm2": (0.1,), "rk2": (0.1,), "scipy": (1e-3,)}, "repeats": 1},
-        "stability_study": {"taus": (0.05, 0.1), "values": (-1.0, -0.9), "steps": 1000, "tau": 0.01},
+        "stability_study": {"taus": (0.05, 0.1), "values": (-1.0, -0.9), "steps": 1000},
     }
     for name, keywords in few.items():
         whole = getattr(core, name)

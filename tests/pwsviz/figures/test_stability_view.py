@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bokeh.events import Tap
 
 import core
 from core.studies.stability import NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS
 from pwsviz.figures.conserved import FLOOR
-from pwsviz.figures.stability import StabilityView, stability_tables, stability_text
-from pwsviz.figures.stability_map import COLOURS
-from pwsviz.figures.stability_text import cell_words
+from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
+from pwsviz.figures.stability_map import NO_VALUE
+from pwsviz.figures.stability_outcomes import OUTCOMES, UNJUDGED
 from pwsviz.figures.style import line_of
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
@@ -36,7 +37,7 @@ def empty(study):
 
 
 def test_figures_are_made_when_first_asked_for_and_then_kept():
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     assert not view._made
     assert view.figure("drift") is view.figure("drift")
     assert list(view._made) == ["drift"]
@@ -44,13 +45,13 @@ def test_figures_are_made_when_first_asked_for_and_then_kept():
 
 @pytest.mark.parametrize("part", ["map", "drift", "grazing"])
 def test_a_study_of_which_nothing_is_there_yet_is_an_empty_figure(study, part):
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     view.show(study, part, "dmm2")
     view.show(empty(study), part, "dmm2")
     drawn = view._made[part]
     for source in (drawn.cells, drawn.limits) if part == "map" else (drawn.curves,):
         assert all(len(column) == 0 for column in source.data.values())
-    assert stability_text(empty(study), part, "dmm2") == "Nothing is computed yet."
+    assert stability_text(empty(study), part) == "Nothing is computed yet."
     assert stability_tables(empty(study), part) == {}
 
 
@@ -58,7 +59,7 @@ def test_a_study_of_which_nothing_is_there_yet_is_an_empty_figure(study, part):
 
 
 def test_cells_of_the_map_tile_the_range_and_lie_about_their_runs(study):
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     view.show(study, "map", "rk2")
     data = view._made["map"].cells.data
     assert len(data["left"]) == 6 * 5
@@ -70,20 +71,20 @@ def test_cells_of_the_map_tile_the_range_and_lie_about_their_runs(study):
 
 
 def test_cells_have_the_colour_and_the_words_of_their_outcome(study):
-    view, found = StabilityView(), study.map
+    view, found = StabilityView(lambda *place: None), study.map
     view.show(study, "map", "rk2")
     data = view._made["map"].cells.data
     row, column = np.nonzero(found.outcome[1] != NOT_YET)
     for n, (i, j) in enumerate(zip(row, column, strict=True)):
         good = found.works[1, i, j]
         code = core.Status.COMPLETED if good else found.outcome[1, i, j]
-        assert data["colour"][n] == COLOURS[code]
+        assert data["colour"][n] == OUTCOMES[code].colour
         assert (data["words"][n] == "correct sequence of crossings") == good
     assert len(set(data["colour"])) == len(set(data["words"])) > 1
 
 
 def test_a_solution_that_runs_away_is_no_failure_of_the_run_that_does_too(study):
-    view, found = StabilityView(), study.map
+    view, found = StabilityView(lambda *place: None), study.map
     gone = np.flatnonzero(found.expected == core.Status.ESCAPED)
     assert len(gone)
     view.show(study, "map", "dmm2")
@@ -92,26 +93,62 @@ def test_a_solution_that_runs_away_is_no_failure_of_the_run_that_does_too(study)
 
 
 def test_the_error_map_has_a_colour_bar_and_the_outcome_map_a_legend(study):
-    view = StabilityView()
-    for what, heat, cells in (("error", 30, 0), ("outcome", 0, 30)):
+    view = StabilityView(lambda *place: None)
+    without = int(np.isnan(study.map.error[0]).sum())
+    for what, heat, cells in (("error", 30 - without, 0), ("outcome", 0, 30)):
         view.show(study, "map", "dmm2", what)
         drawn = view._made["map"]
         assert len(drawn.heat.data["left"]) == heat
         assert len(drawn.cells.data["left"]) == cells
         assert drawn.bar.visible == (what == "error")
-        assert drawn.figure.legend[0].visible == (what == "outcome")
+        assert [item.visible for item in drawn.figure.legend[0].items] == [what == "outcome", what == "error"]
+
+
+def test_cells_without_a_value_are_grey_and_the_legend_says_why(study):
+    view = StabilityView(lambda *place: None)
+    for error, visible in ((study.map.error, True), (np.zeros_like(study.map.error), False)):
+        view.show(replace(study, map=replace(study.map, error=error)), "map", "rk2", "error")
+        drawn = view._made["map"]
+        assert len(drawn.blank.data["left"]) == np.isnan(error[1]).sum()
+        entry = drawn.figure.legend[0].items[1]
+        assert (entry.visible, entry.label["value"]) == (visible, NO_VALUE)
+
+
+def test_a_reference_that_gives_up_has_a_colour_of_its_own(study):
+    expected = study.map.expected.copy()
+    expected[2] = core.Status.STEP_LIMIT
+    view = StabilityView(lambda *place: None)
+    view.show(replace(study, map=replace(study.map, expected=expected)), "map", "dmm2")
+    data = view._made["map"].cells.data
+    row = data["value"] == f"{study.map.values[2]:.4g}"
+    assert set(data["words"][row]) == {OUTCOMES[UNJUDGED].words}
+    assert set(data["colour"][row]) == {OUTCOMES[UNJUDGED].colour}
+    assert OUTCOMES[UNJUDGED].words not in data["words"][~row]
+
+
+def test_a_click_on_the_map_chooses_its_place_and_a_cross_marks_the_present_one(study):
+    chosen = []
+    view = StabilityView(lambda *place: chosen.append(place))
+    view.show(study, "map", "dmm2")
+    view.mark(0.1, -1.2)
+    plot = view.figure("map")
+    (heard,) = plot._event_callbacks["tap"]
+    heard(Tap(plot, sx=1, sy=1, x=0.25, y=-1.0))
+    assert chosen == [(0.25, -1.0)]
+    assert (view._made["map"].place.data["x"], view._made["map"].place.data["y"]) == ([0.1], [-1.2])
 
 
 def test_heights_of_the_error_map_are_the_errors_raised_to_the_floor(study):
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     view.show(study, "map", "rk2", "error")
     shown, errors = np.array(view._made["map"].heat.data["height"]), study.map.error[1].ravel()
-    assert np.array_equal(np.isnan(shown), np.isnan(errors))
-    assert np.allclose(shown[errors > 1e-12], errors[errors > 1e-12], rtol=1e-15)
+    known = errors[np.isfinite(errors)]
+    assert len(shown) == len(known)
+    assert np.allclose(shown[known > 1e-12], known[known > 1e-12], rtol=1e-15)
 
 
 def test_the_largest_step_sizes_are_lines_named_after_their_integrators(study):
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     view.show(study, "map", "dmm2")
     data = view._made["map"].limits.data
     assert [text.strip() for text in data["text"]] == list(METHODS)
@@ -119,19 +156,19 @@ def test_the_largest_step_sizes_are_lines_named_after_their_integrators(study):
     assert data["colour"] == [line_of(name).colour for name in METHODS]
 
 
-def test_every_outcome_has_a_colour_and_words():
+def test_every_outcome_has_words_and_different_words_differ_in_colour():
     codes = [s for s in core.Status if s not in (core.Status.RUNNING, core.Status.CANCELLED)]
-    for code in (*codes, WRONG_CROSSINGS, WENT_ON, NO_START):
-        assert COLOURS[code].startswith("#")
-        assert cell_words(code, core.Status.COMPLETED)
-    assert cell_words(core.Status.STEP_LIMIT, core.Status.STEP_LIMIT) == "the reference gives up"
+    assert {*codes, WRONG_CROSSINGS, WENT_ON, NO_START, UNJUDGED} == set(OUTCOMES)
+    limits = (core.Status.STEP_LIMIT, core.Status.CROSSING_LIMIT)
+    colours = [outcome.colour for code, outcome in OUTCOMES.items() if code not in limits[1:]]
+    assert len(set(colours)) == len(colours)
 
 
 # Drift and tangency --------------------------------------------------------------------------------------------------
 
 
 def test_drift_is_a_curve_for_each_integrator(study):
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     view.show(study, "drift", "dmm2")
     data = view._made["drift"].curves.data
     assert data["method"] == list(METHODS)
@@ -143,7 +180,7 @@ def test_a_run_that_stops_is_marked_where_it_does(study):
     error = study.drift.error.copy()
     error[1, 10:] = np.nan
     stopped = replace(study.drift, error=error, message=("", "t = 5: it <stops>"))
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     view.show(replace(study, drift=stopped), "drift", "dmm2")
     stops = view._made["drift"].stops.data
     assert stops["x"] == [stopped.t[9]]
@@ -152,7 +189,7 @@ def test_a_run_that_stops_is_marked_where_it_does(study):
 
 
 def test_rings_mark_the_runs_with_a_wrong_number_of_crossings(study):
-    view, grazing = StabilityView(), study.grazing
+    view, grazing = StabilityView(lambda *place: None), study.grazing
     view.show(study, "grazing", "dmm2")
     drawn = view._made["grazing"]
     assert grazing.found
@@ -163,25 +200,27 @@ def test_rings_mark_the_runs_with_a_wrong_number_of_crossings(study):
 
 
 def test_without_a_conserved_quantity_and_without_a_tangency_there_are_words(without):
-    view = StabilityView()
+    view = StabilityView(lambda *place: None)
     view.show(without, "drift", "rk4")
     view.show(without, "grazing", "rk4")
     assert len(view._made["grazing"].curves.data["xs"]) == 0
     assert np.isnan(view._made["drift"].curves.data["ys"][0]).all()
-    assert "No conserved quantity is known" in stability_text(without, "drift", "rk4")
-    assert "No tangency" in stability_text(without, "grazing", "rk4")
+    assert "No conserved quantity is known" in stability_text(without, "drift")
+    assert "No tangency" in stability_text(without, "grazing")
 
 
 # Words and columns ---------------------------------------------------------------------------------------------------
 
 
-def test_the_text_of_the_map_tells_limits_shares_and_what_they_are_held_against(study):
-    words = stability_text(study, "map", "rk2")
+def test_tables_of_the_map_tell_limits_and_shares(study):
+    limits, shares = stability_numbers(study, "map", "rk2")
+    largest = study.largest_tau
     for k, name in enumerate(METHODS):
-        assert f"{name}: works up to τ = {study.largest_tau.tau[k]:.3g}" in words
-        assert study.largest_tau.reason[k] in words
-    assert f"Map of rk2, 30 runs: correct sequence of crossings: {study.map.works[1].mean():.0%}" in words
-    assert "Taylor method at tolerance 1e-15" in words
+        assert limits.rows[k] == (name, f"{largest.tau[k]:.3g}", f"{largest.beyond[k]:.3g}", largest.reason[k])
+    assert shares.caption == "Map of rk2, 30 runs"
+    share = dict(row[:2] for row in shares.rows)["correct sequence of crossings"]
+    assert share == f"{study.map.works[1].mean():.0%}"
+    assert "Taylor method at tolerance 1e-15" in stability_text(study, "map")
 
 
 def test_a_small_share_is_not_said_to_be_none(study):
@@ -190,28 +229,30 @@ def test_a_small_share_is_not_said_to_be_none(study):
     found = replace(
         study.map, outcome=outcome, error=np.zeros((2, 25, 25)), expected=np.full(25, core.Status.COMPLETED)
     )
-    words = stability_text(replace(study, map=found), "map", "dmm2")
-    assert "correct sequence of crossings: over 99% and wrong number of crossings: under 1%" in words
+    _, shares = stability_numbers(replace(study, map=found), "map", "dmm2")
+    assert [row[1] for row in shares.rows] == ["over 99%", "under 1%"]
 
 
-def test_the_text_of_a_tangency_tells_where_it_is_and_who_misses_it(study):
-    words = stability_text(study, "grazing", "dmm2")
-    assert "x = -1.5513915128" in words
-    assert "dmm2 finds every crossing and no other" in words
-    assert "rk2 has a wrong number of crossings at" in words
+def test_the_tangency_is_told_and_who_misses_it(study):
+    assert "x = -1.5513915128" in stability_text(study, "grazing")
+    (table,) = stability_numbers(study, "grazing", "dmm2")
+    assert [row[0] for row in table.rows] == list(METHODS)
+    assert table.rows[0][1:3] == ("0 of 14 distances", "–")
+    wrong = study.grazing.missed[1].any(axis=0)
+    assert table.rows[1][1:3] == (f"{wrong.sum()} of 14 distances", f"{study.grazing.delta[wrong].max():.0e}")
 
 
-def test_nobody_finds_every_crossing_where_the_solution_stops(study):
-    stopped = replace(study.grazing, expected=np.full((2, 14), -1))
-    words = stability_text(replace(study, grazing=stopped), "grazing", "dmm2")
-    assert "finds every crossing" not in words
-    assert "the solution itself stops" in words
+def test_nobody_is_judged_where_the_solution_stops(study):
+    stopped = replace(study, grazing=replace(study.grazing, expected=np.full((2, 14), -1)))
+    assert {row[1] for row in stability_numbers(stopped, "grazing", "dmm2")[0].rows} == {"–"}
+    assert "the solution itself stops" in stability_text(stopped, "grazing")
 
 
-def test_the_text_of_drift_bounds_each_integrator(study):
-    words = stability_text(study, "drift", "dmm2")
-    assert "20,000 steps of τ = 0.02" in words
-    assert words.count("|Δψ| ≤") == 2
+def test_drift_bounds_each_integrator(study):
+    assert "20,000 steps of the step size in the sidebar, τ = 0.02" in stability_text(study, "drift")
+    (table,) = stability_numbers(study, "drift", "dmm2")
+    assert [(row[0], row[3]) for row in table.rows] == [(name, "reaches the end") for name in METHODS]
+    assert float(table.rows[1][1]) >= study.drift.error[1].max()
 
 
 @pytest.mark.parametrize(("part", "rows"), [("largest_tau", 2), ("map", 60), ("drift", None), ("grazing", 56)])

@@ -1,0 +1,55 @@
+"""Outcomes of the runs of a stability study: words and colour of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core import Status
+from core.studies import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
+from pwsviz.figures.style import BLUE, BROWN, GREEN, GREY, OCHRE, ORANGE, PURPLE, SKY, VERMILION, VIOLET
+
+__all__ = ["OUTCOMES", "UNJUDGED", "Outcome", "outcomes_shown"]
+
+UNJUDGED = -1
+"""Outcome of a run that nothing can be compared with, since the reference gives up; not one of `core.studies`."""
+
+
+class Outcome(NamedTuple):
+    """How an outcome is shown."""
+
+    words: str
+    colour: str
+
+
+OUTCOMES: Mapping[int, Outcome] = {
+    Status.COMPLETED: Outcome("correct sequence of crossings", SKY),  # and an end like that of the solution
+    WRONG_CROSSINGS: Outcome("wrong number of crossings", ORANGE),
+    WENT_ON: Outcome("continues where the solution stops", OCHRE),
+    Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),
+    Status.UNSTABLE: Outcome("the scheme leaves the solution", "#7f1d1d"),
+    Status.CONTRADICTION: Outcome("an error of the program", "#000000"),
+    Status.NO_CONVERGENCE: Outcome("a step has no solution", PURPLE),
+    Status.SLIDING: Outcome("stops: sliding", GREEN),
+    Status.GRAZING: Outcome("stops: touches the surface", BROWN),
+    Status.ZENO: Outcome("stops: crossings accumulate", VIOLET),
+    Status.REPELLING: Outcome("stops: repelled from both sides", BLUE),
+    Status.STEP_LIMIT: Outcome("too many steps", GREY),
+    Status.CROSSING_LIMIT: Outcome("too many crossings", GREY),
+    NO_START: Outcome("no start here", "#404040"),
+    UNJUDGED: Outcome("the reference gives up, not judged", "#e4e4e4"),
+}
+"""What is shown of each outcome, by its code."""
+
+
+def outcomes_shown(found: OutcomeMap, k: int) -> NDArray[np.int64]:
+    """Return (m, n) keys of `OUTCOMES` for the runs of integrator k, and `NOT_YET` where a run is not computed.
+
+    A run that ends as the solution does has the correct sequence of crossings, however it ends.
+    """
+    judged = np.isin(found.expected, (*ENDINGS, NO_START))
+    codes = np.where(found.works[k], Status.COMPLETED, found.outcome[k])
+    return np.where(judged | (codes == NOT_YET), codes, UNJUDGED)
