@@ -5,9 +5,11 @@ import sys
 import panel as pn
 
 from pwsviz.page.explorer import Explorer
+from pwsviz.server.catalogue import compile_beside_once
 
 # Seconds between thread switches. Computations run in threads beside the event loop; at Python's default of 5 ms a
 # slider would wait for dozens of switches.
 sys.setswitchinterval(5e-4)
 pn.extension(respect_explicit_sizing=True)
 Explorer().page().servable()
+pn.state.onload(compile_beside_once)

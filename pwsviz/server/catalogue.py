@@ -1,0 +1,40 @@
+"""Compile the catalogue beside the server, once on a machine: the first choice of a system then only loads from disk.
+
+``python -m pwsviz.server.catalogue`` does it in the process that runs it.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from functools import cache
+
+import core
+from pwsviz.scene.scene import Scene
+
+__all__ = ["compile_beside_once", "compile_catalogue"]
+
+LEAST_PRIORITY = 19
+"""Niceness of the process that compiles: it takes only the time that nobody else wants."""
+
+
+@cache
+def compile_beside_once() -> subprocess.Popen[bytes]:
+    """Start a process that compiles the catalogue and ends; later calls in the same process start no other."""
+    command = [sys.executable, "-m", "pwsviz.server.catalogue"]
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)  # noqa: S603  (our own)
+
+
+def compile_catalogue() -> None:
+    """Compile the integrators with which each system of the catalogue is first shown, in its order."""
+    for name in core.CATALOGUE:
+        scene = Scene(system=name)
+        for method in scene.used:
+            core.integrate(scene.build(), (0.0, scene.tau), method=method, tau=scene.tau)
+
+
+if __name__ == "__main__":
+    if hasattr(os, "nice"):
+        os.nice(LEAST_PRIORITY)
+    compile_catalogue()

@@ -1,0 +1,39 @@
+"""What is compiled beside the server is what a first choice of a system loads."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pwsviz.server.catalogue import compile_beside_once
+
+ROOT = Path(__file__).parents[3]
+CHOOSE = """
+import sys
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.scene import Scene
+Results().pictures(PortraitInputs.of(Scene(system=sys.argv[1])))
+"""
+
+
+def run(cache, *command):
+    environment = {**os.environ, "PWSVIZ_CACHE": str(cache)}
+    subprocess.run([sys.executable, *command], check=True, cwd=ROOT, env=environment, timeout=300)
+    return {path for path in cache.rglob("*") if path.is_file()}
+
+
+@pytest.mark.deep
+def test_a_first_choice_compiles_nothing_more(tmp_path):
+    compiled = run(tmp_path, "-m", "pwsviz.server.catalogue")
+    assert compiled
+    for system in ("kepler", "bouncing_ball", "relay_feedback"):
+        assert not run(tmp_path, "-c", CHOOSE, system) - compiled
+
+
+def test_one_process_compiles_however_many_visitors_come():
+    first = compile_beside_once()
+    assert compile_beside_once() is first
+    first.terminate()
+    first.wait(30)
