@@ -39,7 +39,7 @@ FIELD_CSS = f"""
 .note {{ margin: 3px 14px 4px; font-size: 0.75rem; line-height: 1.4; overflow-wrap: anywhere;
          color: var(--mui-palette-text-secondary); }}
 .note:empty {{ display: none; }}
-.note.error {{ color: var(--mui-palette-error-main); }}
+.note.refused {{ color: var(--mui-palette-error-main); }}
 input[type=range] {{ appearance: none; width: calc(100% - 28px); height: 24px; margin: 0 14px; background: none;
                      cursor: pointer; }}
 input[type=range]::-webkit-slider-runnable-track {{ {_TRACK} }}

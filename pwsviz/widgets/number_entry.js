@@ -11,14 +11,17 @@ function render({ model, el }) {
   const [label, entry, about, note, slider] = ["label", "input", "span", "p", "input[type=range]"]
     .map(name => el.querySelector(name))
 
+  const fill = () => {  // only when the text changes: what is being typed stays, and can be undone by its own keys
+    entry.value = model.text
+    write()
+  }
   const write = () => {
     label.textContent = model.label
     about.textContent = entry.title = slider.title = model.description
-    entry.value = model.text
     entry.disabled = slider.disabled = model.disabled
     entry.setAttribute("aria-invalid", model.complaint != "")
     note.textContent = model.complaint || model.note
-    note.className = model.complaint ? "note error" : "note"
+    note.className = model.complaint ? "note refused" : "note"
     slider.hidden = model.ends == null
     slider.setAttribute("aria-label", `${model.label}, slider`)
     slider.setAttribute("aria-valuetext", model.text.replace("-", "\u2212"))
@@ -42,10 +45,11 @@ function render({ model, el }) {
   entry.addEventListener("change", () => { model.text = entry.value })
   slider.addEventListener("input", slide)
   for (const name of ["change", "blur", "pointerup"]) slider.addEventListener(name, rest)
-  for (const name of ["label", "description", "text", "note", "complaint", "disabled", "ends", "place"]) {
+  for (const name of ["label", "description", "note", "complaint", "disabled", "ends", "place"]) {
     model.on(name, write)
   }
-  write()
+  model.on("text", fill)
+  fill()
 }
 
 export default { NumberEntry: { render } }
