@@ -11,7 +11,8 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
-from pwsviz.editor.validation import FIELDS, Checked, Draft, Finding, check, examples
+from pwsviz.editor.examples import EXAMPLES
+from pwsviz.editor.validation import FIELDS, Checked, Draft, Finding, check
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 from pwsviz.text.words import as_text, complaint
@@ -103,7 +104,7 @@ class SystemEditor(pn.viewable.Viewer):
         self.texts = {name: self._make_text(name) for name in FIELDS}
         self.maths = {name: _markup_pane() for name in FIELDS}
         self.status = _markup_pane()
-        titles = [*([CURRENT] if current else []), *examples]
+        titles = [*([CURRENT] if current else []), *EXAMPLES]
         self.menu = pmui.MenuButton(
             label="Start from",
             items=[{"label": title} for title in titles],
@@ -147,8 +148,8 @@ class SystemEditor(pn.viewable.Viewer):
 
     def _choose(self, item: Any) -> None:
         title = item["label"]
-        if title in examples:
-            self.fill(examples[title])
+        if title in EXAMPLES:
+            self.fill(EXAMPLES[title])
         elif self._current is not None:
             self.load(self._current())
 

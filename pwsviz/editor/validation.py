@@ -17,9 +17,10 @@ from core.integrate import checked_start
 from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted, to_text
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
 from pwsviz.text.mathml import TOO_LONG, markup, too_long
+from pwsviz.text.typed import as_python
 from pwsviz.text.words import listed
 
-__all__ = ["FIELDS", "Checked", "Draft", "Finding", "check", "examples", "split"]
+__all__ = ["FIELDS", "Checked", "Draft", "Finding", "check", "split"]
 
 MAX_CHARACTERS = 1000  #: characters of one field, which bound the time of parsing it
 MAX_NAME = 60  #: characters of the name of the system
@@ -155,6 +156,7 @@ class _Check:
         self.complaints: dict[str, list[str]] = {}
         self.refuse_long_texts()
         self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name != "name"}
+        self.items |= {name: tuple(map(as_python, self.items[name])) for name in _EXPRESSIONS}
         self.require_names()
         self.variables = self.each("variables", str, MAX_VARIABLES)
         self.parameters = self.each("parameters", _parameter, MAX_PARAMETERS)
@@ -165,6 +167,7 @@ class _Check:
         self.check_declaration()
         maths = {name: self.typeset(name) for name in _EXPRESSIONS}
         maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
+        maths["x0"] = self.typeset_start()
         system = None if self.complaints else self.build()
         conserved = {side: self.findings(side, system) for side in SIDES}
         complaints = {name: " ".join(words[:_COMPLAINTS]) for name, words in self.complaints.items()}
@@ -246,6 +249,13 @@ class _Check:
         """Typeset the expressions of a field that could be read."""
         return "".join(_equation(self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
 
+    def typeset_start(self) -> str:
+        """Typeset the coordinates of the start if one of them was typed as a formula."""
+        if all(map(_is_decimal, self.items["x0"])):
+            return ""
+        named = zip(self.variables, self.x0, strict=False)
+        return "".join(_equation(_LeftSide(name, markup(Symbol(name))), sympy.Float(x)) for name, x in named)
+
     def findings(self, side: int, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
         """Return a finding on each given quantity of a side; if none is given, on those found symbolically."""
         word = SIDES[side]
@@ -311,10 +321,14 @@ def _coordinate(text: str) -> float:
 
 def _number(text: str, what: str) -> float:
     """Read a number, such as 0.1, 1/3 or sqrt(2)."""
-    constant = parse(text, (), what)
+    constant = parse(as_python(text), (), what)
     if constant.free_symbols:
         raise ValueError(f"{what} = {quoted(text)} is no number: write one, as 0.1, 1/3 or sqrt(2)")
     return float(constant)
+
+
+def _is_decimal(text: str) -> bool:
+    return re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?", text) is not None
 
 
 def _quantity(word: str, k: int, count: int) -> _LeftSide:
@@ -355,76 +369,3 @@ def _typed(number: float) -> str:
 
 def _capital(words: str) -> str:
     return words[:1].upper() + words[1:]
-
-
-examples: Mapping[str, Draft] = MappingProxyType(
-    {
-        "Two springs": Draft(
-            name="My oscillator",
-            variables="x, y",
-            f_minus="y\n-k*x",
-            f_plus="y\n-x",
-            g="y",
-            parameters="k = 3 in [0.1, 10]",
-            x0="1, 1",
-        ),
-        "Duffing oscillator, stiffness switched": Draft(
-            name="Duffing oscillator",
-            variables="x, v",
-            f_minus="v\n-a*x - b_minus*x**3",
-            f_plus="v\n-a*x - b_plus*x**3",
-            g="x",
-            psi_minus="v**2/2 + a*x**2/2 + b_minus*x**4/4",
-            psi_plus="v**2/2 + a*x**2/2 + b_plus*x**4/4",
-            parameters="a = 1 in [0.1, 5]\nb_minus = 0.5 in [0, 5]\nb_plus = 4 in [0, 5]",
-            x0="1.2, 0",
-        ),
-        "Lotka–Volterra with harvest": Draft(
-            name="Harvested prey",
-            variables="x, y",
-            f_minus="x*(a - b*y)\ny*(c*x - d)",
-            f_plus="x*(a - h - b*y)\ny*(c*x - d)",
-            g="y - y_max",
-            psi_minus="c*x - d*log(x) + b*y - a*log(y)",
-            psi_plus="c*x - d*log(x) + b*y - (a - h)*log(y)",
-            parameters=(
-                "a = 2 in [0.5, 5]\nb = 1 in [0.1, 5]\nc = 1 in [0.1, 5]\nd = 1 in [0.1, 5]\n"
-                "h = 0.8 in [0, 2]\ny_max = 2.5 in [0.5, 5]"
-            ),
-            x0="0.5, 1",
-        ),
-        "Spinning top in three dimensions": Draft(
-            name="Spinning top",
-            variables="p, q, r",
-            f_minus="(B - C)/A*q*r\n(C - A)/B*r*p\n(A - B)/C*p*q",
-            f_plus="(B - C_plus)/A*q*r\n(C_plus - A)/B*r*p\n(A - B)/C_plus*p*q",
-            g="p",
-            psi_minus="(A*p**2 + B*q**2 + C*r**2)/2\n(A**2*p**2 + B**2*q**2 + C**2*r**2)/2",
-            psi_plus="(A*p**2 + B*q**2 + C_plus*r**2)/2\n(A**2*p**2 + B**2*q**2 + C_plus**2*r**2)/2",
-            parameters="A = 1 in [0.5, 4]\nB = 2 in [0.5, 4]\nC = 3 in [0.5, 4]\nC_plus = 3.5 in [0.5, 4]",
-            x0="1, 0.5, 1",
-        ),
-        "Impact oscillator": Draft(
-            name="Impact oscillator",
-            variables="x, v",
-            f_minus="v\n-x",
-            f_plus="v\n-x",
-            g="x + wall",
-            psi_minus="(x**2 + v**2)/2",
-            psi_plus="(x**2 + v**2)/2",
-            parameters="wall = 0.5 in [0.1, 0.9]\nr = 0.95 in [0.1, 1]",
-            x0="1, 0",
-            jump="-wall\n-r*v",
-        ),
-        "Van der Pol, nothing conserved": Draft(
-            name="Van der Pol oscillator",
-            variables="x, v",
-            f_minus="v\nmu_minus*(1 - x**2)*v - x",
-            f_plus="v\nmu_plus*(1 - x**2)*v - x",
-            g="x",
-            parameters="mu_minus = 0.5 in [0, 3]\nmu_plus = 2 in [0, 3]",
-            x0="0.5, 1",
-        ),
-    }
-)
-"""Systems to start from, by title."""

@@ -22,7 +22,7 @@ class _Constant(NamedTuple):
 
     symbol: str
     field: str  # of the diagnosis
-    label: str  # in the paper
+    label: str  # name and number in the paper
     meaning: str
     greatest: bool = False
     bounds_tau: bool = False
@@ -36,31 +36,31 @@ class _Constant(NamedTuple):
 
 
 _CONSTANTS = (
-    _Constant(r"\alpha_{S}^{2}", "alpha2", "eq:transverseA", "least speed in g at which the solution crosses"),
+    _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "least speed in g at which the solution crosses"),
     _Constant(
-        r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "eq:discrete_transversality",
+        r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "discrete transversality (3.6)",
         "the same of the scheme’s steps to and from the surface; must be positive",
     ),
     _Constant(
-        "M", "M", "eq:M", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
+        "M", "M", "(3.2)", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
     ),
     _Constant(
-        r"\hat{M}", "M_hat", "eq:hatM", "the same of the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
+        r"\hat{M}", "M_hat", "(3.9)", "the same of the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
     ),
     _Constant(
-        r"\tau^{*}_{-}", "tau_minus", "lem:wellposed-lemma1", "up to this τ the step to the surface has one solution",
+        r"\tau^{*}_{-}", "tau_minus", "Lemma A.3", "up to this τ the step to the surface has one solution",
         bounds_tau=True,
     ),
     _Constant(
-        r"\tau^{*}_{+}", "tau_plus", "lem:wellposed-lemma2", "up to this τ the step on from it has one solution",
+        r"\tau^{*}_{+}", "tau_plus", "Lemma A.4", "up to this τ the step on from it has one solution",
         bounds_tau=True,
     ),
     _Constant(
-        r"\alpha^{2} / M", "window", "eq:ctsMonoLemma",
+        r"\alpha^{2} / M", "window", "monotonicity (B.2)",
         "within this time the solution does not meet the surface again", bounds_tau=True,
     ),
     _Constant(
-        r"\hat{\alpha}^{2} / \hat{M}", "window_hat", "eq:disMonoLemma",
+        r"\hat{\alpha}^{2} / \hat{M}", "window_hat", "discrete monotonicity (B.6)",
         "within this time the scheme does not meet the surface again", bounds_tau=True,
     ),
 )  # fmt: skip
@@ -102,7 +102,7 @@ def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) ->
     if constant.bounds_tau and value < diagnosis.tau and not zeno:
         number = f'<span class="number exceeded">{_shown(value)} &lt; τ</span>'
     symbol = "".join(map(name_markup, constant.symbol.split()))
-    return [f"<math>{symbol}</math>", number, escape(constant.meaning), f"<code>{constant.label}</code>"]
+    return [f"<math>{symbol}</math>", number, escape(constant.meaning), escape(constant.label)]
 
 
 def _warnings(warnings: Sequence[str], zeno: bool) -> str:

@@ -202,7 +202,7 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
     """Write Λᵗ of each mode, followed by what `write` adds to it."""
     sheet.say(
         "The multiplier Λᵗ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
-        "the start of a step and 1 its end, paper (eq:twoSchemes)."
+        "the start of a step and 1 its end, equation (2.3) of the paper."
     )
     sheet.formula(
         r"\Lambda^{\tau} ( x_{1} - x_{0} ) + s_{t} ( t_{1} - t_{0} ) = \psi ( t_{1} , x_{1} ) - \psi ( t_{0} , x_{0} )"
@@ -320,7 +320,7 @@ def _write_transition(
         sheet.say("The step is finished with the other side’s field:")
     field = rf"f^{{\tau}}_{{s'}} ( \hat{{t}} , {start} , t_{{k+1}} , x_{{k+1}} )"
     sheet.formula(rf"x_{{k+1}} = {start} + ( t_{{k+1}} - \hat{{t}} ) {field}")
-    sheet.say("Paper: Algorithm 1 (alg:trans_scheme), (eq:to-interface), (eq:interface), (eq:next).")
+    sheet.say("In the paper: Algorithm 1, Mannshardt’s transition scheme; equations (2.4) to (2.6).")
 
 
 # Parts of the page ---------------------------------------------------------------------------------------------------

@@ -61,7 +61,11 @@ PAGE_SX = {
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
+    ".MuiToolbar-root > h5, .MuiAppBar-root > .MuiLinearProgress-root": {"display": "none"},  # have no name and no use
 }  # fmt: skip
+
+ONE_H1 = {"components": {"MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}}}}
+"""Only the title of the page is set in the style h3; it is the heading of all others."""
 
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 """Of a button in the header, whose theme assumes a coloured bar and sets white text."""
@@ -288,6 +292,8 @@ class Explorer(pn.viewable.Viewer):
             sidebar=[self.sidebar],
             main=[self],
             sidebar_width=300,
+            sidebar_resizable=False,
+            theme_config=ONE_H1,
             busy_indicator=None,
             sx=PAGE_SX,
             template=PAGE_HTML,

@@ -86,7 +86,7 @@ class Sidebar(pn.viewable.Viewer):
         self.trajectories = Trajectories(scene)
         self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
         self.fields: dict[str, NumberField] = {}  # of the parameters and coordinates of the system
-        self._made: dict[tuple[str, bool], list[NumberField]] = {}
+        self._made: dict[str, list[NumberField]] = {}
         self._placed: dict[str, list[NumberField]] = {}
         self._built_for: core.PiecewiseSystem | None = None
         self._preset: core.PiecewiseSystem | None = None  # of the preset whose note is shown
@@ -125,9 +125,9 @@ class Sidebar(pn.viewable.Viewer):
         self._place(self.parameters, [self.fields[key] for key in parameters])
         self._place(self.coordinates, [self.fields[key] for key in coordinates])
 
-    def _field(self, spare: dict[tuple[str, bool], list[NumberField]], key: str, **options: Any) -> NumberField:
-        """Return an unused field of the same kind (parameter or coordinate, with a slider or without), or a new one."""
-        kind = key.partition(".")[0], options.get("bounds") is not None
+    def _field(self, spare: dict[str, list[NumberField]], key: str, **options: Any) -> NumberField:
+        """Return an unused field of the same kind (parameter or coordinate), or a new one."""
+        kind = key.partition(".")[0]
         if spare.get(kind):
             field = spare[kind].pop(0)
             field.rebind(read=partial(self._read, key), accept=partial(self.scene.accept, key), **options)
@@ -163,7 +163,7 @@ class Sidebar(pn.viewable.Viewer):
         self.methods_note.object = method_notes(self.scene)
         self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
         self.order.disabled = not self.scene.locate
-        self.scale.text.disabled = not self.scene.locate or self.scene.perturbation_order is None
+        self.scale.entry.disabled = not self.scene.locate or self.scene.perturbation_order is None
 
     def _systems(self) -> dict[str, str]:
         names = {system.name: key for key, system in core.CATALOGUE.items()}

@@ -6,6 +6,9 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from core.symbolic import parse
+from pwsviz.text.typed import as_python
+
 LIMIT = 1e9
 """Largest |coordinate| of the ends of a window."""
 
@@ -18,6 +21,25 @@ MAX_STEPS = 2_000_000
 
 _ENDS = ("left", "right", "bottom", "top")
 
+_SUCH = "Type one such as 0.01, 1e-3, 1/3 or sqrt(2)."
+
+
+def value_of(text: str) -> float:
+    """Return the number that a text stands for: a decimal, or a formula of the whitelist such as 1/3, 2pi or sqrt(2).
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
+    try:
+        return float(text.strip().replace("−", "-"))
+    except ValueError:
+        constant = parse(as_python(text.strip()), (), "the number")
+    if constant.free_symbols:
+        raise ValueError(f"“{text}” names a variable.")
+    return float(constant)
+
 
 def number(value: object, subject: str, low: float, high: float) -> float:
     """Read a number and check its range.
@@ -28,11 +50,11 @@ def number(value: object, subject: str, low: float, high: float) -> float:
         Naming the text or the subject, and what would do.
     """
     try:
-        result = float(str(value).strip().replace("−", "-"))
+        result = value_of(str(value))
     except ValueError:
-        raise ValueError(f"“{value}” is not a number. Type one such as 0.01 or 1e-3.") from None
+        raise ValueError(f"“{value}” is not a number. {_SUCH}") from None
     if not math.isfinite(result):
-        raise ValueError(f"“{value}” is not a finite number. Type one such as 0.01 or 1e-3.")
+        raise ValueError(f"“{value}” is not a finite number. {_SUCH}")
     if not low <= result <= high:
         raise ValueError(f"{subject} has to lie between {low:g} and {high:g}.")
     return result

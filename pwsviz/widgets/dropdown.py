@@ -7,24 +7,23 @@ from typing import Any
 
 import panel as pn
 
+from pwsviz.widgets.fields import FOCUS, FRAME, LABEL
+
 __all__ = ["Dropdown"]
 
-DROPDOWN_CSS = """
-:host { --line: color-mix(in srgb, var(--mui-palette-text-primary) 23%, transparent); font: inherit; }
-:host .bk-input-group { position: relative; width: 100%; padding: 8px 0 0; }
-:host label { position: absolute; top: 0; left: 9px; z-index: 1; padding: 0 5px; max-width: calc(100% - 18px);
-        overflow: hidden; text-overflow: ellipsis; white-space: nowrap; font-size: 0.75rem; line-height: 16px;
-        color: var(--mui-palette-text-secondary); background: var(--mui-palette-background-default); }
-select.bk-input:not([multiple]) {
-         height: 40px; width: 100%; padding: 0 32px 0 14px; border: 1px solid var(--line); border-radius: 4px;
-         font-family: inherit; font-size: 1rem; text-overflow: ellipsis; cursor: pointer; appearance: none;
-         color: var(--mui-palette-text-primary); background-color: transparent; background-image: none !important; }
-select.bk-input:hover { border-color: var(--mui-palette-text-primary); }
-select.bk-input:focus-visible { border-color: var(--mui-palette-primary-main); outline: none;
-         box-shadow: 0 0 0 1px var(--mui-palette-primary-main); }
-option, optgroup { color: var(--mui-palette-text-primary); background: var(--mui-palette-background-paper); }
-.bk-input-group::after { content: ""; position: absolute; right: 14px; top: 26px; pointer-events: none;
-         border: 5px solid transparent; border-top-color: var(--mui-palette-text-secondary); border-bottom-width: 0; }
+DROPDOWN_CSS = f"""
+:host .bk-input-group {{ position: relative; width: 100%; padding: 8px 0 0; }}
+:host label {{ {LABEL} }}
+select.bk-input:not([multiple]) {{
+    height: 40px; width: 100%; padding: 0 32px 0 14px; border: 1px solid {FRAME}; border-radius: 4px;
+    font-family: inherit; font-size: 1rem; text-overflow: ellipsis; cursor: pointer; appearance: none;
+    color: var(--mui-palette-text-primary); background-color: transparent; background-image: none !important; }}
+select.bk-input:hover {{ border-color: var(--mui-palette-text-primary); }}
+select.bk-input:not([multiple]):focus-visible {{ {FOCUS} }}
+select.bk-input:disabled {{ color: var(--mui-palette-text-disabled); border-style: dashed; cursor: default; }}
+option, optgroup {{ color: var(--mui-palette-text-primary); background: var(--mui-palette-background-paper); }}
+.bk-input-group::after {{ content: ""; position: absolute; right: 14px; top: 26px; pointer-events: none;
+    border: 5px solid transparent; border-top-color: var(--mui-palette-text-secondary); border-bottom-width: 0; }}
 """
 
 

@@ -4,27 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import panel as pn
-import panel_material_ui as pmui
+import param
+
+from pwsviz.widgets.fields import FIELD_CSS
 
 SLIDER_DIGITS = 3
 """Significant digits of the numbers a slider gives."""
 
-SPOKEN_LABEL_SX = {
-    ".MuiFormLabel-root": {
-        "position": "absolute",
-        "width": "1px",
-        "height": "1px",
-        "overflow": "hidden",
-        "clipPath": "inset(50%)",
-    }
-}
-"""Of a slider: its name is hidden from view but not from screen readers; the field above it shows the name."""
-
 SLIDER_RESTS = 5
 """Milliseconds that Panel waits for further moves before it reports one; its 50 can be changed by no public option."""
+
+
+class NumberEntry(pn.custom.JSComponent):
+    """What the browser shows of a number: a text entry, and below it a slider, which tells the text of the entry."""
+
+    label = param.String(default="", doc="Name shown.")
+    description = param.String(default="", doc="What the number is, shown when the field is pointed at or entered.")
+    text = param.String(default="", doc="The text of the entry.")
+    note = param.String(default="", doc="How the text was read, where it is not a plain number.")
+    complaint = param.String(default="", doc="Why the text is refused.")
+    disabled = param.Boolean(default=False, doc="Whether the number has no effect at present.")
+    ends = param.Tuple(default=None, length=2, allow_None=True, doc="Ends of the slider; None for no slider.")
+    place = param.Number(default=0.0, doc="Place of the slider, between its ends.")
+
+    _debounce = SLIDER_RESTS
+    _bundle = "number_entry.js"  # fetched once by the browser, and not sent with every field
+    _stylesheets: ClassVar[list[str]] = [FIELD_CSS]
 
 
 class NumberField(pn.viewable.Viewer):
@@ -43,7 +51,7 @@ class NumberField(pn.viewable.Viewer):
     logarithmic : bool
         Whether the slider is logarithmic.
     description : str
-        Help text of the field.
+        What the number is.
     """
 
     def __init__(
@@ -60,28 +68,19 @@ class NumberField(pn.viewable.Viewer):
         self._log = logarithmic
         self._syncing = False
         self._shown = math.nan
-        self.text = pmui.TextInput(
-            label=label, size="small", margin=(9, 0, 2, 0), sizing_mode="stretch_width", description=description
+        self.entry = NumberEntry(
+            label=label, description=description, sizing_mode="stretch_width", margin=0, **self._track(bounds, read())
         )
-        self.slider = None if bounds is None else self._make_slider(label, bounds)
         self.sync()
-        self.text.param.watch(lambda event: self._take(event.new), "value")
-        if self.slider is not None:
-            self.slider.param.watch(lambda event: self._take(self._from_slider(event.new)), "value")
+        self.entry.param.watch(lambda event: self._take(event.new), "text")
+        self.entry.param.watch(lambda event: self._take(self._from_slider(event.new)), "place")
 
-    def _make_slider(self, label: str, bounds: tuple[float, float]) -> Any:
-        slider: Any = pmui.FloatSlider(
-            **self._track(label, bounds, self._read()), show_value=False, tooltips=False, size="small",
-            margin=(0, 10, 0, 10), sizing_mode="stretch_width", sx=SPOKEN_LABEL_SX,
-        )  # fmt: skip
-        slider._debounce = SLIDER_RESTS
-        return slider
-
-    def _track(self, label: str, bounds: tuple[float, float], value: float) -> dict[str, Any]:
-        """Return the settings of a slider with these ends, at a value."""
-        low, high = (math.log10(bound) for bound in bounds) if self._log else bounds
-        place = min(max(math.log10(value) if self._log else value, low), high)
-        return {"start": low, "end": high, "value": place, "step": (high - low) / 400, "label": f"{label}, slider"}
+    def _track(self, bounds: tuple[float, float] | None, value: float) -> dict[str, Any]:
+        """Return ends and place of the slider for these bounds, at a value."""
+        if bounds is None:
+            return {"ends": None, "place": 0.0}
+        low, high = (self._to_slider(bound) for bound in bounds)
+        return {"ends": (low, high), "place": min(max(self._to_slider(value), low), high)}
 
     def rebind(
         self,
@@ -91,17 +90,22 @@ class NumberField(pn.viewable.Viewer):
         bounds: tuple[float, float] | None = None,
         description: str = "",
     ) -> None:
-        """Rebind to another number, with bounds if and only if there is a slider; ten times as fast as a new field."""
+        """Rebind to another number: ten times as fast as a new field."""
         self._read, self._accept = read, accept
         self._shown = value = read()
+        told = {"text": repr(value), "note": "", "complaint": ""}
+        self._tell(label=label, description=description, **told, **self._track(bounds, value))
+
+    def _tell(self, **changes: Any) -> None:
+        """Change what the browser shows, each setting once: of two changes at once it may restore the first."""
         self._syncing = True
-        try:  # change each once: of two changes in quick succession, the browser may restore the first
-            told = {"value": repr(value), "error_state": False, "helper_text": ""}
-            self.text.param.update(label=label, description=description, **told)
-            if self.slider is not None and bounds is not None:
-                self.slider.param.update(**self._track(label, bounds, value))
+        try:
+            self.entry.param.update(**changes)
         finally:
             self._syncing = False
+
+    def _to_slider(self, value: float) -> float:
+        return math.log10(value) if self._log else value
 
     def _from_slider(self, place: float) -> float:
         value = 10.0**place if self._log else place
@@ -113,9 +117,9 @@ class NumberField(pn.viewable.Viewer):
         try:
             self._accept(value)
         except ValueError as reason:
-            self.text.param.update(error_state=True, helper_text=str(reason))
+            self._tell(complaint=str(reason), note="")
         else:
-            self._show(self._read())
+            self._show(self._read(), typed=str(value))
 
     def sync(self) -> None:
         """Show the number in the scene, if it has changed; else a refused text stays, with the reason."""
@@ -123,25 +127,28 @@ class NumberField(pn.viewable.Viewer):
         if value != self._shown:
             self._show(value)
 
-    def _show(self, value: float) -> None:
+    def _show(self, value: float, typed: str = "") -> None:
+        """Show a number, and beside it the formula that was typed for it, if any."""
         self._shown = value
-        self._syncing = True
-        try:
-            self.text.param.update(value=repr(value), error_state=False, helper_text="")
-            if self.slider is not None:
-                place = math.log10(value) if self._log else value
-                if self._from_slider(self.slider.value) != value:
-                    self.slider.value = min(max(place, self.slider.start), self.slider.end)
-        finally:
-            self._syncing = False
+        note = f"{typed.strip()} = {value!r}" if typed and not _is_decimal(typed) else ""
+        changes: dict[str, Any] = {"text": repr(value), "complaint": "", "note": note}
+        if self.entry.ends is not None and self._from_slider(self.entry.place) != value:
+            low, high = self.entry.ends
+            changes["place"] = min(max(self._to_slider(value), low), high)
+        self._tell(**changes)
 
     def show_if(self, wanted: bool) -> None:
         """Show or hide the field and its slider."""
-        for part in (self.text, self.slider):
-            if part is not None:
-                part.visible = wanted
+        self.entry.visible = wanted
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return the field, and the slider below it."""
-        parts = [self.text] if self.slider is None else [self.text, self.slider]
-        return pn.Column(*parts, margin=0, sizing_mode="stretch_width")
+        return self.entry
+
+
+def _is_decimal(text: str) -> bool:
+    try:
+        float(text.replace("−", "-"))
+    except ValueError:
+        return False
+    return True

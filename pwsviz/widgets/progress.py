@@ -10,6 +10,11 @@ import panel_material_ui as pmui
 from pwsviz.widgets.panes import PLAIN_SX
 
 
+BAR_CSS = """
+progress { width: 100%; height: 6px; accent-color: var(--mui-palette-primary-main); }
+"""
+
+
 class Progress(pn.viewable.Viewer):
     """A bar with “Cancel” while a computation is running, and “Run again” after it was cancelled.
 
@@ -21,7 +26,7 @@ class Progress(pn.viewable.Viewer):
 
     def __init__(self, on_cancel: Callable[[], None], on_again: Callable[[], None]) -> None:
         super().__init__()
-        self._bar = pmui.LinearProgress(value=0, variant="indeterminate", sizing_mode="stretch_width", margin=(14, 8))
+        self._bar = pn.pane.HTML(_bar(), stylesheets=[BAR_CSS], sizing_mode="stretch_width", margin=(9, 8))
         self._words = pmui.Typography("", variant="caption", margin=(6, 8), width=92)
         self._cancel = pmui.Button(label="Cancel", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX)
         self._again = pmui.Button(
@@ -40,12 +45,12 @@ class Progress(pn.viewable.Viewer):
 
     def begin(self) -> None:
         """Show that a computation has begun, of unknown length."""
-        self._bar.param.update(variant="indeterminate", visible=True)
+        self._bar.param.update(object=_bar(), visible=True)
         self._say("preparing …", cancellable=True)
 
     def advance(self, done: int, total: int) -> None:
         """Show how many of all parts are done."""
-        self._bar.param.update(variant="determinate", value=round(100 * done / max(total, 1)))
+        self._bar.object = _bar(done / max(total, 1))
         self._say(f"{done} of {total}", cancellable=True)
 
     def end(self) -> None:
@@ -66,3 +71,9 @@ class Progress(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """Return bar, text and buttons in a row."""
         return self._row
+
+
+def _bar(part: float | None = None) -> str:
+    """Return the bar at a part of its length; without one, that part is not known."""
+    value = "" if part is None else f' value="{part:.2f}"'
+    return f'<progress aria-label="Progress of the computation"{value}></progress>'

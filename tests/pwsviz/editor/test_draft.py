@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import core
-from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check, examples, split
+from pwsviz.editor.examples import EXAMPLES
+from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check, split
 from pwsviz.scene.scene import can_use
 
 OSCILLATOR = Draft(
@@ -53,9 +54,9 @@ def test_fields_are_those_of_a_draft():
     assert set(FIELDS) == {field.name for field in fields(Draft)}
 
 
-@pytest.mark.parametrize("title", examples)
+@pytest.mark.parametrize("title", EXAMPLES)
 def test_every_example_makes_a_system_that_runs_across_its_surface(title):
-    checked = check(examples[title])
+    checked = check(EXAMPLES[title])
     assert checked.complaints == {}
     known = bool(checked.system.psi_minus)
     run = core.integrate(checked.system, (0.0, 20.0), tau=0.01, method="dmm2" if known else "rk2")
@@ -109,10 +110,9 @@ def test_numbers_may_be_written_as_constants():
         ("parameters", "k = 3; sin = 1", "reserved"),
         ("f_minus", "y", "1 expression here, 2 are needed: one for each of x, y"),
         ("f_minus", "y, -x, 0", "3 expressions here"),
-        ("f_minus", "y, 2x", "y′ = '2x': this is no expression; write products with *"),
+        ("f_minus", "y, x x", "y′ = 'x x': this is no expression; write products with *"),
         ("f_plus", "y, -q*x", "unknown name 'q'"),
         ("f_plus", "", "No expressions here, 2 are needed"),
-        ("f_plus", "x^2, y", "powers are written **"),
         ("g", "", "Type one expression"),
         ("g", "x, y", "Type one expression"),
         ("g", "k - 3", "'k - 3' names no variable"),
@@ -136,7 +136,7 @@ def test_a_mistake_is_told_beside_its_field_with_what_would_do(field, text, says
 
 
 def test_all_fields_are_checked_not_only_the_first_that_is_wrong():
-    wrong = Draft(name="", variables="x", f_minus="2x", f_plus="x, 1", g="3", parameters="k", x0="", jump="y")
+    wrong = Draft(name="", variables="x", f_minus="x x", f_plus="x, 1", g="3", parameters="k", x0="", jump="y")
     assert set(check(wrong).complaints) == {"name", "f_minus", "f_plus", "g", "parameters", "x0", "jump"}
 
 
@@ -147,7 +147,7 @@ def test_a_start_where_the_field_has_no_value_is_told_beside_it():
 
 
 def test_mathematics_appears_of_what_can_be_read_while_other_fields_are_wrong():
-    checked = check(replace(OSCILLATOR, g="", f_minus="y, 2x", psi_plus="x**2 + y**2"))
+    checked = check(replace(OSCILLATOR, g="", f_minus="y, x x", psi_plus="x**2 + y**2"))
     assert {"g", "f_minus"} <= set(checked.complaints)
     assert checked.maths["f_minus"].count("<math") == 1
     assert checked.maths["f_plus"].count("<math") == 2
@@ -260,7 +260,7 @@ def test_a_parameter_with_a_wrong_value_is_complained_of_where_it_stands_alone()
 
 
 def test_a_side_without_quantity_leaves_out_no_method_that_the_other_side_admits():
-    kept = replace(examples["Duffing oscillator, stiffness switched"], psi_plus="", f_plus="v\n-a*x - v")
+    kept = replace(EXAMPLES["Duffing oscillator, stiffness switched"], psi_plus="", f_plus="v\n-a*x - v")
     checked = check(kept)
     assert can_use(checked.system, "dmm2")
     (words,) = [finding.words for finding in checked.conserved[1]]
@@ -269,3 +269,15 @@ def test_a_side_without_quantity_leaves_out_no_method_that_the_other_side_admits
     (words,) = [finding.words for finding in neither.conserved[1]]
     for name in core.METHODS:
         assert (f" {name} " in f" {words} ".replace(",", " ")) != can_use(neither.system, name)
+
+
+def test_powers_and_products_are_taken_as_people_type_them_and_shown_as_read():
+    typed = replace(OSCILLATOR, f_minus="y\n-k x^2 - 2x(1 + y)", parameters="k = 2pi in [0.1, 10]", x0="1/4, 2^-1")
+    checked = check(replace(typed, f_minus="y\n-k*x^2 - 2x*(1 + y)"))
+    assert checked.complaints == {}
+    assert checked.system.f_minus == ("y", "-k*x**2 - 2*x*(1 + y)")
+    assert checked.system.x0 == (0.25, 0.5)
+    assert checked.system.values["k"] == pytest.approx(2 * np.pi)
+    assert "0.25" in checked.maths["x0"]
+    assert check(OSCILLATOR).maths["x0"] == ""
+    assert "f_minus" in check(typed).complaints, "x(1 + y) could be a function"

@@ -7,8 +7,9 @@ from threading import current_thread, main_thread
 import pytest
 
 import core
+from pwsviz.editor.examples import EXAMPLES
 from pwsviz.editor.form import CURRENT, SystemEditor
-from pwsviz.editor.validation import FIELDS, Draft, examples
+from pwsviz.editor.validation import FIELDS, Draft
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 
@@ -35,7 +36,7 @@ class Desk:
 @pytest.fixture
 def desk():
     desk = Desk()
-    desk.editor.fill(examples["Two springs"])
+    desk.editor.fill(EXAMPLES["Two springs"])
     assert desk.editor.settle(20)
     yield desk
     desk.editor.close()
@@ -111,7 +112,7 @@ def test_what_is_found_wrong_or_typed_over_is_not_used(desk):
 def test_an_outcome_that_was_overtaken_is_not_shown():
     outcomes, used = [], []
     editor = SystemEditor(used.append, lambda show, outcome: outcomes.append((show, outcome)))
-    editor.fill(examples["Two springs"])
+    editor.fill(EXAMPLES["Two springs"])
     assert editor.settle(20)
     editor.texts["g"].value_input = "x +"
     show, outcome = outcomes[0]
@@ -135,12 +136,12 @@ def test_what_is_conserved_and_what_is_left_over_is_shown(desk):
     assert "is conserved" in desk.editor.maths["psi_plus"].object
 
 
-@pytest.mark.parametrize("title", examples)
+@pytest.mark.parametrize("title", EXAMPLES)
 def test_every_example_on_the_menu_fills_the_form(desk, title):
     desk.editor._choose({"label": title})
     assert desk.editor.settle(20)
     texts = {each.name: desk.editor.texts[each.name].value_input for each in fields(Draft)}
-    assert Draft(**texts) == examples[title] == desk.editor.draft
+    assert Draft(**texts) == EXAMPLES[title] == desk.editor.draft
     assert errors(desk.editor) == {}
 
 

@@ -307,3 +307,14 @@ def test_a_system_without_psi_is_shown_with_its_state(system):
     assert scene.view == "conserved"
     scene.system = system
     assert scene.view == "state"
+
+
+@pytest.mark.parametrize(("text", "value"), [("1/4", 0.25), ("sqrt(2)", 2**0.5), ("2pi", 2 * math.pi), ("10^-2", 0.01)])
+def test_numbers_may_be_typed_as_formulas(text, value):
+    assert number(text, "It", -10.0, 10.0) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["x", "t", "__import__('os')", "1/0", "sqrt(-1)", "9**9**9**9", "", "()", "1,2"])
+def test_what_is_no_number_is_refused_in_words(text):
+    with pytest.raises(ValueError, match="not a"):
+        number(text, "It", -10.0, 10.0)

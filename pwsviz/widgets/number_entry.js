@@ -1,0 +1,55 @@
+// A labelled text entry for a number and, where it has ends, a slider that announces the text of the entry.
+
+const STEPS = 400  // of the slider from end to end
+let count = 0
+
+function render({ model, el }) {
+  const id = `number-${count++}`
+  el.innerHTML = `<div class="field"><label for="${id}"></label><input type="text" id="${id}" autocomplete="off"
+      spellcheck="false" aria-describedby="${id}-note ${id}-about"><span hidden id="${id}-about"></span></div>
+    <p class="note" id="${id}-note" role="status"></p><input type="range" min="0" max="${STEPS}" step="1">`
+  const [label, entry, about, note, slider] = ["label", "input", "span", "p", "input[type=range]"]
+    .map(name => el.querySelector(name))
+
+  const fill = () => {  // only when the text changes: what is being typed stays, and can be undone by its own keys
+    entry.value = model.text
+    write()
+  }
+  const write = () => {
+    label.textContent = model.label
+    about.textContent = entry.title = slider.title = model.description
+    entry.disabled = slider.disabled = model.disabled
+    entry.setAttribute("aria-invalid", model.complaint != "")
+    note.textContent = model.complaint || model.note
+    note.className = model.complaint ? "note refused" : "note"
+    slider.hidden = model.ends == null
+    slider.setAttribute("aria-label", `${model.label}, slider`)
+    slider.setAttribute("aria-valuetext", model.text.replace("-", "\u2212"))
+    if (model.ends != null && !sliding) {
+      const [low, high] = model.ends
+      slider.value = Math.round(STEPS * (model.place - low) / (high - low))
+    }
+    slider.style.setProperty("--part", `${100 * slider.valueAsNumber / STEPS}%`)
+  }
+  let sliding = false  // the thumb is in a hand: it is not moved by what the server says of an earlier place
+  const slide = () => {
+    const [low, high] = model.ends
+    sliding = true
+    model.place = low + (high - low) * slider.valueAsNumber / STEPS
+    slider.style.setProperty("--part", `${100 * slider.valueAsNumber / STEPS}%`)
+  }
+  const rest = () => {
+    sliding = false
+    write()
+  }
+  entry.addEventListener("change", () => { model.text = entry.value })
+  slider.addEventListener("input", slide)
+  for (const name of ["change", "blur", "pointerup"]) slider.addEventListener(name, rest)
+  for (const name of ["label", "description", "note", "complaint", "disabled", "ends", "place"]) {
+    model.on(name, write)
+  }
+  model.on("text", fill)
+  fill()
+}
+
+export default { NumberEntry: { render } }
