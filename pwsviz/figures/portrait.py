@@ -6,20 +6,23 @@ browser moves them (see `gestures`), and reports the new places to the server.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from bokeh.core.properties import value
-from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
+from bokeh.events import Event, MouseLeave, MouseMove, PointEvent, RangesUpdate, Reset, Tap
 from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, ResetTool
+from bokeh.models.widgets import Div
 from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.marks import crossing_columns, end_columns
+from pwsviz.figures.moving import REPAINT, TELL_PLACE
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     GREY,
@@ -31,10 +34,12 @@ from pwsviz.figures.style import (
     describe,
     fit_to_corners,
     legend_below,
+    legend_lines,
     line_of,
     plain_figure,
     ranges,
     refit,
+    show_methods,
     unseen,
 )
 from pwsviz.geometry.phase_plane import Backdrop, Window
@@ -130,6 +135,7 @@ class PortraitView:
         self._add_legend()
         self._watch_window(on_window, on_zoom, on_fit)
         self._watch_gestures(on_place)
+        self._watch_time()
 
     @staticmethod
     def _plot() -> figure:
@@ -151,11 +157,18 @@ class PortraitView:
         self.side = ColumnDataSource({"xs": [], "ys": []})
         self.tint = plot.multi_polygons("xs", "ys", source=self.side, color=SIDES[-1], alpha=0.13, line_width=0)
         self.levels, self.orbit_levels, self.arrows = {}, {}, {}
+        self.drawn: dict[int, tuple[Any, Any, Any]] = {}
         for side, colour in SIDES.items():
             self.levels[side], self.orbit_levels[side], self.arrows[side] = (_line_source() for _ in range(3))
-            plot.line("x", "y", source=self.levels[side], color=colour, alpha=0.45, line_width=1)
-            plot.line("x", "y", source=self.orbit_levels[side], color=colour, alpha=0.9, line_width=1.5)
-            plot.line("x", "y", source=self.arrows[side], color=GREY, alpha=0.75, line_width=1)
+            usual = plot.line("x", "y", source=self.levels[side], color=colour, alpha=0.45, line_width=1)
+            own = plot.line("x", "y", source=self.orbit_levels[side], color=colour, alpha=0.9, line_width=1.5)
+            field = plot.line("x", "y", source=self.arrows[side], color=GREY, alpha=0.75, line_width=1)
+            self.drawn[side] = (usual, own, field)
+        levels = [line for usual, own, _ in self.drawn.values() for line in (usual, own)]
+        value_tip = [("ψ on this level set", "@psi{%.5g}")]
+        plot.add_tools(
+            HoverTool(renderers=levels, tooltips=value_tip, formatters={"@psi": "printf"}, visible=False, limit=1)
+        )
         self.surface = _line_source()
         self.surface_line = plot.line("x", "y", source=self.surface, color=PURPLE, line_width=2.5)
 
@@ -164,11 +177,12 @@ class PortraitView:
         columns = ("xs", "ys", "method", "colour", "dash", "width")
         looks: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_join": "round"}
         self.others = ColumnDataSource({name: [] for name in columns})
-        plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
+        self.beside = plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
         plot.scatter("x", "y", source=self.steps, size=STEP_SIZE, color="colour")
+        self.methods, self.keys = legend_lines(plot)
         self.jumps = _line_source()
         self.jump_lines = plot.line("x", "y", source=self.jumps, color=ORANGE, line_dash=[2, 4], line_width=2)
 
@@ -229,19 +243,24 @@ class PortraitView:
             "x", "y", source=self.moving, marker="marker", size="size", fill_color="colour", line_color="white",
             line_width=1.5,
         )  # fmt: skip
+        self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "width")})
+        plot.multi_line("xs", "ys", source=self.trails, color="colour", line_width="width", line_cap="round")
         self.corners = fit_to_corners(plot, [-1.0, 1.0], [-1.0, 1.0])
 
     def _add_legend(self) -> None:
-        *_, self.surface_entry, self.tint_entry = legend_below(
+        *_, self.surface_entry, self.tint_entry, self.field_entry, self.level_entry, self.own_entry = legend_below(
             self.figure,
             3,
             [
-                ({"field": "method"}, self.curves),
+                ({"field": "method"}, self.keys),
                 ("start", self.stars),
                 ({"field": "label"}, self.marks),
                 ({"field": "label"}, self.stops),
                 ("S: g = 0", self.surface_line),
                 ("g < 0", self.tint),
+                ("direction of f", self.drawn[1][2]),
+                ("ψ constant", self.drawn[1][0]),
+                ("ψ of the run", self.drawn[1][1]),
             ],
         )
 
@@ -290,6 +309,23 @@ class PortraitView:
         if act in self._acts and 0 <= index < len(self.starts.data["x"]) and math.isfinite(x) and math.isfinite(y):
             self._acts[act](int(index), float(x), float(y))
 
+    def _watch_time(self) -> None:
+        """Let the browser paint what depends on time, and tell what is under the pointer."""
+        self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
+        self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
+        self.readout = Div(text="", render_as_text=True, css_classes=["readout"], margin=0)
+        plane = {"formulas": self.formulas, "clock": self.clock, "ranges": list(ranges(self.figure))}
+        sources = {side: [self.levels[side], self.orbit_levels[side], self.arrows[side]] for side in SIDES}
+        arrows = [field for _, _, field in self.drawn.values()]
+        scene = {"side": self.side, "surface": self.surface, "entry": self.surface_entry, "arrows": arrows}
+        repaint = CustomJS(args=plane | scene | {"lines_below": sources[-1], "lines_above": sources[1]}, code=REPAINT)
+        for source in (self.formulas, self.clock):
+            source.js_on_change("data", repaint)
+        self.figure.js_on_event(RangesUpdate, repaint)
+        tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
+        self.figure.js_on_event(MouseMove, tell)
+        self.figure.js_on_event(MouseLeave, tell)
+
     # What is drawn ---------------------------------------------------------------------------------------------------
 
     def show_orbits(
@@ -311,6 +347,7 @@ class PortraitView:
         axes = pictures.inputs.axes
         self._name(system, axes)
         self.orbits.data = _curves(pictures.orbits)
+        show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
         self.others.data = _curves(pictures.others, thinner=0.5)
         assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
         self.ends.data = end_columns(pictures.numbered)
@@ -364,9 +401,16 @@ class PortraitView:
         }
         self.surface.data = _columns(backdrop.surface)
         for side in SIDES:
-            self.levels[side].data = _columns(backdrop.levels[side])
-            self.orbit_levels[side].data = _columns(backdrop.orbit_levels[side])
-            self.arrows[side].data = _columns(backdrop.arrows[side])
+            cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
+            sources = (self.levels[side], self.orbit_levels[side], self.arrows[side])
+            for source, columns in zip(sources, backdrop.whole.get(side, cut), strict=True):
+                source.data = columns
+        parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels)
+        for entry, part in zip((self.field_entry, self.level_entry, self.own_entry), parts, strict=True):
+            entry.visible = any(np.isfinite(lines).any() for lines in part.values())
+        across, up = (str(axis.axis_label).partition(" ")[0] for axis in (self.figure.xaxis, self.figure.yaxis))
+        # Sent last: the browser then paints what moves as it is at the time of the player.
+        self.formulas.data = {"text": [json.dumps(backdrop.formulas)], "across": [across], "up": [up]}
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
@@ -396,4 +440,5 @@ def _line_source() -> ColumnDataSource:
 
 
 def _columns(points: Floats) -> dict[str, Floats]:
-    return {"x": points[:, 0], "y": points[:, 1]}
+    """Return points as columns: x, y, and ψ where it is given."""
+    return dict(zip(("x", "y", "psi"), points.T, strict=False))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pwsviz.figures.conserved import CEILING, FLOOR, NOWHERE, ConservedView, conserved_text, drawable
-from pwsviz.figures.portrait import KIND_COLOURS, KIND_MARKERS
+from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.results.animation import landmarks
 from pwsviz.results.requests import run_inputs

@@ -11,7 +11,7 @@ def test_links_of_the_views_name_the_sources_of_both():
     portrait, conserved = PortraitView(*[lambda *_told: None] * 5), ConservedView()
     link_crossings(portrait, conserved)
     for view in (portrait, conserved):
-        (left,) = view.figure.js_event_callbacks[MouseLeave.event_name]
+        *_, left = view.figure.js_event_callbacks[MouseLeave.event_name]
         for callback in (view.hover.callback, left):
             assert callback.args["portrait"] is portrait.pointed
             assert callback.args["conserved"] is conserved.pointed
