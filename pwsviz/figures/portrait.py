@@ -6,29 +6,23 @@ browser moves them (see `gestures`), and reports the new places to the server.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.core.properties import value
-from bokeh.events import Event, MouseLeave, MouseMove, PointEvent, RangesUpdate, Reset, Tap
+from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
 from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, ResetTool
-from bokeh.models.widgets import Div
 from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
+from pwsviz.figures.ground import Ground
 from pwsviz.figures.marks import crossing_columns, end_columns
-from pwsviz.figures.moving import REPAINT, TELL_PLACE
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
-    GREY,
     ORANGE,
-    PURPLE,
-    SIDES,
     VERMILION,
     assign,
     describe,
@@ -43,8 +37,7 @@ from pwsviz.figures.style import (
     unseen,
 )
 from pwsviz.geometry.phase_plane import Backdrop, Window
-from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import Axes, axis_labels, shows_surface, surface_name
+from pwsviz.geometry.projection import Axes, axis_labels
 from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 
@@ -67,7 +60,7 @@ for (const range of ranges) { range.have_updated_interactively = false }
 END_SIZE = 15
 """Diameter in pixels of the mark of an end: wide enough that two runs which end at one place do not look joined."""
 
-STEP_SIZE = 3.5
+STEP_SIZE = 4.5
 """Diameter in pixels of the dot at the end of a step."""
 
 POINTED_SIZE = 19
@@ -101,8 +94,8 @@ class PortraitView:
     ----------
     frame : Window or None
         The part of the plane that the view was last told to show.
-    covered : Window or None
-        The part of the plane the backdrop covers.
+    ground : Ground
+        What lies under the trajectories.
     """
 
     def __init__(
@@ -117,9 +110,8 @@ class PortraitView:
     ) -> None:
         self.figure = self._plot()
         self.frame: Window | None = None
-        self.covered: Window | None = None
         self._box: Window | None = None
-        self._backdrop: Backdrop | None = None
+        self._names = ("x", "y")
         self._visible: Window | None = None
         self._heard = 0
         self._acts: dict[str, Callable[[int, float, float], None]] = {
@@ -128,14 +120,13 @@ class PortraitView:
             "remove": lambda index, _x, _y: on_remove(index),
             "select": lambda index, _x, _y: on_select(index),
         }
-        self._backdrop_glyphs()
+        self.ground = Ground(self.figure)
         self._orbit_glyphs()
         self._crossing_glyphs()
         self._start_glyphs()
         self._add_legend()
         self._watch_window(on_window, on_zoom, on_fit)
         self._watch_gestures(on_place)
-        self._watch_time()
 
     @staticmethod
     def _plot() -> figure:
@@ -144,6 +135,7 @@ class PortraitView:
             match_aspect=True,
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.0),
+            min_border_left=62,  # steady, whatever the numbers on the axis
             active_drag="pan",
             active_scroll="wheel_zoom",
         )
@@ -151,26 +143,6 @@ class PortraitView:
         for reset in (tool for tool in plot.tools if isinstance(tool, ResetTool)):
             reset.description = "Fit to the trajectories"
         return plot
-
-    def _backdrop_glyphs(self) -> None:
-        plot = self.figure
-        self.side = ColumnDataSource({"xs": [], "ys": []})
-        self.tint = plot.multi_polygons("xs", "ys", source=self.side, color=SIDES[-1], alpha=0.13, line_width=0)
-        self.levels, self.orbit_levels, self.arrows = {}, {}, {}
-        self.drawn: dict[int, tuple[Any, Any, Any]] = {}
-        for side, colour in SIDES.items():
-            self.levels[side], self.orbit_levels[side], self.arrows[side] = (_line_source() for _ in range(3))
-            usual = plot.line("x", "y", source=self.levels[side], color=colour, alpha=0.45, line_width=1)
-            own = plot.line("x", "y", source=self.orbit_levels[side], color=colour, alpha=0.9, line_width=1.5)
-            field = plot.line("x", "y", source=self.arrows[side], color=GREY, alpha=0.75, line_width=1)
-            self.drawn[side] = (usual, own, field)
-        levels = [line for usual, own, _ in self.drawn.values() for line in (usual, own)]
-        value_tip = [("ψ on this level set", "@psi{%.5g}")]
-        plot.add_tools(
-            HoverTool(renderers=levels, tooltips=value_tip, formatters={"@psi": "printf"}, visible=False, limit=1)
-        )
-        self.surface = _line_source()
-        self.surface_line = plot.line("x", "y", source=self.surface, color=PURPLE, line_width=2.5)
 
     def _orbit_glyphs(self) -> None:
         plot = self.figure
@@ -181,9 +153,9 @@ class PortraitView:
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
-        plot.scatter("x", "y", source=self.steps, size=STEP_SIZE, color="colour")
+        plot.scatter("x", "y", source=self.steps, size=STEP_SIZE, fill_color="white", line_color="colour")
         self.methods, self.keys = legend_lines(plot)
-        self.jumps = _line_source()
+        self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.line("x", "y", source=self.jumps, color=ORANGE, line_dash=[2, 4], line_width=2)
 
     def _crossing_glyphs(self) -> None:
@@ -248,7 +220,7 @@ class PortraitView:
         self.corners = fit_to_corners(plot, [-1.0, 1.0], [-1.0, 1.0])
 
     def _add_legend(self) -> None:
-        *_, self.surface_entry, self.tint_entry, self.field_entry, self.level_entry, self.own_entry = legend_below(
+        entries = legend_below(
             self.figure,
             3,
             [
@@ -256,13 +228,10 @@ class PortraitView:
                 ("start", self.stars),
                 ({"field": "label"}, self.marks),
                 ({"field": "label"}, self.stops),
-                ("S: g = 0", self.surface_line),
-                ("g < 0", self.tint),
-                ("direction of f", self.drawn[1][2]),
-                ("ψ constant", self.drawn[1][0]),
-                ("ψ of the run", self.drawn[1][1]),
+                *self.ground.legend,
             ],
         )
+        self.ground.follow(entries[-len(self.ground.legend) :])
 
     def _watch_window(
         self, on_window: Callable[[Window], None], on_zoom: Callable[[Window], None], on_fit: Callable[[], None]
@@ -309,23 +278,6 @@ class PortraitView:
         if act in self._acts and 0 <= index < len(self.starts.data["x"]) and math.isfinite(x) and math.isfinite(y):
             self._acts[act](int(index), float(x), float(y))
 
-    def _watch_time(self) -> None:
-        """Let the browser paint what depends on time, and tell what is under the pointer."""
-        self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
-        self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
-        self.readout = Div(text="", render_as_text=True, css_classes=["readout"], margin=0)
-        plane = {"formulas": self.formulas, "clock": self.clock, "ranges": list(ranges(self.figure))}
-        sources = {side: [self.levels[side], self.orbit_levels[side], self.arrows[side]] for side in SIDES}
-        arrows = [field for _, _, field in self.drawn.values()]
-        scene = {"side": self.side, "surface": self.surface, "entry": self.surface_entry, "arrows": arrows}
-        repaint = CustomJS(args=plane | scene | {"lines_below": sources[-1], "lines_above": sources[1]}, code=REPAINT)
-        for source in (self.formulas, self.clock):
-            source.js_on_change("data", repaint)
-        self.figure.js_on_event(RangesUpdate, repaint)
-        tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
-        self.figure.js_on_event(MouseMove, tell)
-        self.figure.js_on_event(MouseLeave, tell)
-
     # What is drawn ---------------------------------------------------------------------------------------------------
 
     def show_orbits(
@@ -352,7 +304,8 @@ class PortraitView:
         assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
         self.ends.data = end_columns(pictures.numbered)
         self.steps.data = _step_columns([*pictures.orbits, *pictures.others])
-        self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)]))
+        jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)])
+        self.jumps.data = {"x": jumps[:, 0], "y": jumps[:, 1]}
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._box = extent(pictures.orbits, pictures.others)
@@ -373,8 +326,8 @@ class PortraitView:
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Label the axes, and show only what is drawn in the legend."""
         self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, axes)
-        self.surface_entry.label = value(surface_name(system))
-        self.surface_entry.visible = self.tint_entry.visible = shows_surface(system, axes)
+        self._names = system.variables[axes[0]], system.variables[axes[1]]
+        self.ground.name(system, axes)
 
     def fit(self) -> None:
         """Let the view show the trajectories drawn last."""
@@ -392,25 +345,7 @@ class PortraitView:
 
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
-        if backdrop is self._backdrop:
-            return
-        self._backdrop, self.covered = backdrop, backdrop.window
-        self.side.data = {
-            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
-            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
-        }
-        self.surface.data = _columns(backdrop.surface)
-        for side in SIDES:
-            cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
-            sources = (self.levels[side], self.orbit_levels[side], self.arrows[side])
-            for source, columns in zip(sources, backdrop.whole.get(side, cut), strict=True):
-                source.data = columns
-        parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels)
-        for entry, part in zip((self.field_entry, self.level_entry, self.own_entry), parts, strict=True):
-            entry.visible = any(np.isfinite(lines).any() for lines in part.values())
-        across, up = (str(axis.axis_label).partition(" ")[0] for axis in (self.figure.xaxis, self.figure.yaxis))
-        # Sent last: the browser then paints what moves as it is at the time of the player.
-        self.formulas.data = {"text": [json.dumps(backdrop.formulas)], "across": [across], "up": [up]}
+        self.ground.show(backdrop, self._names)
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
@@ -429,16 +364,3 @@ def _step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:
     dots = np.concatenate([orbit.steps for orbit in orbits])
     colours = [line_of(orbit.method).colour for orbit in orbits for _ in orbit.steps]
     return {"x": dots[:, 0], "y": dots[:, 1], "colour": colours}
-
-
-def _polygons(backdrop: Backdrop) -> list[tuple[Floats, list[Floats]]]:
-    return list(zip(backdrop.minus_outer, backdrop.minus_holes, strict=True))
-
-
-def _line_source() -> ColumnDataSource:
-    return ColumnDataSource({"x": [], "y": []})
-
-
-def _columns(points: Floats) -> dict[str, Floats]:
-    """Return points as columns: x, y, and ψ where it is given."""
-    return dict(zip(("x", "y", "psi"), points.T, strict=False))

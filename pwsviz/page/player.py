@@ -217,7 +217,7 @@ class Player(pn.viewable.Viewer):
     def __init__(self, portrait: PortraitView, lines: Sequence[Span]) -> None:
         super().__init__()
         self._targets = {
-            "moving": portrait.moving, "trails": portrait.trails, "clock": portrait.clock, "lines": list(lines),
+            "moving": portrait.moving, "trails": portrait.trails, "clock": portrait.ground.clock, "lines": list(lines),
             "curves": portrait.curves, "beside": portrait.beside,
         }  # fmt: skip
         self.bar: Bar | None = None

@@ -65,7 +65,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
         self.limits = WindowFields(scene, self._seen, self.fit)
         self.player = Player(self.portrait, lines)
-        self.readout = pn.pane.Bokeh(self.portrait.readout, margin=(8, 4), sizing_mode="stretch_width")
+        self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(9, 4), sizing_mode="stretch_width")
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.trouble = text_pane("")
@@ -204,7 +204,7 @@ class PortraitPanel(pn.viewable.Viewer):
         if self.shown is None or self.portrait.frame is None:
             return
         visible = self._visible or self.portrait.frame
-        window = self.portrait.covered
+        window = self.portrait.ground.covered
         if window is None or not window.shows_well(visible):
             window = visible.scaled(1.3 if self._visible else 2.0)
         problem, axes = self.shown.inputs.selected[0].problem, self.shown.inputs.axes
