@@ -18,9 +18,11 @@ from pwsviz.figures.style import (
     describe,
     fit_to_corners,
     legend_below,
+    legend_lines,
     line_of,
     mark_levels,
     plain_figure,
+    show_methods,
     unseen,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
@@ -72,7 +74,7 @@ class ConservedView:
             self.figure,
             4,
             [
-                ({"field": "method"}, self.lines),
+                ({"field": "method"}, self.keys),
                 ("g < 0", self.bands[-1]),
                 ("g > 0", self.bands[1]),
                 ({"field": "label"}, self.ticks),
@@ -94,6 +96,7 @@ class ConservedView:
     def _curve_glyphs(self) -> None:
         plot = self.figure
         columns = ("xs", "ys", "method", "colour", "dash")
+        self.methods, self.keys = legend_lines(plot)
         self.curves = ColumnDataSource({name: [] for name in columns})
         self.lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
         plot.add_tools(
@@ -146,6 +149,7 @@ class ConservedView:
             "dash": [list(line.dash) for line in lines],
         }
         self._show_exits(errors, heights)
+        show_methods(self.methods, [curve.method for curve in errors])
         self._show_segments(errors[0])
         self._show_ticks(errors[0], landmarks)
         self._show_round_off(math.nan if landmarks is None else landmarks.round_off)

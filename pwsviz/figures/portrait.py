@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.core.properties import value
 from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
 from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, ResetTool
 from bokeh.plotting import figure
@@ -19,27 +18,26 @@ from bokeh.plotting import figure
 import core
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
+from pwsviz.figures.ground import Ground
 from pwsviz.figures.marks import crossing_columns, end_columns
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
-    GREY,
     ORANGE,
-    PURPLE,
-    SIDES,
     VERMILION,
     assign,
     describe,
     fit_to_corners,
     legend_below,
+    legend_lines,
     line_of,
     plain_figure,
     ranges,
     refit,
+    show_methods,
     unseen,
 )
 from pwsviz.geometry.phase_plane import Backdrop, Window
-from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import Axes, axis_labels, shows_surface, surface_name
+from pwsviz.geometry.projection import Axes, axis_labels
 from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 
@@ -62,7 +60,7 @@ for (const range of ranges) { range.have_updated_interactively = false }
 END_SIZE = 15
 """Diameter in pixels of the mark of an end: wide enough that two runs which end at one place do not look joined."""
 
-STEP_SIZE = 3.5
+STEP_SIZE = 4.5
 """Diameter in pixels of the dot at the end of a step."""
 
 POINTED_SIZE = 19
@@ -96,8 +94,8 @@ class PortraitView:
     ----------
     frame : Window or None
         The part of the plane that the view was last told to show.
-    covered : Window or None
-        The part of the plane the backdrop covers.
+    ground : Ground
+        What lies under the trajectories.
     """
 
     def __init__(
@@ -112,9 +110,8 @@ class PortraitView:
     ) -> None:
         self.figure = self._plot()
         self.frame: Window | None = None
-        self.covered: Window | None = None
         self._box: Window | None = None
-        self._backdrop: Backdrop | None = None
+        self._names = ("x", "y")
         self._visible: Window | None = None
         self._heard = 0
         self._acts: dict[str, Callable[[int, float, float], None]] = {
@@ -123,7 +120,7 @@ class PortraitView:
             "remove": lambda index, _x, _y: on_remove(index),
             "select": lambda index, _x, _y: on_select(index),
         }
-        self._backdrop_glyphs()
+        self.ground = Ground(self.figure)
         self._orbit_glyphs()
         self._crossing_glyphs()
         self._start_glyphs()
@@ -138,6 +135,7 @@ class PortraitView:
             match_aspect=True,
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.0),
+            min_border_left=62,  # steady, whatever the numbers on the axis
             active_drag="pan",
             active_scroll="wheel_zoom",
         )
@@ -146,30 +144,18 @@ class PortraitView:
             reset.description = "Fit to the trajectories"
         return plot
 
-    def _backdrop_glyphs(self) -> None:
-        plot = self.figure
-        self.side = ColumnDataSource({"xs": [], "ys": []})
-        self.tint = plot.multi_polygons("xs", "ys", source=self.side, color=SIDES[-1], alpha=0.13, line_width=0)
-        self.levels, self.orbit_levels, self.arrows = {}, {}, {}
-        for side, colour in SIDES.items():
-            self.levels[side], self.orbit_levels[side], self.arrows[side] = (_line_source() for _ in range(3))
-            plot.line("x", "y", source=self.levels[side], color=colour, alpha=0.45, line_width=1)
-            plot.line("x", "y", source=self.orbit_levels[side], color=colour, alpha=0.9, line_width=1.5)
-            plot.line("x", "y", source=self.arrows[side], color=GREY, alpha=0.75, line_width=1)
-        self.surface = _line_source()
-        self.surface_line = plot.line("x", "y", source=self.surface, color=PURPLE, line_width=2.5)
-
     def _orbit_glyphs(self) -> None:
         plot = self.figure
         columns = ("xs", "ys", "method", "colour", "dash", "width")
         looks: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_join": "round"}
         self.others = ColumnDataSource({name: [] for name in columns})
-        plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
+        self.beside = plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
-        plot.scatter("x", "y", source=self.steps, size=STEP_SIZE, color="colour")
-        self.jumps = _line_source()
+        plot.scatter("x", "y", source=self.steps, size=STEP_SIZE, fill_color="white", line_color="colour")
+        self.methods, self.keys = legend_lines(plot)
+        self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.line("x", "y", source=self.jumps, color=ORANGE, line_dash=[2, 4], line_width=2)
 
     def _crossing_glyphs(self) -> None:
@@ -230,21 +216,23 @@ class PortraitView:
             "x", "y", source=self.moving, marker="marker", size="size", fill_color="colour", line_color="white",
             line_width=1.5,
         )  # fmt: skip
+        self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "width")})
+        plot.multi_line("xs", "ys", source=self.trails, color="colour", line_width="width", line_cap="round")
         self.corners = fit_to_corners(plot, [-1.0, 1.0], [-1.0, 1.0])
 
     def _add_legend(self) -> None:
-        *_, self.surface_entry, self.tint_entry = legend_below(
+        entries = legend_below(
             self.figure,
             3,
             [
-                ({"field": "method"}, self.curves),
+                ({"field": "method"}, self.keys),
                 ("start", self.stars),
                 ({"field": "label"}, self.marks),
                 ({"field": "label"}, self.stops),
-                ("S: g = 0", self.surface_line),
-                ("g < 0", self.tint),
+                *self.ground.legend,
             ],
         )
+        self.ground.follow(entries[-len(self.ground.legend) :])
 
     def _watch_window(
         self, on_window: Callable[[Window], None], on_zoom: Callable[[Window], None], on_fit: Callable[[], None]
@@ -312,11 +300,13 @@ class PortraitView:
         axes = pictures.inputs.axes
         self._name(system, axes)
         self.orbits.data = _curves(pictures.orbits)
+        show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
         self.others.data = _curves(pictures.others, thinner=0.5)
         assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
         self.ends.data = end_columns(pictures.numbered)
         self.steps.data = _step_columns([*pictures.orbits, *pictures.others])
-        self.jumps.data = _columns(np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)]))
+        jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)])
+        self.jumps.data = {"x": jumps[:, 0], "y": jumps[:, 1]}
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._box = extent(pictures.orbits, pictures.others)
@@ -337,8 +327,8 @@ class PortraitView:
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Label the axes, and show only what is drawn in the legend."""
         self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, axes)
-        self.surface_entry.label = value(surface_name(system))
-        self.surface_entry.visible = self.tint_entry.visible = shows_surface(system, axes)
+        self._names = system.variables[axes[0]], system.variables[axes[1]]
+        self.ground.name(system, axes)
 
     def fit(self) -> None:
         """Let the view show the trajectories drawn last."""
@@ -356,18 +346,7 @@ class PortraitView:
 
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
-        if backdrop is self._backdrop:
-            return
-        self._backdrop, self.covered = backdrop, backdrop.window
-        self.side.data = {
-            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
-            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in _polygons(backdrop)],
-        }
-        self.surface.data = _columns(backdrop.surface)
-        for side in SIDES:
-            self.levels[side].data = _columns(backdrop.levels[side])
-            self.orbit_levels[side].data = _columns(backdrop.orbit_levels[side])
-            self.arrows[side].data = _columns(backdrop.arrows[side])
+        self.ground.show(backdrop, self._names)
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
@@ -386,15 +365,3 @@ def _step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:
     dots = np.concatenate([orbit.steps for orbit in orbits])
     colours = [line_of(orbit.method).colour for orbit in orbits for _ in orbit.steps]
     return {"x": dots[:, 0], "y": dots[:, 1], "colour": colours}
-
-
-def _polygons(backdrop: Backdrop) -> list[tuple[Floats, list[Floats]]]:
-    return list(zip(backdrop.minus_outer, backdrop.minus_holes, strict=True))
-
-
-def _line_source() -> ColumnDataSource:
-    return ColumnDataSource({"x": [], "y": []})
-
-
-def _columns(points: Floats) -> dict[str, Floats]:
-    return {"x": points[:, 0], "y": points[:, 1]}

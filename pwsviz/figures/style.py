@@ -73,6 +73,9 @@ LOOKS: dict[str, tuple[Line, ...]] = {
 }
 """Looks of the integrators of each family, in their order (cyclically); all differ in colour and in dash."""
 
+LEGEND_WIDTH = 2.5
+"""Width in pixels of a line in every legend, whatever its width in the plot."""
+
 LEGEND_GLYPH = 34
 """Pixels of line in a legend: a little more than one period of the longest dash pattern."""
 
@@ -164,6 +167,23 @@ def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
     if not (isinstance(across, DataRange1d) and isinstance(up, DataRange1d)):
         raise TypeError("the ranges of a figure on this page follow its data")
     return across, up
+
+
+def legend_lines(plot: figure) -> tuple[ColumnDataSource, Any]:
+    """Return a source of methods, whose looks `show_methods` sets, and what a legend draws of them: no curve."""
+    source = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash")})
+    look: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": LEGEND_WIDTH}
+    return source, plot.multi_line("xs", "ys", source=source, **look)
+
+
+def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
+    """Name these integrators in a legend made of `legend_lines`."""
+    names = list(dict.fromkeys(methods))
+    lines = [line_of(name) for name in names]
+    source.data = {
+        "xs": [[np.nan]] * len(names), "ys": [[np.nan]] * len(names), "method": names,
+        "colour": [line.colour for line in lines], "dash": [list(line.dash) for line in lines],
+    }  # fmt: skip
 
 
 def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], widest: int = 115) -> list[LegendItem]:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
 from numpy.typing import NDArray
 
 import core
+from pwsviz.geometry.formulas import formulas
 from pwsviz.geometry.polyline_reduction import Floats, simplify
-from pwsviz.geometry.projection import Axes, shows_field, shows_levels, shows_surface
+from pwsviz.geometry.projection import Axes, moves, shows_field, shows_levels, shows_surface
 
 GRID = 160
 """Cells along the longer side of the grid on which surfaces and level sets are traced."""
@@ -21,8 +22,17 @@ GRID = 160
 ARROWS = 24
 """Arrows of the field along the longer side."""
 
+ROWS = 6
+"""Rows of an arrow."""
+
 LEVELS = 7
 """Level sets drawn on each side, besides those through the orbits."""
+
+
+FINE = 300
+"""Vertices along the longer side, at least, of a line of which a moving surface hides a part."""
+
+Columns: TypeAlias = "dict[str, Floats]"
 
 
 class Window(NamedTuple):
@@ -76,7 +86,26 @@ class Window(NamedTuple):
 
 @dataclass(frozen=True)
 class Backdrop:
-    """The backdrop of a portrait; each curve is a (k, 2) array with rows of NaN between its pieces."""
+    """The backdrop of a portrait; each curve is an array with rows of NaN between its pieces.
+
+    Attributes
+    ----------
+    window : Window
+        The part of the plane that it covers.
+    surface : (k, 2) array
+        The curve g = 0.
+    minus_outer, minus_holes : list
+        Outlines of the regions where g < 0, and those of their holes.
+    arrows : dict
+        For each side, (k, 2): the field as arrows.
+    levels, orbit_levels : dict
+        For each side, (k, 3): level sets, the usual ones and those of the orbits, with the value of ψ.
+    whole : dict
+        For each side, if the surface moves: levels, orbit_levels and arrows (columns x, y, psi as they are at t = 0)
+        beyond the surface, too, in the column "whole" in place of x; (at_x, at_y) is the point whose side counts.
+    formulas : dict
+        What the browser can evaluate at a point, see `formulas`.
+    """
 
     window: Window
     surface: Floats
@@ -85,6 +114,8 @@ class Backdrop:
     arrows: dict[int, Floats]
     levels: dict[int, Floats]
     orbit_levels: dict[int, Floats]
+    whole: dict[int, list[Columns]]
+    formulas: dict[str, Any]
 
 
 def backdrop(
@@ -113,6 +144,8 @@ def backdrop(
         arrows={side: plane.arrows(side) for side in (-1, 1)},
         levels={side: plane.level_sets(side, plane.usual_levels(side)) for side in (-1, 1)},
         orbit_levels={side: plane.level_sets(side, orbits.get(side, ())) for side in (-1, 1)},
+        whole={side: plane.whole(side, orbits.get(side, ())) for side in (-1, 1)} if moves(system) else {},
+        formulas=formulas(system, axes),
     )
 
 
@@ -191,11 +224,30 @@ class _Plane:
 
     def level_sets(self, side: int, levels: tuple[float, ...]) -> Floats:
         """Return level sets of ψ on one side, cut off at the surface."""
+        lines = [(level, line) for level, whole in self._lines(side, levels) for line in self._cut(whole, side)]
+        return _joined([_with_value(line, level) for level, line in lines], 3)
+
+    def _lines(self, side: int, levels: tuple[float, ...]) -> list[tuple[float, Floats]]:
+        """Return the pieces of level sets, beyond the surface, too, each with its value of ψ."""
         psi = self.psi[side]
-        if psi is None:
-            return _joined([])
-        lines = [line for level in levels for line in self.contour(psi, level)]
-        return _joined([piece for line in lines for piece in self._cut(line, side)])
+        return [] if psi is None else [(level, line) for level in levels for line in self.contour(psi, level)]
+
+    def whole(self, side: int, orbits: tuple[float, ...]) -> list[Columns]:
+        """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""
+        fine = max(self.window.width, self.window.height) / FINE
+        sets = [
+            _joined([_with_value(_resampled(line, fine), level) for level, line in self._lines(side, levels)], 3)
+            for levels in (self.usual_levels(side), orbits)
+        ]
+        arrows, centres = self._all_arrows(side)
+        parts = [(lines[:, :2], lines[:, :2], lines[:, 2]) for lines in sets]
+        parts.append((arrows, np.repeat(centres, ROWS, axis=0), np.full(len(arrows), np.nan)))
+        return [self._hidden(side, *part) for part in parts]
+
+    def _hidden(self, side: int, lines: Floats, at: Floats, psi: Floats) -> Columns:
+        """Return lines as columns; x is NaN where the point `at` lies on the other side at t = 0."""
+        x = np.where(side * self._switching(at[:, 0], at[:, 1]) > 0, lines[:, 0], np.nan)
+        return {"x": x, "y": lines[:, 1], "psi": psi, "whole": lines[:, 0], "at_x": at[:, 0], "at_y": at[:, 1]}
 
     def _cut(self, line: Floats, side: int) -> list[Floats]:
         """Return the pieces of a line on one side, cut where g, interpolated linearly, changes sign."""
@@ -212,23 +264,28 @@ class _Plane:
 
     def arrows(self, side: int) -> Floats:
         """Return the directions of the field of one side, as open arrows of equal length."""
+        lines, centres = self._all_arrows(side)
+        there = self._switching(centres[:, 0], centres[:, 1]) * side > 0
+        return lines[np.repeat(there, ROWS)]
+
+    def _all_arrows(self, side: int) -> tuple[Floats, Floats]:
+        """Return the arrows of a field on both sides, and their middles."""
         if not shows_field(self.system):
-            return np.empty((0, 2))
+            return np.empty((0, 2)), np.empty((0, 2))
         x, y = (values.ravel() for values in np.meshgrid(*self._axes(ARROWS)))
-        there = self._switching(x, y) * side > 0
-        x, y = x[there], y[there]
         with np.errstate(all="ignore"):
             field = np.asarray(self.system.field(side, 0.0, self._states(x, y)))
             u, v = (field[:, self.axes] / np.linalg.norm(field, axis=1, keepdims=True)).T
         flows = np.isfinite(u) & np.isfinite(v)
-        return _arrow_lines(x[flows], y[flows], u[flows], v[flows], self._arrow_length())
+        lines = _arrow_lines(x[flows], y[flows], u[flows], v[flows], self._arrow_length())
+        return lines, np.column_stack([x[flows], y[flows]])
 
     def _arrow_length(self) -> float:
         return 0.5 * max(self.window.width, self.window.height) / ARROWS
 
 
 def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> Floats:
-    """Return six rows for each arrow: tail, tip, barb, tip, barb, and a gap."""
+    """Return `ROWS` rows for each arrow: tail, tip, barb, tip, barb, and a gap."""
     forward = 0.5 * length * np.column_stack([u, v])
     sideways = 0.28 * np.column_stack([-forward[:, 1], forward[:, 0]])
     middle = np.column_stack([x, y])
@@ -237,7 +294,18 @@ def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> F
     return np.stack([middle - forward, tip, neck + sideways, tip, neck - sideways, gap], axis=1).reshape(-1, 2)
 
 
-def _joined(lines: list[Floats]) -> Floats:
+def _with_value(line: Floats, value: float) -> Floats:
+    return np.column_stack([line, np.full(len(line), value)])
+
+
+def _resampled(line: Floats, spacing: float) -> Floats:
+    """Return a line with vertices at this spacing or less, and its ends."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    at = np.linspace(0.0, along[-1], 2 + int(along[-1] / spacing))
+    return np.column_stack([np.interp(at, along, line[:, k]) for k in range(2)])
+
+
+def _joined(lines: list[Floats], width: int = 2) -> Floats:
     """Return one array of all lines, each followed by a gap."""
-    gap = np.full((1, 2), np.nan)
+    gap = np.full((1, width), np.nan)
     return np.concatenate([part for line in lines for part in (line, gap)] or [gap])

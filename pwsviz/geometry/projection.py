@@ -50,7 +50,7 @@ def shows_levels(system: core.PiecewiseSystem) -> bool:
 
 def surface_name(system: core.PiecewiseSystem) -> str:
     """Return the name of the surface in the legend."""
-    return "S: g = 0 at t = 0" if _moves(system) else "S: g = 0"
+    return "S: g = 0 at t = 0" if moves(system) else "S: g = 0"
 
 
 def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
@@ -69,8 +69,8 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
         sentences.append(f"Projected onto the plane of {plane}; the field and the level sets have no place in it.")
         if not shows_surface(system, axes):
             sentences.append(f"Nor has the surface g = {system.g} = 0, which is no curve there.")
-    if _moves(system) and shows_surface(system, axes):
-        sentences.append("The surface moves with time: it is drawn where it stands at t = 0.")
+    if moves(system) and shows_surface(system, axes):
+        sentences.append("The surface moves with time: it is drawn where it stands at t = 0, and moves when animated.")
     if system.dimension == PLANE and _psi_names_time(system):
         sentences.append("ψ names time, so its level sets move; they are left out.")
     return " ".join(sentences)
@@ -92,7 +92,8 @@ def _others(names: Sequence[Name], axes: Axes) -> list[Name]:
     return [name for k, name in enumerate(names) if k not in axes]
 
 
-def _moves(system: core.PiecewiseSystem) -> bool:
+def moves(system: core.PiecewiseSystem) -> bool:
+    """Whether the surface moves: g names time."""
     return TIME in system.laws.g.free_symbols
 
 

@@ -20,10 +20,19 @@ SPEEDS = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0, "4×": 4.0}
 WHOLE = 12.0
 """Seconds that the whole run takes to play at speed 1."""
 
+TRAIL = 0.6
+"""Seconds of playing at speed 1 that the trail behind a marker lasts."""
+
+SMALL = 8
+"""Diameter in pixels of the marker of a start that is not selected; that of the selected one is larger."""
+
+FAINT = 0.3
+"""Opacity of the curves under the trails, relative to what it is otherwise."""
+
 _ESM = """
 export function render({ model, data, el }) {
   el.innerHTML = `
-    <div class="player" role="group" aria-label="Play the trajectory in time">
+    <div class="player" role="group" aria-label="Animation">
       <button type="button" class="play"></button>
       <input type="range" class="scrub" min="0" step="any" aria-label="Time">
       <output class="now" aria-live="off"></output>
@@ -36,7 +45,7 @@ export function render({ model, data, el }) {
 
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)")
   const CALM = 0.5  // seconds between pictures where the user prefers reduced motion
-  let time = 0, end = 0, ways = [], playing = false, before = null, due = 0, request = null
+  let time = 0, end = 0, ways = [], playing = false, before = null, request = null, begun = 0
 
   // Index of the last step not after t, or -1.
   const last = (t, steps) => {
@@ -50,17 +59,22 @@ export function render({ model, data, el }) {
   const show = () => {
     const there = ways.filter(way => way.t.length > 0)
     const at = there.map(way => Math.max(0, last(time, way.t)))
+    const since = there.map(way => Math.max(0, last(time - end * model.trail / model.whole, way.t)))
+    const tail = name => there.map((way, k) => Array.from(way[name].slice(since[k], at[k] + 1)))
+    const colour = there.map(way => way.colour)
     const shown = {
       t: there.length > 0 ? time : null,
       x: there.map((way, k) => way.x[at[k]]), y: there.map((way, k) => way.y[at[k]]),
-      colour: there.map(way => way.colour), marker: there.map(way => way.marker),
-      size: there.map((way, k) => Math.max(6, 18 - 8 * k)),  // smaller for later ones, so that none hides another
+      colour, marker: there.map(way => way.marker), size: there.map(way => way.size),
+      trails: { xs: tail("x"), ys: tail("y"), colour, width: there.map(way => Math.max(2, way.size / 4)) },
     }
     scrub.max = end
     scrub.value = time
-    const crossed = there.length > 0 ? last(time, there[0].crossings) + 1 : 0
-    const words = `t = ${time.toPrecision(4)}`
-    now.textContent = `${words}, ${crossed} crossing${crossed == 1 ? "" : "s"}`
+    const crossings = there.length > 0 ? there[0].crossings : [], crossed = last(time, crossings) + 1
+    const many = crossed == crossings.length && there[0]?.crossing_count > crossed ? "more than " : ""
+    const count = crossed.toLocaleString("en")
+    const words = `${many}${count} crossing${crossed == 1 ? "" : "s"}`
+    now.textContent = `t = ${time.toPrecision(4)}, ${words}${there[0]?.whose ?? ""}`
     scrub.setAttribute("aria-valuetext", now.textContent)
     data.setv({ now: shown }, { sync: false })  // not needed by the server
   }
@@ -94,7 +108,7 @@ export function render({ model, data, el }) {
   const toggle = () => { if (playing) { pause() } else { start() } }
   // Go to the next step of the first integrator, or to its next crossing.
   const step = (direction, by_crossings) => {
-    const stops = ways.length == 0 ? [] : by_crossings ? ways[0].crossings : ways[0].t
+    const stops = ways.length == 0 ? [] : by_crossings ? ways[0].crossings : ways[0].steps
     const here = last(time, stops)
     const next = direction > 0 ? here + 1 : stops[here] < time ? here : here - 1
     pause()
@@ -104,6 +118,15 @@ export function render({ model, data, el }) {
 
   play.addEventListener("click", toggle)
   scrub.addEventListener("input", () => { pause(); time = Math.min(end, scrub.valueAsNumber); show() })
+  const TAKES_SPACE = "input, textarea, select, button, summary, a, [role], [contenteditable]"
+  const space = event => {  // anywhere on the page but where space means something else
+    if (event.key != " " || event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) { return }
+    const path = event.composedPath().filter(node => node instanceof Element)
+    if (path.slice(0, 3).some(node => node.matches(TAKES_SPACE) && node.getAttribute("role") != "img")) { return }
+    event.preventDefault()
+    toggle()
+  }
+  document.addEventListener("keydown", space)
   player.addEventListener("keydown", event => {
     if (event.ctrlKey || event.altKey || event.metaKey || event.target == speed) { return }
     if (event.key == " " && event.target != play) { toggle() }
@@ -119,9 +142,11 @@ export function render({ model, data, el }) {
     play.disabled = scrub.disabled = end == 0
     if (end == 0) { pause() }
     show()
+    if (end > 0 && begun != model.begun) { begun = model.begun; time = 0; start() }
   }
   model.on("ways", take)
   model.on("remove", () => {
+    document.removeEventListener("keydown", space)
     ways = []
     pause()
     show()
@@ -145,30 +170,39 @@ _CSS = """
 """
 
 _MOVE = """
-const { t, ...markers } = cb_obj.now
+const { t, trails: ways, ...markers } = cb_obj.now
 moving.setv({ data: markers }, { sync: false })
+trails.setv({ data: ways }, { sync: false })
 for (const line of lines) {
   line.setv(t == null ? { visible: false } : { location: t, visible: true }, { sync: false })
 }
-"""
+for (const [curve, alpha] of [[curves, 1.0], [beside, 0.55]]) {  // faint under the trails
+  const line_alpha = { value: t == null ? alpha : FAINT * alpha }
+  if (curve.glyph.line_alpha?.value != line_alpha.value) { curve.glyph.setv({ line_alpha }, { sync: false }) }
+}
+clock.setv({ data: { t: [t ?? 0], running: [t != null] } }, { sync: false })
+""".replace("FAINT", str(FAINT))
 
 
 class Bar(pn.custom.JSComponent):
     """Button, slider and speed; runs in the browser, and sends nothing to the server."""
 
-    ways = param.List(default=[], doc="The frames and the look of each integrator, as plain lists.")
+    ways = param.List(default=[], doc="The frames and the look of each run; the first is that of which is spoken.")
+    begun = param.Integer(default=0, doc="How often the player was opened; each time it begins to play.")
+    trail = param.Number(default=TRAIL)
     speeds = param.Dict(default=SPEEDS)
     whole = param.Number(default=WHOLE)
-    now = param.Dict(default={}, doc="Time and places of the markers; set in the browser, never sent.")
+    now = param.Dict(default={}, doc="Time, places of the markers, and trails; set in the browser, never sent.")
 
     _esm = _ESM
     _stylesheets: ClassVar[list[str]] = [_CSS]
 
 
 class Player(pn.viewable.Viewer):
-    """Moves a marker for each integrator in the portrait, and a line in each view that time runs across.
+    """Moves a marker with a trail for each run in the portrait, and a line in each view that time runs across.
 
-    With the focus in it, space plays and pauses; the arrow keys move by one step, with shift by one crossing.
+    While it is open, space plays and pauses; with the focus in it the arrow keys move by one step, with shift by one
+    crossing.
 
     Parameters
     ----------
@@ -182,7 +216,10 @@ class Player(pn.viewable.Viewer):
 
     def __init__(self, portrait: PortraitView, lines: Sequence[Span]) -> None:
         super().__init__()
-        self._targets = {"moving": portrait.moving, "lines": list(lines)}
+        self._targets = {
+            "moving": portrait.moving, "trails": portrait.trails, "clock": portrait.ground.clock, "lines": list(lines),
+            "curves": portrait.curves, "beside": portrait.beside,
+        }  # fmt: skip
         self.bar: Bar | None = None
         self.button = pmui.Button(
             label="Animate", icon="play_circle", variant="text", size="small", margin=(0, 4), on_click=self._toggle
@@ -195,33 +232,47 @@ class Player(pn.viewable.Viewer):
         """Whether it needs frames."""
         return bool(self.open)
 
-    def show(self, frames: Sequence[Frames]) -> None:  # type: ignore[override]  # Viewer.show starts a server
-        """Set the frames of each integrator; the time shown stays, if the frames reach it."""
+    def show(self, frames: Sequence[Frames], selected: int = 0, whose: str = "") -> None:  # type: ignore[override]
+        """Set the frames; the time shown stays, if the frames reach it.
+
+        Parameters
+        ----------
+        frames : sequence of Frames
+            One of each run, those of the selected start first.
+        selected : int
+            How many those are; by default all.
+        whose : str
+            Which run the first is, in words to follow a count of its crossings.
+        """
         if self.wanted and self.bar is not None:
-            self.bar.ways = [_way(one) for one in frames]
+            count = selected or len(frames)
+            sizes = [max(6, 18 - 8 * k) if k < count else SMALL for k in range(len(frames))]
+            self.bar.ways = [_way(one, size, whose) for one, size in zip(frames, sizes, strict=True)]
 
     def _toggle(self, _event: Any) -> None:
         self.open = not self.open
 
     def _follow(self) -> None:
-        self.button.label = "Close the player" if self.open else "Animate"
+        self.button.label = "Close the animation" if self.open else "Animate"
         if self.open and self.bar is None:
             self.bar = Bar(sizing_mode="stretch_width", margin=(2, 8))
             self.bar.jscallback(args=self._targets, now=_MOVE)
         if self.bar is not None:
             self.bar.ways = []
+            self.bar.begun += self.open
             self._place.objects = [self.bar] if self.open else []
 
     def __panel__(self) -> pn.viewable.Viewable:
-        """Return a button and, while open, the controls below it."""
-        return pn.Column(self.button, self._place, margin=0, sizing_mode="stretch_width")
+        """Return the controls, if it is open; the button that opens it stands elsewhere."""
+        return self._place
 
 
-def _way(one: Frames) -> dict[str, Any]:
-    """Return frames in the form that the browser takes."""
-    x, y = one.places.T
+def _way(one: Frames, size: int, whose: str) -> dict[str, Any]:
+    """Return frames in the form that the browser takes; arrays are sent as they are, without writing out digits."""
+    x, y = one.places.T.copy()
     line = line_of(one.method)
     return {
-        "t": one.t.tolist(), "x": x.tolist(), "y": y.tolist(), "crossings": one.crossings.tolist(),
-        "colour": line.colour, "marker": line.marker,
+        "t": one.t, "x": x, "y": y, "steps": one.steps, "crossings": one.crossings,
+        "crossing_count": one.crossing_count, "whose": whose, "colour": line.colour, "marker": line.marker,
+        "size": size,
     }  # fmt: skip

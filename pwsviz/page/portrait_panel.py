@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import panel as pn
@@ -64,6 +65,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
         self.limits = WindowFields(scene, self._seen, self.fit)
         self.player = Player(self.portrait, lines)
+        self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(9, 4), sizing_mode="stretch_width")
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.trouble = text_pane("")
@@ -173,20 +175,24 @@ class PortraitPanel(pn.viewable.Viewer):
     def _submit_frames(self) -> None:
         """Submit the computation of the frames of the player, while it is open."""
         if self.player.wanted and self.shown is not None:
-            inputs = self.shown.inputs.selected, self.shown.inputs.axes
+            shown = self.shown.inputs
+            inputs = (*shown.selected, *shown.others), shown.axes
             self.scheduler.submit(
                 "frames",
                 inputs,
                 lambda cancel, _: self.results.frames(*inputs, cancel),
-                self._show_frames,
+                partial(self._show_frames, shown),
                 patience=0.1,
             )
 
-    def _show_frames(self, outcome: Any) -> None:
+    def _show_frames(self, shown: PortraitInputs, outcome: Any) -> None:
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
         else:
-            self.player.show(outcome)
+            several = shown.start_count > 1 or len(shown.selected) > 1
+            start = f"start {shown.index + 1}, " if shown.start_count > 1 else ""
+            whose = f" ({start}{shown.selected[0].scheme.method})" if several else ""
+            self.player.show(outcome, len(shown.selected), whose)
 
     def _look_at(self, window: Window) -> None:
         self._visible = window
@@ -198,7 +204,7 @@ class PortraitPanel(pn.viewable.Viewer):
         if self.shown is None or self.portrait.frame is None:
             return
         visible = self._visible or self.portrait.frame
-        window = self.portrait.covered
+        window = self.portrait.ground.covered
         if window is None or not window.shows_well(visible):
             window = visible.scaled(1.3 if self._visible else 2.0)
         problem, axes = self.shown.inputs.selected[0].problem, self.shown.inputs.axes
@@ -253,10 +259,10 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return portrait, player and notes in a column."""
+        row = pn.Row(self.player.button, self.limits.button, self.readout, margin=0, sizing_mode="stretch_width")
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
-            self.pane, pn.Row(self.player, self.limits.button, margin=0, sizing_mode="stretch_width"), self.limits,
-            self.note, self.trouble, self.status,
+            self.pane, row, self.limits, self.player, self.note, self.trouble, self.status,
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
 

@@ -11,13 +11,19 @@ from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, in_plane
 
+FEW = 500
+"""Steps below which states between them are shown, so that the marker moves smoothly along the curve."""
+
+MOST_CROSSINGS = 100_000
+"""Crossings whose times are sent to the browser."""
+
 ROUND_OFF = 2.0
 """Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
 
 
 @dataclass(frozen=True)
 class Frames:
-    """The path of one integrator in the plane, at its own steps.
+    """The path of one run in the plane, at its own steps, and also between them if they are few.
 
     Attributes
     ----------
@@ -27,14 +33,20 @@ class Frames:
         Times, ascending.
     places : (n, 2) array
         Places in the plane at these times.
+    steps : (m,) array
+        Times of the steps among `t`.
     crossings : (k,) array
-        Times of the first `limit` crossings.
+        Times of the crossings, at most `MOST_CROSSINGS`.
+    crossing_count : int
+        Number of all crossings.
     """
 
     method: str
     t: Floats
     places: Floats
+    steps: Floats
     crossings: Floats
+    crossing_count: int
 
 
 @dataclass(frozen=True)
@@ -79,7 +91,15 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
     there = np.flatnonzero(np.isfinite(places).all(axis=1))
     every = max(1, -(-(len(there) - 1) // limit))
     kept = there[::every] if (len(there) - 1) % every == 0 else np.append(there[::every], there[-1])
-    return Frames(run.method, run.t[kept], np.ascontiguousarray(places[kept]), run.crossings.t[:limit])
+    steps, t, at = run.t[kept], run.t[kept], places[kept]
+    if len(steps) < min(FEW, limit):
+        t = np.union1d(steps, np.linspace(steps.min(), steps.max(), limit))
+        try:
+            at = in_plane(run.at(t), axes)
+        except ValueError:  # a part of a step may have no solution where the whole step has one
+            t, at = steps, places[kept]
+    passed = run.crossings.passed.t
+    return Frames(run.method, t, np.ascontiguousarray(at), steps, passed[:MOST_CROSSINGS], len(passed))
 
 
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:

@@ -64,7 +64,7 @@ def _refined(
     run: core.Trajectory, axes: Axes, t: Floats, points: Floats, kinks: Mask, near: Window | None
 ) -> tuple[Floats, Mask]:
     """Divide the pieces of a curve that bend visibly, until none does."""
-    shown: Mask = np.asarray(np.isfinite(points).all(axis=1))
+    shown = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
     if near is not None:
         shown &= near.holds(points)
     if not shown.any():

@@ -53,6 +53,15 @@ STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
 LONG = 200_000
 """Steps of a run from which the runs of one picture are computed in parallel; shorter ones lose more than they gain."""
 
+ALL_FRAMES = 12_000
+"""States that the player is sent, of all runs together."""
+
+FEWEST_FRAMES = 300
+"""Least of them of one run."""
+
+MOST_FRAMES = 2000
+"""Most of them of one run."""
+
 BEFORE_THE_END = 0.9
 """Part of the lifetime of a solution that ends early over which run times are compared."""
 
@@ -198,11 +207,15 @@ class Results:
         )
 
     def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
-        """Return the states that the player shows, for each integrator."""
-        return [self._get("frames", (one, axes), cancel, partial(self._frames, one, axes, cancel)) for one in inputs]
+        """Return the states that the player shows of each run; of many runs fewer each."""
+        limit = min(MOST_FRAMES, max(FEWEST_FRAMES, ALL_FRAMES // len(inputs)))
+        return [
+            self._get("frames", (one, axes, limit), cancel, partial(self._frames, one, axes, limit, cancel))
+            for one in inputs
+        ]
 
-    def _frames(self, inputs: RunInputs, axes: Axes, cancel: Cancel) -> Frames:
-        return frames(self.run(inputs, cancel), axes)
+    def _frames(self, inputs: RunInputs, axes: Axes, limit: int, cancel: Cancel) -> Frames:
+        return frames(self.run(inputs, cancel), axes, limit)
 
     def states(self, inputs: RunInputs, cancel: Cancel = never) -> StateCurves:
         """Return each coordinate of a run against time."""

@@ -212,16 +212,15 @@ def test_the_player_moves_a_marker_for_each_integrator_and_tells_the_server_noth
     await_that(page, PORTRAIT)
     await_still(page)
     assert page.evaluate(PORTRAIT)["moving"] == []
-    page.get_by_role("button", name="Animate").click()
+    page.get_by_role("button", name="Animate").click()  # and it plays
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
     page.wait_for_timeout(500)
     count = len(messages)
-    page.get_by_role("button", name="Play", exact=True).click()
     first = await_that(page, CONSERVED, lambda other: (other["now"] or 0) > 0)["now"]
     await_that(page, CONSERVED, lambda other: other["now"] > first)
     page.get_by_role("button", name="Pause", exact=True).click()
     assert len(messages) == count
-    page.get_by_role("button", name="Close the player").click()
+    page.get_by_role("button", name="Close the animation").click()
     await_that(page, CONSERVED, lambda other: other["now"] is None)
     assert page.evaluate(PORTRAIT)["moving"] == []
 
@@ -230,6 +229,8 @@ def test_the_player_moves_a_marker_for_each_integrator_and_tells_the_server_noth
 def test_keys_step_through_the_run_and_its_crossings(page):
     page.get_by_role("button", name="Animate").click()
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
+    page.get_by_role("button", name="Pause", exact=True).click()
+    page.get_by_role("slider", name="Time").press("Home")
     times = page.evaluate(CONSERVED)["times"]
     slider = page.get_by_role("slider", name="Time")
     slider.focus()
@@ -252,7 +253,6 @@ def test_those_who_want_no_motion_get_single_pictures(visit):
     await_that(page, PORTRAIT)
     page.get_by_role("button", name="Animate").click()
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)
-    page.get_by_role("button", name="Play", exact=True).click()
     seen = set()
     for _ in range(26):
         seen.add(page.evaluate(CONSERVED)["now"])

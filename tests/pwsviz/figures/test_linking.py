@@ -12,7 +12,7 @@ def test_links_of_all_figures_name_the_marks_in_the_portrait_and_the_instant_tha
     link_portrait(portrait)
     link_crossings(portrait, conserved, conserved.instants)
     for view in (portrait, conserved):
-        (left,) = view.figure.js_event_callbacks[MouseLeave.event_name]
+        *_, left = view.figure.js_event_callbacks[MouseLeave.event_name]
         for callback in (view.hover.callback, left):
             assert callback.args["portrait"] is portrait.pointed
             assert callback.args["instant"] is portrait.pointed_time

@@ -334,8 +334,8 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
     assert all(np.isfinite(x).sum() > 20 for x in portrait.orbits.data["xs"])
     assert list(portrait.starts.data["x"]) == [laws.x0[0]]
-    assert (len(portrait.surface.data["x"]) > 1) == (system != "gene_switch")
-    assert (len(portrait.arrows[1].data["x"]) > 0) == (laws.dimension == 2)
+    assert (len(portrait.ground.surface.data["x"]) > 1) == (system != "gene_switch")
+    assert (len(portrait.ground.arrows[1].data["x"]) > 0) == (laws.dimension == 2)
     assert explorer.scene.view == ("conserved" if laws.psi_minus else "state")
     assert explorer.view.words.object
     assert all(plot.visible for plot in explorer.view.plots)

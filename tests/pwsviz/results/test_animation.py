@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.results.animation import frames, landmarks
+from pwsviz.results.animation import FEW, frames, landmarks
 
 
 @pytest.fixture(scope="module")
@@ -18,13 +18,18 @@ def test_few_steps_are_all_there(run):
     shown = frames(run, (0, 1))
     assert np.array_equal(shown.t, run.t)
     assert np.array_equal(shown.places, run.x)
+    assert np.array_equal(shown.steps, run.t)
     assert np.array_equal(shown.crossings, run.crossings.t)
+    assert shown.crossing_count == len(run.crossings)
     assert shown.method == "dmm2"
 
 
 @pytest.mark.parametrize("limit", [1, 2, 3, 7, 100, 1999, 2000])
 def test_of_many_steps_every_kth_is_kept_and_both_ends(run, limit):
     shown = frames(run, (0, 1), limit)
+    if len(shown.steps) < min(FEW, limit):
+        assert np.abs(run.at(shown.t) - shown.places).max() == 0.0, "states between few steps are the method's own"
+        return
     at = np.searchsorted(run.t, shown.t)
     assert len(shown.t) <= limit + 1
     assert np.array_equal(run.t[at], shown.t), "no time is made up"
@@ -32,6 +37,20 @@ def test_of_many_steps_every_kth_is_kept_and_both_ends(run, limit):
     assert at[0] == 0
     assert at[-1] == len(run.t) - 1
     assert len(set(np.diff(at)[:-1])) <= 1
+
+
+def test_of_few_steps_states_between_them_are_shown_too():
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), tau=1.0, method="taylor")
+    shown = frames(run, (0, 1))
+    assert np.array_equal(shown.steps, run.t)
+    assert set(run.t) <= set(shown.t)
+    assert np.abs(np.diff(shown.places, axis=0)).max() < 0.1
+
+
+def test_every_crossing_is_counted():
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 3000.0), tau=1e-2, method="prk8")
+    shown = frames(run, (0, 1))
+    assert len(shown.crossings) == shown.crossing_count == len(run.crossings) > 3000
 
 
 def test_the_plane_is_that_of_the_axes(run):

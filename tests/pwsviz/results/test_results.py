@@ -196,7 +196,7 @@ def test_level_sets_stay_on_their_side(results):
     drawn = results.backdrop(run_inputs(scene)[0].problem, Window(-2.0, 2.0, -2.0, 2.0), levels)
     for side in (-1, 1):
         for lines in (drawn.levels[side], drawn.orbit_levels[side]):
-            points = lines[np.isfinite(lines).all(axis=1)]
+            points = lines[np.isfinite(lines).all(axis=1), :2]
             assert len(points) > 10
             assert (side * scene.build().switching(0.0, points) > -0.02).all()
         tails = drawn.arrows[side][0::6] / 2 + drawn.arrows[side][1::6] / 2

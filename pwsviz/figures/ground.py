@@ -1,0 +1,137 @@
+"""What lies under the trajectories of a portrait: sides, surface, field and level sets, also as time moves them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from bokeh.core.properties import value
+from bokeh.events import MouseLeave, MouseMove, RangesUpdate
+from bokeh.models import ColumnDataSource, CustomJS, HoverTool
+from bokeh.models.annotations import LegendItem
+from bokeh.models.widgets import Div
+from bokeh.plotting import figure
+
+import core
+from pwsviz.figures.moving import REPAINT, TELL_PLACE
+from pwsviz.figures.style import GREY, PURPLE, SIDES, ranges
+from pwsviz.geometry.phase_plane import Backdrop, Window
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.projection import Axes, shows_surface, surface_name
+
+__all__ = ["Ground"]
+
+READOUT_STYLES: dict[str, str | None] = {
+    "font-size": "0.8125rem",
+    "font-variant-numeric": "tabular-nums",
+    "white-space": "nowrap",
+}
+"""CSS of the line that tells what is under the pointer."""
+
+
+class Ground:
+    """The glyphs of a backdrop in a figure, made once; `show` changes their data.
+
+    Attributes
+    ----------
+    legend : list of (label, renderer)
+        What a legend says of it, for `legend_below`; its entries go to `follow`.
+    covered : Window or None
+        The part of the plane that the backdrop covers.
+    clock : ColumnDataSource
+        One row: the time t that is shown, and whether it is running; changed in the browser.
+    readout : Div
+        Tells what is under the pointer.
+    """
+
+    def __init__(self, plot: figure) -> None:
+        self.figure = plot
+        self.covered: Window | None = None
+        self._shown: Backdrop | None = None
+        self.side = ColumnDataSource({"xs": [], "ys": []})
+        tint = plot.multi_polygons("xs", "ys", source=self.side, color=SIDES[-1], alpha=0.13, line_width=0)
+        self.levels, self.orbit_levels, self.arrows = ({side: _line_source() for side in SIDES} for _ in range(3))
+        usual, own, field = (list[Any]() for _ in range(3))
+        for side, colour in SIDES.items():
+            usual.append(plot.line("x", "y", source=self.levels[side], color=colour, alpha=0.45, line_width=1))
+            own.append(plot.line("x", "y", source=self.orbit_levels[side], color=colour, alpha=0.9, line_width=1.5))
+            field.append(plot.line("x", "y", source=self.arrows[side], color=GREY, alpha=0.75, line_width=1))
+        tip: dict[str, Any] = {"tooltips": [("ψ on this level set", "@psi{%.5g}")], "formatters": {"@psi": "printf"}}
+        plot.add_tools(HoverTool(renderers=[*usual, *own], visible=False, limit=1, **tip))
+        self.surface = _line_source()
+        line = plot.line("x", "y", source=self.surface, color=PURPLE, line_width=2.5)
+        self._arrow_lines = field
+        self.legend: list[tuple[str, Any]] = [
+            ("S: g = 0", line), ("g < 0", tint), ("field f", field[-1]), ("ψ = const.", usual[-1]),
+            ("ψ of run", own[-1]),
+        ]  # fmt: skip
+        self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
+        self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
+        self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
+
+    def follow(self, entries: list[LegendItem]) -> None:
+        """Let the browser paint what depends on time, and tell what is under the pointer.
+
+        Parameters
+        ----------
+        entries : list of LegendItem
+            Those of `legend`.
+        """
+        self._surface_entry, self._tint_entry, *self._line_entries = entries
+        plane = {"formulas": self.formulas, "clock": self.clock, "ranges": list(ranges(self.figure))}
+        painted = {"side": self.side, "surface": self.surface, "entry": entries[0], "arrows": self._arrow_lines}
+        lines = {"lines_below": self._lines(-1), "lines_above": self._lines(1)}
+        repaint = CustomJS(args=plane | painted | lines, code=REPAINT)
+        for source in (self.formulas, self.clock):
+            source.js_on_change("data", repaint)
+        self.figure.js_on_event(RangesUpdate, repaint)
+        tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
+        self.figure.js_on_event(MouseMove, tell)
+        self.figure.js_on_event(MouseLeave, tell)
+
+    def _lines(self, side: int) -> list[ColumnDataSource]:
+        return [self.levels[side], self.orbit_levels[side], self.arrows[side]]
+
+    def name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
+        """Name the surface in the legend, if it is drawn."""
+        self._surface_entry.label = value(surface_name(system))
+        self._surface_entry.visible = self._tint_entry.visible = shows_surface(system, axes)
+
+    def show(self, backdrop: Backdrop, names: tuple[str, str]) -> None:
+        """Draw a backdrop.
+
+        Parameters
+        ----------
+        backdrop : Backdrop
+            What to draw.
+        names : (str, str)
+            Of the two variables that span the plane.
+        """
+        if backdrop is self._shown:
+            return
+        self._shown, self.covered = backdrop, backdrop.window
+        regions = list(zip(backdrop.minus_outer, backdrop.minus_holes, strict=True))
+        self.side.data = {
+            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in regions],
+            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in regions],
+        }
+        self.surface.data = _columns(backdrop.surface)
+        for side in SIDES:
+            cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
+            for source, columns in zip(self._lines(side), backdrop.whole.get(side, cut), strict=True):
+                source.data = columns
+        parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels)
+        for entry, part in zip(self._line_entries, parts, strict=True):
+            entry.visible = any(np.isfinite(lines).any() for lines in part.values())
+        # Sent last: the browser then paints what moves as it is at the time of the player.
+        self.formulas.data = {"text": [json.dumps(backdrop.formulas)], "across": [names[0]], "up": [names[1]]}
+
+
+def _line_source() -> ColumnDataSource:
+    return ColumnDataSource({"x": [], "y": []})
+
+
+def _columns(points: Floats) -> dict[str, Floats]:
+    """Return points as columns: x, y, and ψ where it is given."""
+    return dict(zip(("x", "y", "psi"), points.T, strict=False))

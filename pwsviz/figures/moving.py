@@ -1,0 +1,120 @@
+"""JavaScript that evaluates formulas, follows a moving surface, and tells what is under the pointer."""
+
+from __future__ import annotations
+
+from pwsviz.geometry.formulas import FUNCTIONS
+
+__all__ = ["REPAINT", "TELL_PLACE"]
+
+FORMULAS = """
+const KNOWN = new Set(FUNCTIONS)
+// A function of (x, y, t) for a tree of numbers, names and known operations; nothing is run as code.
+const formula = tree => {
+  if (tree == null) { return null }
+  if (typeof tree == "number") { return () => tree }
+  if (tree == "x") { return x => x }
+  if (tree == "y") { return (_x, y) => y }
+  if (tree == "t") { return (_x, _y, t) => t }
+  const [name, ...rest] = tree, parts = rest.map(formula), [a, b] = parts
+  if (name == "add") { return (x, y, t) => parts.reduce((sum, part) => sum + part(x, y, t), 0) }
+  if (name == "mul") { return (x, y, t) => parts.reduce((product, part) => product * part(x, y, t), 1) }
+  if (name == "pow") { return (x, y, t) => Math.pow(a(x, y, t), b(x, y, t)) }
+  if (name == "abs") { return (x, y, t) => Math.abs(a(x, y, t)) }
+  if (!KNOWN.has(name)) { return () => NaN }
+  const operation = Math[name]
+  return (x, y, t) => operation(a(x, y, t))
+}
+const given = JSON.parse(formulas.data.text[0] || "null")
+""".replace("FUNCTIONS", str(list(FUNCTIONS)))
+
+REPAINT = (
+    FORMULAS
+    + """
+const t = clock.data.t[0], running = clock.data.running[0]
+if (given?.moving && given.g != null) {
+  const g = formula(given.g)
+  const [across, up] = ranges
+  const CELLS = 150   // along the longer side of what is painted
+  const ROOM = 0.25   // of that beyond each edge of what is seen, for a pan
+  const left = across.start - ROOM * (across.end - across.start), width = (1 + 2 * ROOM) * (across.end - across.start)
+  const low = up.start - ROOM * (up.end - up.start), height = (1 + 2 * ROOM) * (up.end - up.start)
+  const cell = Math.max(width, height) / CELLS
+  const columns = Math.max(2, Math.round(width / cell)), rows = Math.max(2, Math.round(height / cell))
+  const xs = Array.from({ length: columns + 1 }, (_, i) => left + i * width / columns)
+  const ys = Array.from({ length: rows + 1 }, (_, j) => low + j * height / rows)
+  const values = ys.map(y => xs.map(x => g(x, y, t)))
+  const px = [], py = [], sx = [], sy = []
+  const add = (x, y) => { px.push([x]); py.push([y]) }
+  for (let j = 0; j < rows; j++) {
+    let from = null  // first of the cells in this row that lie wholly where g < 0
+    const close = i => {
+      if (from != null) { add([xs[from], xs[i], xs[i], xs[from]], [ys[j], ys[j], ys[j + 1], ys[j + 1]]) }
+      from = null
+    }
+    for (let i = 0; i < columns; i++) {
+      const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]
+      const heights = corners.map(([k, l]) => values[l][k])
+      const below = heights.filter(value => value < 0).length
+      if (below == 4) { from ??= i; continue }
+      close(i)
+      if (below == 0) { continue }
+      const rx = [], ry = [], met = []
+      for (let k = 0; k < 4; k++) {
+        const [[i0, j0], [i1, j1]] = [corners[k], corners[(k + 1) % 4]], [u, v] = [heights[k], heights[(k + 1) % 4]]
+        if (u < 0) { rx.push(xs[i0]); ry.push(ys[j0]) }
+        if (u < 0 != v < 0) {
+          const share = u / (u - v)
+          const place = [xs[i0] + share * (xs[i1] - xs[i0]), ys[j0] + share * (ys[j1] - ys[j0])]
+          rx.push(place[0]); ry.push(place[1]); met.push(place)
+        }
+      }
+      add(rx, ry)
+      for (let k = 0; k + 1 < met.length; k += 2) {
+        sx.push(met[k][0], met[k + 1][0], NaN)
+        sy.push(met[k][1], met[k + 1][1], NaN)
+      }
+    }
+    close(columns)
+  }
+  side.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
+  surface.setv({ data: { x: sx, y: sy } }, { sync: false })
+  entry.setv({ label: { value: running ? "S: g = 0" : "S: g = 0 at t = 0" } }, { sync: false })
+  for (const [sources, sign] of [[lines_below, -1], [lines_above, 1]]) {
+    for (const source of sources) {  // lines that are hidden on the other side
+      const { whole, y, psi, at_x, at_y } = source.data
+      if (whole == null) { continue }
+      const x = Array.from(whole, (value, k) => sign * g(at_x[k], at_y[k], t) > 0 ? value : NaN)
+      source.setv({ data: { x, y, psi, whole, at_x, at_y } }, { sync: false })
+    }
+  }
+}
+if (given?.forced) {
+  for (const renderer of arrows) { renderer.setv({ visible: !running }, { sync: false }) }  // they are those of t = 0
+}
+"""
+)
+"""JavaScript run when the player shows another time, or the backdrop is new: what moves is painted as it is then."""
+
+TELL_PLACE = (
+    FORMULAS
+    + """
+const { x, y } = cb_obj, [across, up] = ranges
+const inside = across.start <= x && x <= across.end && up.start <= y && y <= up.end
+const minus = text => text.replace("-", "\\u2212")
+const words = []
+if (inside && cb_obj.event_name != "mouseleave") {
+  const digits = Math.min(20, Math.max(0, Math.ceil(2.5 - Math.log10(across.end - across.start))))
+  const fixed = value => minus((Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits))
+  words.push(`${formulas.data.across[0]} = ${fixed(x)}, ${formulas.data.up[0]} = ${fixed(y)}`)
+  const t = clock.data.t[0], height = formula(given?.g)?.(x, y, t)
+  if (Number.isFinite(height) && height != 0) {
+    const [number, side, name] = height < 0 ? [0, "g < 0", "\\u03c8\\u208b"] : [1, "g > 0", "\\u03c8\\u208a"]
+    words.push(side)
+    const psi = formula(given.psi[number])?.(x, y, t)
+    if (Number.isFinite(psi)) { words.push(`${name} = ${minus(psi.toPrecision(4))}`) }
+  }
+}
+readout.setv({ text: words.join(" \\u00b7 ") }, { sync: false })
+"""
+)
+"""JavaScript run when the pointer moves over the portrait: place, side, and ψ of that side there."""

@@ -1,0 +1,66 @@
+"""Formulas as trees of numbers, names and known functions, which the browser evaluates without running any code."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeAlias
+
+import sympy
+
+import core
+from core.symbolic import TIME
+from pwsviz.geometry.projection import PLANE, Axes, moves, shows_surface
+
+__all__ = ["FUNCTIONS", "Tree", "formulas", "tree"]
+
+Tree: TypeAlias = "float | str | list[Any]"
+"""A number, a name, or an operation followed by its operands."""
+
+FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh")
+"""Functions of one number; in sympy and in JavaScript's Math they have the same name."""
+
+OPERATIONS = {sympy.Add: "add", sympy.Mul: "mul", sympy.Pow: "pow", sympy.Abs: "abs"}
+"""Other operations, by the class of the expression."""
+
+
+def tree(expression: sympy.Expr, names: Mapping[sympy.Expr, Tree]) -> Tree | None:
+    """Return an expression as a tree; None if it has a part that the browser does not know.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        What to write.
+    names : mapping
+        Number or name of each symbol; there is no value for an expression with another symbol.
+    """
+    if expression in names:
+        return names[expression]
+    if expression.is_number:
+        return float(expression) if expression.is_real else None
+    kind = type(expression)
+    name = OPERATIONS.get(kind, kind.__name__ if kind.__name__ in FUNCTIONS else None)
+    parts = [tree(part, names) for part in expression.args]
+    return None if name is None or None in parts or not parts else [name, *parts]
+
+
+def formulas(system: core.PiecewiseSystem, axes: Axes) -> dict[str, Any]:
+    """Return what can be evaluated at a point of the plane (x, y) and a time t.
+
+    Returns
+    -------
+    dict
+        "g", and "psi" of the sides − and +: trees in the names x, y and t, or None where the value is not known from
+        the two shown variables; "moving" and "forced": whether g, and whether a field depends on time.
+    """
+    laws = system.laws
+    across, up = (laws.x[k] for k in axes)
+    numbers = {symbol: float(value) for symbol, value in zip(laws.p, system.parameter_array, strict=True)}
+    names: dict[sympy.Expr, Tree] = {across: "x", up: "y", TIME: "t", **numbers}
+    flat = system.dimension == PLANE
+    psi = [mode.conserved[:1] if flat else () for mode in (laws.modes[-1], laws.modes[1])]
+    return {
+        "g": tree(laws.g, names) if shows_surface(system, axes) else None,
+        "psi": [tree(part[0], names) if part else None for part in psi],
+        "moving": moves(system),
+        "forced": any(TIME in part.free_symbols for mode in laws.modes.values() for part in mode.field),
+    }

@@ -1,0 +1,89 @@
+"""What is animated: every run, every crossing, all that depends on time; and what is told of the pointer's place."""
+
+import math
+import re
+
+import pytest
+
+from pwsviz.scene.permalink import query
+from pwsviz.scene.scene import Scene
+from tests.browser.looking import await_painted
+from tests.browser.test_ends import painted
+from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
+
+pytestmark = pytest.mark.browser
+
+PURPLE = (204, 121, 167)
+
+
+@pytest.fixture
+def shown(visit, address):
+    def open_scene(**settings):
+        page, scene = visit(), Scene()
+        scene.load(settings)
+        page.goto(f"{address}?{query(scene)}")
+        await_painted(page, "Phase portrait")
+        await_that(page, PORTRAIT)
+        await_still(page)
+        return page
+
+    return open_scene
+
+
+def animate(page):
+    """Open the player, and stop it at the beginning; return its slider."""
+    page.get_by_role("button", name="Animate").click()
+    page.get_by_role("button", name="Pause", exact=True).click()
+    return page.get_by_role("slider", name="Time")
+
+
+def at_time(page, slider, time):
+    slider.evaluate("(slider, time) => { slider.value = time; slider.dispatchEvent(new Event('input')) }", time)
+    page.wait_for_timeout(400)
+
+
+def test_a_moving_surface_moves_with_the_player(shown):
+    page = shown(system="moving_interface")
+    assert painted(page, (2.4, 0.0), PURPLE) > 10
+    slider = animate(page)
+    at_time(page, slider, math.pi / 2 / 0.7)
+    assert painted(page, (2.4, 0.5), PURPLE) > 10
+    assert painted(page, (2.4, 0.0), PURPLE) == 0
+    page.get_by_role("button", name="Close the animation").click()
+    page.wait_for_timeout(800)
+    assert painted(page, (2.4, 0.0), PURPLE) > 10
+
+
+def test_all_starts_move_and_one_click_and_the_space_bar_play(shown):
+    page = shown(starts=((-1.0, -1.0), (-1.0, -0.5)))
+    page.get_by_role("button", name="Animate").click()
+    await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 4)
+    page.get_by_role("button", name="Pause", exact=True).wait_for()
+    page.get_by_text(re.compile(r"crossings? \(start 1, dmm2\)")).wait_for()
+    page.mouse.move(*inside(page.evaluate(PORTRAIT), 0.9, 0.9))
+    page.locator("body").evaluate("() => document.activeElement.blur()")
+    page.keyboard.press(" ")
+    page.get_by_role("button", name="Play", exact=True).wait_for()
+
+
+def test_the_player_counts_every_crossing(shown):
+    page = shown(t_end=5000.0, methods=["dmm2"])
+    slider = animate(page)
+    at_time(page, slider, 5000.0)
+    counted = re.search(r"([\d,]+) crossings", slider.get_attribute("aria-valuetext"))[1]
+    page.get_by_text(re.compile(rf"steps, {counted} crossings")).first.wait_for()
+    assert int(counted.replace(",", "")) > 5000
+
+
+def test_the_place_under_the_pointer_is_told_with_side_and_invariant(shown):
+    page = shown()
+    seen = page.evaluate(PORTRAIT)
+    for across, side in ((0.02, "g > 0 · ψ₊"), (0.7, "g < 0 · ψ₋")):
+        page.mouse.move(*inside(seen, across, 0.5))
+        words = page.get_by_text(re.compile(rf"{side} = [−\d.]+$"))
+        words.wait_for()
+        found = re.fullmatch(r"x = (\S+), y = (\S+) · g . 0 · ψ. = (\S+)", words.inner_text())
+        x, y, psi = (float(number.replace("−", "-")) for number in found.groups())
+        assert psi == pytest.approx(y**2 - x**3 - (-2.0 if across < 0.5 else -3.0) * x, abs=0.05)
+    page.mouse.move(2, 2)
+    words.wait_for(state="detached")
