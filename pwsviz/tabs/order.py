@@ -65,6 +65,11 @@ class OrderTab(LongTab):
         """Return the errors over the step sizes, and the fits."""
         return order_tables(self.outcome, self._rows(self.outcome)) if self.outcome is not None else {}
 
+    def how(self, outcome: core.OrderStudy) -> str:
+        """Return the integrator and what it is compared with."""
+        taus = f"{len(outcome.taus)} step sizes from {outcome.taus.min():.2g} to {outcome.taus.max():.3g}"
+        return f"integrated by {outcome.method} with {taus}; compared with: {outcome.reference}"
+
     def program(self) -> str:
         """Return the lines that repeat the study."""
         return order_program(self.scene, self.inputs())
