@@ -24,7 +24,7 @@ def release() -> str:
         return "pwsviz from source"
 
 
-def about(scene: Scene, address: str = "") -> dict[str, str]:
+def about(scene: Scene, address: str = "", how: str = "") -> dict[str, str]:
     """Return what recomputes a scene, each part under its name: for the header of a file.
 
     Parameters
@@ -33,20 +33,35 @@ def about(scene: Scene, address: str = "") -> dict[str, str]:
         The settings.
     address : str
         Address of the page, without a query.
+    how : str
+        How a study was made; runs of the scene are described by its own settings.
     """
     try:
         link = f"{address}?{query(scene)}"
     except ValueError:  # too large for a link; its parts follow
         link = "none, the scene is too large"
     parts = {"program": release(), "link": link, "system": scene.declaration.name, "equations": _equations(scene)}
-    return parts | {"parameters": _parameters(scene), "starts": _starts(scene), "integration": _integration(scene)}
+    return parts | {
+        "parameters": _parameters(scene),
+        "starts": _starts(scene),
+        "integration": how or _integration(scene),
+    }
 
 
-def caption(scene: Scene, title: str) -> str:
-    """Return the caption of a picture: its title, the equations, the parameters and the method."""
-    parts = about(scene)
-    stated = (parts[name] for name in ("equations", "parameters", "starts", "integration"))
-    return f"{title} of {parts['system']}. " + " ".join(f"{part[0].upper()}{part[1:]}." for part in stated if part)
+def caption(scene: Scene, title: str, how: str = "") -> str:
+    """Return the caption of a picture: its title, the equations, the parameters and the method.
+
+    Parameters
+    ----------
+    scene, how
+        As in `about`.
+    title : str
+        What the picture shows.
+    """
+    parts = about(scene, how=how)
+    values = f"; {parts['parameters']}" if parts["parameters"] else ""
+    how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
+    return f"{title}, {parts['system']}: {parts['equations']}{values}. {how}"
 
 
 def _equations(scene: Scene) -> str:

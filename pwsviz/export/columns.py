@@ -27,7 +27,7 @@ MEANINGS: Mapping[str, str] = {
     "seconds": "processor time of a run, in s",
     "compile_seconds": "processor time to compile or load, not included in seconds, in s",
     "evaluations": "evaluations of the (discrete) field",
-    "state_error": "‖x − x*‖₂ at the end",
+    "state_error": "‖x − x̂‖₂ at the end",
     "time_error": f"|t̂ − t*| of the last crossing, {_TIME}",
     "invariant_error": "largest |Δψ| between two crossings",
     "crossings": "number of crossings",

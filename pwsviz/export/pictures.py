@@ -1,42 +1,51 @@
-"""Pictures of a figure as it is seen, made in the browser."""
+"""Pictures of a figure for a paper or a lecture: SVG, PDF and PNG, made in the browser by `pictures.js`."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import ClassVar
+
 from bokeh.plotting import figure
 
-__all__ = ["png_callback"]
+__all__ = ["CHOICES", "KINDS", "PictureFiles", "picture_callback"]
 
-_SAVE_PICTURE = """
-const view = Bokeh.index.find_one_by_id("ID")
-if (view != null) {
-  let ground = null
-  for (let node = view.el; node != null && ground == null; node = node.parentElement ?? node.getRootNode().host) {
-    const colour = getComputedStyle(node).backgroundColor
-    if (!/^transparent$|, 0\\)$/.test(colour)) ground = colour
-  }
-  const {canvas} = view.export("png")
-  const picture = document.createElement("canvas")
-  picture.width = canvas.width
-  picture.height = canvas.height
-  const pen = picture.getContext("2d")
-  pen.fillStyle = ground ?? "white"
-  pen.fillRect(0, 0, picture.width, picture.height)
-  pen.drawImage(canvas, 0, 0)
-  picture.toBlob(blob => {
-    const link = document.createElement("a")
-    link.href = URL.createObjectURL(blob)
-    link.download = name
-    link.click()
-    setTimeout(() => URL.revokeObjectURL(link.href), 60000)
-  }, "image/png")
+KINDS = ("svg", "pdf", "png")
+"""Formats; the first two are vectors."""
+
+CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
+    "width": ("Width", ("85 mm", "175 mm", "250 mm"), 1),  # of a column, a page, a slide
+    "points": ("Text", ("7 pt", "8 pt", "9 pt", "10 pt", "12 pt"), 2),
+    "scale": ("PNG", ("1×", "2×", "4×"), 1),  # in units of 96 dpi
+    "look": ("Colours", ("for print", "as on the page"), 0),
 }
+"""Title, options and the number of the default option of each choice about pictures."""
+
+
+class PictureFiles:
+    """What the browser fetches to make a picture, and only then; the server of Panel finds it by these attributes."""
+
+    _resources: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "files": (
+            "pictures.js",
+            "vendor/jspdf.umd.min.js",
+            "vendor/svg2pdf.umd.min.js",
+            "vendor/DejaVuSans-subset.ttf",
+        )
+    }
+
+
+_SAVE = """
+const files = new URL("components/MODULE/PictureFiles/_resources/files/", document.baseURI)
+const wished = { ...wish, caption: captioned.data.value ? wish.caption : "" }
+for (const [name, choice] of Object.entries({ width, points, scale, look })) wished[name] = choice.data.value
+import(new URL("pictures.js", files)).then(({ save }) => save("ID", wished))
 """
 
 
-def png_callback(plot: figure) -> str:
-    """Return JavaScript that saves a figure as seen, at the resolution of the device, on the background of the page.
+def picture_callback(plot: figure) -> str:
+    """Return JavaScript that saves a figure as a file.
 
-    It takes the name of the file from an argument ``name``, and is meant for `js_on_click` of a button:
-    ``button.js_on_click(args={"name": "portrait.png"}, code=png_callback(plot))``.
+    It takes from its arguments ``wish``, a mapping with ``kind`` (of `KINDS`), ``name`` of the file, ``title`` and
+    ``caption``; a widget for each of `CHOICES`; and ``captioned``, a checkbox.
     """
-    return _SAVE_PICTURE.replace("ID", plot.id)
+    return _SAVE.replace("MODULE", __name__).replace("ID", plot.id)

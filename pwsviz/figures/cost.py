@@ -16,6 +16,7 @@ from pwsviz.figures.cost_text import (
     UP,
     Across,
     Up,
+    compared_with,
     cost_numbers,
     cost_of,
     cost_text,
@@ -28,7 +29,7 @@ from pwsviz.figures.style import GREY, Line, assign, fit_to_corners, legend_belo
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 
-__all__ = ["CostView", "cost_numbers", "cost_rows", "cost_text"]
+__all__ = ["CostView", "compared_with", "cost_numbers", "cost_rows", "cost_text"]
 
 EXTERNAL_LINES = {
     "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),

@@ -19,7 +19,7 @@ Up = Literal["state", "time", "invariant"]
 
 ACROSS: Mapping[str, str] = {"seconds": "run time (s)", "evaluations": "evaluations of the field"}
 UP: Mapping[str, str] = {
-    "state": "state error at the end, ‖x − x*‖₂",
+    "state": "state error at the end, ‖x − x̂‖₂",
     "time": "error of the last crossing time, |t* − t̂|",
     "invariant": "largest |Δψ| between crossings",
 }
@@ -157,8 +157,12 @@ def _where(curve: CostCurve, found: list[int]) -> str:
     return first if len(found) == 1 else f"{first} and {plural(len(found) - 1, 'other setting')}"
 
 
+def compared_with(study: core.WorkPrecision) -> str:
+    """Return over which time the runs go, and what they are compared with."""
+    crossings = plural(study.crossings, "crossing")
+    return f"run to t = {study.t_span[1]:.6g}, over {crossings}; compared with: {study.reference}"
+
+
 def _measured_against(study: core.WorkPrecision, up: Up) -> str:
-    text = f"Run to t = {study.t_span[1]:.6g}, over {plural(study.crossings, 'crossing')}."
-    if up == "invariant":
-        return text
-    return f"{text} Compared with: {study.reference}; errors below {study.floor[up]:.0e} are round-off, or its own."
+    text = compared_with(study)
+    return f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} are round-off, or its own."

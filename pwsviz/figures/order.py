@@ -22,6 +22,14 @@ LINES = (
 """Looks of the curves; they do not stand for integrators, whose looks are in `style`."""
 
 
+STATE_ERROR = ("state error", "‖x − x̂‖₂")
+TIME_ERROR = ("crossing time error", "|t* − t̂|")
+"""What an order plot may show: the error in words, and in symbols with its norm; a hat marks what is computed."""
+
+ROOM = 2.0
+"""Factor between the largest error and the point in which the lines of integer slopes meet."""
+
+
 @dataclass(frozen=True)
 class Row:
     """One curve of an order plot."""
@@ -102,15 +110,17 @@ class OrderView:
     ----------
     error : str
         Which error it shows, in words.
+    symbol : str
+        The same in symbols, for the axis.
     """
 
-    def __init__(self, error: str) -> None:
+    def __init__(self, error: str, symbol: str = "") -> None:
         self.figure = plain_figure(
             f"{error} against the step size, both on logarithmic axes, with fitted slopes",
             x_axis_type="log",
             y_axis_type="log",
             x_axis_label="step size τ",
-            y_axis_label=error,
+            y_axis_label=", ".join(filter(None, (error, symbol))),
             x_range=DataRange1d(range_padding=0.06),
             y_range=DataRange1d(range_padding=0.06),
         )
@@ -129,9 +139,10 @@ class OrderView:
             source=self.guide_names,
             text_color=GREY,
             text_font_size="12px",
-            text_align="right",
-            text_baseline="middle",
-            x_offset=-4,
+            text_align="left",
+            text_baseline="top",
+            x_offset=6,
+            y_offset=2,
         )
         self.floor = mark_levels(plot, {1e-15: "round-off"})
 
@@ -182,10 +193,12 @@ class OrderView:
         self._show_guides(taus, rows, floor, order)
 
     def _show_guides(self, taus: Floats, rows: list[Row], floor: float, order: int) -> None:
-        """Draw lines of integer slopes through one point above the curves, down to the lowest error."""
-        errors = np.concatenate([row.error[np.isfinite(row.error) & (row.error > 0)] for row in rows])
-        top, bottom = 3 * float(errors.max(initial=floor)), min(float(errors.min(initial=1.0)), floor)
-        near, far = float(taus.min()), float(taus.max())
+        """Draw lines of integer slopes through one point above the curves, and end the axes where the data do."""
+        there = np.array([np.isfinite(row.error) & (row.error > 0) for row in rows])
+        errors = np.concatenate([row.error[known] for row, known in zip(rows, there, strict=True)])
+        top, bottom = ROOM * float(errors.max(initial=floor)), min(float(errors.min(initial=1.0)), floor)
+        used = taus[there.any(axis=0)] if there.any() else taus
+        near, far = float(used.min()), float(used.max())
         slopes = sorted({1, 2, order})
         starts = np.array([max(near, far * (bottom / top) ** (1 / slope)) for slope in slopes])
         heights = top * (starts / far) ** np.array(slopes)
@@ -194,7 +207,7 @@ class OrderView:
             "ys": [np.array([height, top]) for height in heights],
         }
         self.guide_names.data = {"x": starts, "y": heights, "text": [f"slope {slope}" for slope in slopes]}
-        self.corners.data = {"x": [near / 6, far], "y": [bottom, top]}
+        self.corners.data = {"x": [near, far], "y": [bottom, top]}
 
 
 def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:

@@ -57,14 +57,14 @@ class MapFigure:
             y_range=DataRange1d(range_padding=0.0),
         )
         plot = self.figure
-        edges: dict[str, Any] = {"left": "left", "right": "right", "bottom": "bottom", "top": "top", "line_width": 0}
+        edges: dict[str, Any] = {"left": "left", "right": "right", "bottom": "bottom", "top": "top"}
         self.cells = ColumnDataSource({name: [] for name in (*_CELLS, "colour")})
-        outcomes = plot.quad(**edges, source=self.cells, fill_color="colour")
+        outcomes = plot.quad(**edges, source=self.cells, color="colour")
         self.heat = ColumnDataSource({name: [] for name in (*_CELLS, "height")})
         mapper = LogColorMapper(palette=Cividis256, low=FLOOR, high=CEILING)
-        errors = plot.quad(**edges, source=self.heat, fill_color={"field": "height", "transform": mapper})
+        errors = plot.quad(**edges, source=self.heat, color={"field": "height", "transform": mapper})
         self.blank = ColumnDataSource({name: [] for name in _CELLS})
-        blanks = plot.quad(**edges, source=self.blank, fill_color=GREY)
+        blanks = plot.quad(**edges, source=self.blank, color=GREY)
         self.bar = ColorBar(color_mapper=mapper, title="|Δψ|", visible=False, width=12)
         plot.add_layout(self.bar, "right")
         self._limit_glyphs()
@@ -73,7 +73,7 @@ class MapFigure:
         tips = [("", "@words"), ("τ", "@tau"), ("start", "@value"), ("crossings", "@crossings"), ("|Δψ|", "@error")]
         plot.add_tools(HoverTool(renderers=[outcomes, errors, blanks], tooltips=tips))
         entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks)]
-        self._outcomes, self._blanks = legend_below(plot, 2, entries, widest=240)
+        self._outcomes, self._blanks = legend_below(plot, 2, entries, widest=300)
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> None:

@@ -260,7 +260,7 @@ class Explorer(pn.viewable.Viewer):
         runs = drawn_runs(panel.shown.inputs, self.scene.selected, self.results.run) if panel.shown else list
         pieces = [Piece("Phase portrait", portrait_tables(runs), panel.portrait.figure)]
         if view.outcome is not None:
-            pieces.append(Piece(title, view.tables(), view.picture()))
+            pieces.append(Piece(title, view.tables(), view.picture(), view.how(view.outcome)))
         return pieces
 
     def settle(self, timeout: float) -> bool:

@@ -14,13 +14,14 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.plotting import figure
 
-from pwsviz.export.about import about
+from pwsviz.export.about import about, caption
 from pwsviz.export.files import Table, Tables, csv_bytes, file_name, npz_bytes
-from pwsviz.export.pictures import png_callback
+from pwsviz.export.pictures import CHOICES, KINDS, picture_callback
 from pwsviz.export.script import snippet
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
+from pwsviz.widgets.setting_buttons import BUTTONS_SX
 
 PROGRAM_CSS = """
 pre { max-height: 40vh; overflow: auto; padding: 8px 12px; margin: 0; border-radius: 4px; font-size: 0.8rem;
@@ -45,6 +46,8 @@ class Piece(NamedTuple):
     tables: Tables
     """What is drawn."""
     figure: figure | None
+    how: str = ""
+    """How a study was made; empty if it shows runs of the scene."""
 
 
 class ExportDialog(pn.viewable.Viewer):
@@ -63,6 +66,7 @@ class ExportDialog(pn.viewable.Viewer):
         self.scene, self._pieces, self._program = scene, pieces, program
         self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
+        self._choices: dict[str, Any] = {}
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
         self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
         self.dialog = pmui.Dialog(
@@ -96,8 +100,8 @@ class ExportDialog(pn.viewable.Viewer):
             self.link.param.update(value="", error_state=True, helper_text=str(reason))
         program = escape(snippet(self.scene, self._program()))
         self.program.object = f'<pre tabindex="0" aria-label="Python program">{program}</pre>'
-        self.numbers.objects = [self._row(piece) for piece in self._pieces()]
         self.contents.objects = self.contents.objects or self._make_contents()
+        self.numbers.objects = [self._row(piece) for piece in self._pieces()]
         self.dialog.open = True
 
     def _make_contents(self) -> list[Any]:
@@ -105,7 +109,7 @@ class ExportDialog(pn.viewable.Viewer):
         return [
             self.link, self._copy("Copy the link", self.link, "value"),
             heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
-            heading("Numbers and pictures"), self.numbers,
+            heading("Numbers and pictures"), self._make_choices(), self.numbers,
         ]  # fmt: skip
 
     @staticmethod
@@ -117,19 +121,40 @@ class ExportDialog(pn.viewable.Viewer):
 
     def _row(self, piece: Piece) -> pn.Row:
         buttons = [
-            self._download(f"CSV {name}".strip(), f"{piece.title} {name}", "csv", partial(_write_csv, table))
+            self._download(f"CSV {name}".strip(), f"{piece.title} {name}", "csv", partial(_write_csv, table), piece.how)
             for name, table in piece.tables.items()
         ]
         if piece.tables:
-            buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables)))
+            buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece.how))
         if piece.figure is not None:
-            image = pmui.Button(label="PNG", icon="image", color="primary", size="small", margin=(4, 4))
-            image.js_on_click(args={"name": file_name(self.scene, piece.title, "png")}, code=png_callback(piece.figure))
-            buttons.append(image)
-        return pn.Row(pmui.Typography(piece.title, margin=(8, 8), width=170), *buttons, margin=0)
+            buttons += [self._picture(piece, piece.figure, kind) for kind in KINDS]
+        title = pmui.Typography(piece.title, margin=(8, 8), width=170)
+        return pn.Row(title, pn.FlexBox(*buttons, margin=0), margin=0, sizing_mode="stretch_width")
 
-    def _download(self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes]) -> Any:
-        origin = about(self.scene, self._address)
+    def _make_choices(self) -> Any:
+        """Return the choices about pictures: width, size of the text, resolution, colours, and whether with caption."""
+        self._choices = {
+            name: pmui.RadioButtonGroup(
+                options=list(options), value=options[usual], label=title, size="small", margin=(4, 12, 4, 0),
+                sx=BUTTONS_SX,
+            )
+            for name, (title, options, usual) in CHOICES.items()
+        }  # fmt: skip
+        self._choices["captioned"] = pmui.Checkbox(label="with caption", value=True, size="small", margin=(4, 0))
+        return pn.FlexBox(*self._choices.values(), margin=0, sizing_mode="stretch_width")
+
+    def _picture(self, piece: Piece, plot: figure, kind: str) -> Any:
+        """Return a button that saves a figure as a picture, without the server."""
+        button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
+        wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
+        wish["caption"] = caption(self.scene, piece.title, piece.how)
+        button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(plot))
+        return button
+
+    def _download(
+        self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes], how: str
+    ) -> Any:
+        origin = about(self.scene, self._address, how)
 
         async def data() -> io.BytesIO:
             """Write the file in a thread: a million rows take seconds, which must not block other sessions.

@@ -14,7 +14,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, portrait_tables
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.framing import extent
-from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
+from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Row, order_tables, state_rows, time_rows
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.report.numbers import run_numbers, slope_numbers
@@ -101,14 +101,14 @@ def _measured(inputs: Sequence[RunInputs], results: Results) -> Numbers:
     return run_numbers({one: results.summary(one) for one in inputs})
 
 
-def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable[[Scene, Results], Drawn]:
+def _order(error: tuple[str, str], rows: Callable[[core.OrderStudy], list[Row]]) -> Callable[[Scene, Results], Drawn]:
     def draw(scene: Scene, results: Results) -> Drawn:
         study = results.study(study_inputs(scene))
-        view, curves, order = OrderView(error), rows(study), core.METHODS[study.method].order
+        view, curves, order = OrderView(*error), rows(study), core.METHODS[study.method].order
         assert order is not None  # noqa: S101  (a study needs one)
         view.show(study.taus, curves, study.floor, order)
         slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in curves)
-        describe(view.figure, f"{error[0].upper()}{error[1:]} of {study.method} against the step size: {slopes}.")
+        describe(view.figure, f"{error[0].capitalize()} of {study.method} against the step size: {slopes}.")
         _make_static(view.figure, HEIGHT["plot"])
         return view.figure, slope_numbers(study, curves), order_tables(study, curves)
 
@@ -118,8 +118,8 @@ def _order(error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> Callable
 #: View of a scene -> the function that draws it.
 _DRAW: Mapping[str, Callable[[Scene, Results], Drawn]] = {
     "conserved": _conserved,
-    "order": _order("state error", state_rows),
-    "time": _order("crossing time error", time_rows),
+    "order": _order(STATE_ERROR, state_rows),
+    "time": _order(TIME_ERROR, time_rows),
 }
 
 

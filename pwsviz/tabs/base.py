@@ -95,6 +95,10 @@ class Tab(pn.viewable.Viewer):
         table = self.table()
         return {} if table is None else {"": lambda: table}
 
+    def how(self, outcome: Outcome) -> str:
+        """Return how a study was made, for files and captions; empty if it shows the runs of the scene."""
+        return ""
+
     def picture(self) -> figure | None:
         """Return the figure on screen, if there is one."""
         return self.plots[0].object if self.plots else None

@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 import core
 from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
-from pwsviz.figures.cost import CostView, cost_numbers, cost_rows, cost_text
+from pwsviz.figures.cost import CostView, compared_with, cost_numbers, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.scene import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS
 from pwsviz.tabs.base import LongTab, always_located
@@ -61,6 +61,10 @@ class CostTab(LongTab):
     def numbers(self, outcome: core.WorkPrecision) -> Sequence[Numbers]:
         """Return the cheapest integrators."""
         return [cost_numbers(outcome, self.scene.cost_across, self.scene.cost_up)]
+
+    def how(self, outcome: core.WorkPrecision) -> str:
+        """Return what the runs are compared with."""
+        return f"{compared_with(outcome)}; step sizes and tolerances are those of the points"
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

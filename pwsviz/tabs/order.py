@@ -9,7 +9,7 @@ from typing import Any
 import core
 from pwsviz.export.files import Tables
 from pwsviz.export.script import order_program
-from pwsviz.figures.order import OrderView, Row, order_tables, state_rows, time_rows
+from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Row, order_tables, state_rows, time_rows
 from pwsviz.figures.summaries import study_text
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.tabs.base import LongTab
@@ -22,13 +22,13 @@ class OrderTab(LongTab):
 
     Parameters
     ----------
-    error : str
-        Which error is plotted, in words.
+    error : (str, str)
+        Which error is plotted, in words and in symbols.
     rows : callable
         Returns the curves of this plot from a study.
     """
 
-    def __init__(self, *given: Any, error: str, rows: Callable[[core.OrderStudy], list[Row]]) -> None:
+    def __init__(self, *given: Any, error: tuple[str, str], rows: Callable[[core.OrderStudy], list[Row]]) -> None:
         super().__init__(*given)
         self.error, self._rows = error, rows
         self.view: OrderView | None = None
@@ -43,7 +43,7 @@ class OrderTab(LongTab):
 
     def build(self) -> list[Any]:
         """Make the choice of the integrator, and the plot."""
-        self.view = OrderView(self.error)
+        self.view = OrderView(*self.error)
         methods = choice(
             self.scene, "study_method", lambda: {name: name for name in self.scene.fixed_step}, ("system", "methods")
         )
@@ -65,10 +65,15 @@ class OrderTab(LongTab):
         """Return the errors over the step sizes, and the fits."""
         return order_tables(self.outcome, self._rows(self.outcome)) if self.outcome is not None else {}
 
+    def how(self, outcome: core.OrderStudy) -> str:
+        """Return the integrator and what it is compared with."""
+        taus = f"{len(outcome.taus)} step sizes from {outcome.taus.min():.2g} to {outcome.taus.max():.3g}"
+        return f"integrated by {outcome.method} with {taus}; compared with: {outcome.reference}"
+
     def program(self) -> str:
         """Return the lines that repeat the study."""
         return order_program(self.scene, self.inputs())
 
 
-state_order_tab = partial(OrderTab, error="state error", rows=state_rows)
-time_order_tab = partial(OrderTab, error="crossing time error", rows=time_rows)
+state_order_tab = partial(OrderTab, error=STATE_ERROR, rows=state_rows)
+time_order_tab = partial(OrderTab, error=TIME_ERROR, rows=time_rows)

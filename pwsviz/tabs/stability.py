@@ -94,6 +94,12 @@ class StabilityTab(LongTab):
         """Return the tables of the part shown."""
         return stability_tables(self.outcome, self.scene.stability_part) if self.outcome is not None else {}
 
+    def how(self, outcome: core.StabilityStudy) -> str:
+        """Return what is drawn of the part shown."""
+        part, end = self.scene.stability_part, f"to t = {outcome.t_span[1]:.6g}"
+        which = f"map of {self.scene.selected_method}, {end}. " if part == "map" else ""
+        return f"{which}{stability_text(outcome, part)}".rstrip(".")
+
     def picture(self) -> figure | None:
         """Return the figure of the part shown."""
         return self.view.figure(self.scene.stability_part) if self.view is not None else None

@@ -31,7 +31,18 @@ class Browser(pn.custom.JSComponent):
     query = param.String(default="", doc="The query in the address bar.")
 
     _esm = """
+// The server knows the models that it sends. Bokeh sends them back with the first event on one of them, in full, which
+// fails for components of Panel: among their callbacks are functions, and the event is lost.
+const keep_known = document => {
+  const apply = document.apply_json_patch.bind(document)
+  document.apply_json_patch = (patch, buffers) => {
+    const before = new Set(document._new_models)
+    apply(patch, buffers)
+    for (const sent of [...document._new_models].filter(one => !before.has(one))) document._new_models.delete(sent)
+  }
+}
 export function render({ model }) {
+  Bokeh.documents.forEach(keep_known)
   model.narrow = window.innerWidth < NARROW
   let chosen = null
   try { chosen = localStorage.getItem("DARK") } catch (refused) { console.info("no storage: as usual", refused) }

@@ -15,11 +15,15 @@ CURVES = f"""label => ({FIGURE})(label).rows.filter(row => "xs" in row && "metho
 """The curves of a figure as the browser has them."""
 
 
-def saved(page, button):
-    """The rows of a CSV file that a button saves, without its comments."""
+def downloaded(page, button):
     with page.expect_download() as download:
         button.click()
-    lines = download.value.path().read_text(encoding="utf-8").splitlines()
+    return download.value.path().read_bytes()
+
+
+def saved(page, button):
+    """The rows of a CSV file that a button saves, without its comments."""
+    lines = downloaded(page, button).decode().splitlines()
     return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
@@ -46,3 +50,38 @@ def test_files_of_the_portrait_and_of_the_drift_hold_every_curve_that_is_painted
         rows = [row for row in drift if row["integrator"] == curve["method"]]
         assert np.allclose([float(row["t"]) for row in rows[1:]], curve["x"])
     assert {row["integrator"] for row in drift} == {"dmm2", "rk2"}
+
+
+TEXTS = """svg => {
+    const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement
+    const texts = [...root.querySelectorAll("text")]
+    return {width: root.getAttribute("width"), images: root.querySelectorAll("image").length,
+            paths: root.querySelectorAll("path").length, words: texts.map(text => text.textContent).join(" "),
+            fonts: [...new Set(texts.map(text => text.getAttribute("font-family")))],
+            ground: root.querySelector("rect").getAttribute("fill")}
+}"""
+
+
+def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a_png(visit):
+    page = visit()
+    page.emulate_media(color_scheme="dark")
+    page.reload()
+    await_that(page, PORTRAIT)
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Take away|Export")).click()
+    page.get_by_role("button", name="85 mm").click()
+    for k in range(2):
+        svg = page.evaluate(TEXTS, downloaded(page, page.get_by_role("button", name="SVG").nth(k)).decode())
+        assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["DejaVu Sans"])
+        assert svg["paths"] > 20
+        assert svg["ground"] == "#ffffff", "for print, on a dark page, too"
+        assert "g < 0: x′ = 2·y, y′ = 3·x² + a₋" in svg["words"]
+        assert "step size τ = 0.01" in svg["words"]
+        pdf = downloaded(page, page.get_by_role("button", name="PDF").nth(k))
+        assert pdf.startswith(b"%PDF-")
+        assert b"/Subtype /Image" not in pdf
+        assert b"/FontFile2" in pdf
+    page.get_by_role("button", name="4×").click()
+    png = downloaded(page, page.get_by_role("button", name="PNG").first)
+    assert int.from_bytes(png[16:20]) == round(85 / 25.4 * 96 * 4)

@@ -33,6 +33,16 @@ def test_the_tables_hold_every_curve_and_fit_that_is_drawn():
         assert set(tables["errors"]["integrator"]) == {"rk2"}
 
 
+def test_the_axes_end_where_the_data_do():
+    taus = np.geomspace(1e-4, 1e-1, 10)
+    error = np.where(taus < 1e-3, np.nan, taus**2)
+    view = OrderView("error", "|t|")
+    view.show(taus, [Row("x", "x", error, 2.0, (1e-3, 1e-1))], 1e-7, 2)
+    assert view.corners.data["x"] == [taus[taus >= 1e-3].min(), taus.max()]
+    assert all(guide.min() >= view.corners.data["x"][0] for guide in view.guides.data["xs"])
+    assert view.figure.yaxis[0].axis_label == "error, |t|"
+
+
 def test_missing_errors_leave_gaps_and_no_fit():
     taus = np.array([0.1, 0.05, 0.025])
     row = Row("late", "late", np.array([np.nan, np.nan, 1e-3]), np.nan, (np.nan, np.nan))

@@ -1,0 +1,82 @@
+"""Conserved quantity, Cost and Stability say what they paint."""
+
+import re
+
+import pytest
+
+from tests.browser.looking import await_painted, field
+from tests.browser.test_portrait import FIGURE, await_that
+
+pytestmark = pytest.mark.browser
+
+POINTS = f"""() => {{
+    const figure = ({FIGURE})("error against run time")
+    if (figure == null) {{ return null }}
+    return figure.view.model.renderers.filter(one => "status" in one.data_source.data).flatMap(one =>
+        Array.from(one.data_source.data.status, (status, k) => ({{status, label: one.data_source.data.label[k],
+            setting: one.data_source.data.setting[k], filled: one.glyph.fill_alpha.value !== 0}})))
+}}"""
+CURVES = f"""() => ({FIGURE})("Absolute change")?.rows.filter(row => "xs" in row && "method" in row).flatMap(row =>
+    Array.from(row.method, (method, k) => ({{method, y: Array.from(row.ys[k]).filter(Number.isFinite)}})))"""
+CELLS = f"""() => {{
+    const figure = ({FIGURE})("outcome of runs")
+    const cells = figure?.rows.find(row => "colour" in row && "left" in row)
+    if (cells == null || cells.left.length == 0) {{ return null }}
+    const legend = figure.view.model.below.find(part => part.type == "Legend")
+    return {{looks: Array.from(cells.words, (words, k) => [words, cells.colour[k]]), frame: figure.frame,
+             entries: legend.items.filter(item => item.visible).length}}
+}}"""
+
+
+def open_at(visit, address, query):
+    page = visit()
+    page.goto(f"{address}?v=1&{query}")
+    return page
+
+
+def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_cheapest(visit, address):
+    page = open_at(visit, address, "view=cost&methods=dmm2,rk2")
+    page.get_by_role("row", name=re.compile("^1e-3")).wait_for(timeout=60_000)
+    page.get_by_text(re.compile("compared with", re.IGNORECASE)).locator("visible=true").first.wait_for()
+    points = await_that(page, POINTS, lambda seen: any("where the solution has" in one["status"] for one in seen))
+    wrong = [one for one in points if "where the solution has" in one["status"]]
+    assert not any(one["filled"] for one in wrong)
+    assert all(one["filled"] for one in points if one["status"] == "completed")
+    cells = page.get_by_role("cell").all_inner_texts()
+    assert not {f"{one['label']}, {one['setting']}" for one in wrong} & set(cells)
+
+
+def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(visit, address):
+    page = open_at(visit, address, "system=predator_prey&tau=1.0&methods=dmm2,rk2&t_end=60.0&starts=8.0,8.0")
+    words = page.get_by_text(re.compile("conserves ψ|stays below|drifts to|leaves the plot")).locator("visible=true")
+    words.first.wait_for()
+    for curve in await_that(page, CURVES):
+        said = re.search(f"{curve['method']} (.*?)[;.](?: |$)", words.first.inner_text())[1]
+        assert ("leaves the plot" in said) == (max(curve["y"]) >= 1e9)
+
+
+def test_round_off_of_a_large_psi_is_no_drift(visit, address):
+    page = open_at(visit, address, "system=harmonic_oscillator&methods=dmm2&starts=40000.0,0.0")
+    page.get_by_text(re.compile(r"dmm2 conserves ψ to (accumulated )?round-off, .* of the size of ψ")).first.wait_for()
+    await_painted(page, "conserved quantity", colours=10)
+
+
+@pytest.mark.deep
+def test_a_step_without_solution_is_not_painted_like_a_reference_that_gives_up(visit, address):
+    page = open_at(visit, address, "system=kepler&view=stability&methods=dmm2&t_end=20.0")
+    page.get_by_text("625 runs").wait_for(timeout=120_000)
+    looks = dict(await_that(page, CELLS)["looks"])
+    assert {"a step has no solution", "the reference gives up, not judged"} <= set(looks)
+    assert len(set(looks.values())) == len(looks)
+
+
+def test_a_click_on_the_map_goes_there_and_long_runs_take_the_step_size_of_the_page(visit, address):
+    page = open_at(visit, address, "view=stability&methods=rk2&t_end=2.0&tau=0.005")
+    page.get_by_text("625 runs").wait_for(timeout=60_000)
+    left, top, width, height = await_that(page, CELLS)["frame"]
+    page.mouse.click(left + 0.25 * width, top + 0.5 * height)
+    page.wait_for_url(re.compile("tau=0.00[0-4]"))
+    tau = field(page, "Step size τ").input_value()
+    assert float(tau) < 0.005
+    page.get_by_role("button", name="Near grazing").click()
+    page.get_by_text(re.compile(f"the step size in the sidebar, τ = {float(tau):.3g}")).wait_for(timeout=60_000)
