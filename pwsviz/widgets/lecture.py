@@ -1,0 +1,68 @@
+"""The lecture mode: the page fills the screen and its type is large, so that it can be read from the last row."""
+
+from __future__ import annotations
+
+import panel as pn
+import param
+
+KEY = "l"
+"""Key that turns the lecture mode on and off, when no text is being typed."""
+
+LARGER = 1.5
+"""Factor of the size of all type."""
+
+LOOK_AGAIN = 400
+"""Milliseconds between looks for figures that have come since."""
+
+
+class Lecture(pn.custom.JSComponent):
+    """Invisible: fills the screen and enlarges the type of page and figures, in the browser alone."""
+
+    on = param.Boolean(default=False, doc="Whether it is on; set in the browser.")
+
+    _esm = """
+const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label_text_font_size", "text_font_size"]
+export function render({ model }) {
+  const usual = new Map()  // (figure part, property) -> its own size
+  let timer = null
+  const enlarge = () => {
+    for (const part of Bokeh.documents.flatMap(document => [...document._all_models.values()])) {
+      if (usual.has(part) || !/Axis$|^Legend$/.test(part.type)) continue
+      const sizes = Object.fromEntries(SIZES.filter(name => name in part.attributes).map(name => [name, part[name]]))
+      usual.set(part, sizes)
+      part.setv(Object.fromEntries(Object.entries(sizes).map(
+        ([name, size]) => [name, String(size).replace(/[0-9.]+/, number => number * LARGER)])), { sync: false })
+    }
+  }
+  const turn = on => {
+    if (on == model.on) return
+    model.on = on
+    document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
+    clearInterval(timer)
+    if (on) {
+      enlarge()
+      timer = setInterval(enlarge, LOOK_AGAIN)
+      document.documentElement.requestFullscreen?.().catch(refused => console.info("no full screen", refused))
+    } else {
+      for (const [part, sizes] of usual) part.setv(sizes, { sync: false })
+      usual.clear()
+      if (document.fullscreenElement) document.exitFullscreen()
+    }
+  }
+  const typing = node => node.tagName == "SELECT" || node.tagName == "TEXTAREA" || node.isContentEditable
+    || node.tagName == "INPUT" && !["range", "checkbox", "radio", "button"].includes(node.type)
+  const press = event => {
+    if (event.key.toLowerCase() != "KEY" || event.ctrlKey || event.altKey || event.metaKey) return
+    if (event.composedPath().some(typing)) return
+    turn(!model.on)
+  }
+  const leave = () => { if (!document.fullscreenElement) turn(false) }
+  document.addEventListener("keydown", press)
+  document.addEventListener("fullscreenchange", leave)
+  model.on("remove", () => {
+    clearInterval(timer)
+    document.removeEventListener("keydown", press)
+    document.removeEventListener("fullscreenchange", leave)
+  })
+}
+""".replace("LARGER", str(LARGER)).replace("LOOK_AGAIN", str(LOOK_AGAIN)).replace("KEY", KEY)
