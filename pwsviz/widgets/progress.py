@@ -9,7 +9,6 @@ import panel_material_ui as pmui
 
 from pwsviz.widgets.panes import PLAIN_SX
 
-
 BAR_CSS = """
 progress { width: 100%; height: 6px; accent-color: var(--mui-palette-primary-main); }
 """
