@@ -322,5 +322,7 @@ def _message(runner: Runner) -> str:
     status = runner.status
     where = f"t = {runner.t:.12g}"
     if status is not Status.COMPLETED:
-        where += ", x = (" + ", ".join(f"{v:.6g}" for v in runner.x) + ")"
+        where += ", " + ", ".join(
+            f"{name} = {v:.6g}" for name, v in zip(runner.system.variables, runner.x, strict=True)
+        )
     return f"{where}: {status.reason}. {runner.advice}".strip()

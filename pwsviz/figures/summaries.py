@@ -23,10 +23,22 @@ def run_line(summary: Summary) -> str:
 
 
 def run_lines(summaries: Sequence[Summary]) -> str:
-    """Return a line for each run and, for each reason to stop, the message of the first run that stopped for it."""
-    messages = {summary.status: summary.message for summary in reversed(summaries)}
-    messages.pop(core.Status.COMPLETED, None)
-    return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in messages.values())
+    """Return a line for each run and, for each reason to stop, the message of the first run that stopped for it.
+
+    The messages name their integrators and come in the order of the lines.
+    """
+    stopped: dict[core.Status, list[Summary]] = {}
+    for each in summaries:
+        if each.status is not core.Status.COMPLETED:
+            stopped.setdefault(each.status, []).append(each)
+    reasons = [_reason(*group) for group in stopped.values()]
+    return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in reasons)
+
+
+def _reason(first: Summary, *others: Summary) -> str:
+    """Say where and why a run stopped, and which others stopped for the same reason."""
+    likewise = f" Likewise {listed([other.method for other in others])}." if others else ""
+    return f"{first.method}: {first.message}{likewise}"
 
 
 def swatch(method: str) -> str:
@@ -56,10 +68,10 @@ def method_notes(scene: Scene) -> str:
     resting = [name for name in core.METHODS if name not in scene.offered]
     notes = []
     if resting:
-        notes.append(f"{listed(resting)} keep conserved quantities. None is known here, so they are left out.")
+        notes.append(f"{listed(resting)} need a conserved quantity. None is known here, so they are not offered.")
     for name in [name for name in scene.used if core.METHODS[name].adaptive]:
-        lacks = "an order to study"
+        lacks = "order to study"
         if scene.locate and scene.perturbation_order is not None:
-            lacks += " or a power of τ to disturb its crossing times by"
-        notes += [f"{name} chooses its own steps, none longer than τ: it lacks {lacks}."]
+            lacks += ", and no power of τ by which to perturb its crossing times"
+        notes += [f"{name} chooses its own steps, none longer than τ: it has no {lacks}."]
     return as_text(" ".join(notes), "about")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from html import escape
 from typing import Any
 
 import panel as pn
@@ -16,6 +17,7 @@ from pwsviz.editor.form import SystemEditor
 from pwsviz.export.tables import drawn_runs, portrait_tables
 from pwsviz.figures.linking import link_portrait
 from pwsviz.page.export_dialog import ExportDialog, Piece
+from pwsviz.page.help import ABOUT, CITATION, Help
 from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
@@ -30,7 +32,7 @@ from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.maths_font import FACE
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
-from pwsviz.widgets.panes import PLAIN_SX, text_pane
+from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
@@ -82,6 +84,12 @@ THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ??
 TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "6px", "fontSize": "0.8125rem"}}
 """Titles as narrow as possible; on a narrow screen the row scrolls."""
 
+ABOUT_CSS = """
+footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
+         color: var(--mui-palette-text-secondary); }
+footer a { color: inherit; }
+"""
+
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
 
 
@@ -121,6 +129,7 @@ class Explorer(pn.viewable.Viewer):
             title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
         )
         self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
+        self.help = Help()
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
         self._changed_settings: set[str] = set()
@@ -279,8 +288,8 @@ class Explorer(pn.viewable.Viewer):
         right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
         views = pn.Column(left, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            self.notice, views, self.editing, self.export, stylesheets=[STACK_CSS], margin=(8, 16),
-            sizing_mode="stretch_width",
+            self.notice, views, self._about(), self.editing, self.export, self.help,
+            stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width",
         )  # fmt: skip
 
     def page(self) -> Any:
@@ -307,6 +316,7 @@ class Explorer(pn.viewable.Viewer):
         page.jscallback(dark_theme=REMEMBER_DARK)
         self.browser.param.watch(lambda _: self.history.undo(), "undone")
         self.browser.param.watch(lambda _: self.history.redo(), "redone")
+        self.browser.param.watch(lambda _: self.help.open(), "helped")
         page.main.append(self.browser)
         return page
 
@@ -325,7 +335,16 @@ class Explorer(pn.viewable.Viewer):
             label="Export & share", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX
         )
         export.on_click(lambda _: self.export.open(self._page_address()))
-        return [undo, redo, export]
+        ask = pmui.IconButton(icon="help_outline", description="Help (?)", size="small", margin=4)
+        ask.on_click(lambda _: self.help.open())
+        return [undo, redo, export, ask]
+
+    @staticmethod
+    def _about() -> pn.pane.HTML:
+        """Return what the page is, for whom, and where its method comes from."""
+        pane = markup_pane(ABOUT_CSS)
+        pane.object = f"<footer><p>{escape(ABOUT)}</p><p>Method: {CITATION}</p></footer>"
+        return pane
 
     @staticmethod
     def _page_address() -> str:

@@ -13,11 +13,13 @@ import panel_material_ui as pmui
 import core
 from pwsviz.figures.summaries import method_notes
 from pwsviz.geometry.projection import PLANE, Axes, planes
+from pwsviz.page.help import FIRST
 from pwsviz.page.initial_states import Trajectories
 from pwsviz.scene.names import short_name
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text.words import as_text
+from pwsviz.widgets.choices import Choices
 from pwsviz.widgets.dropdown import Dropdown
 from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
@@ -27,6 +29,18 @@ TAU_SLIDER = (1e-4, 0.3)
 
 COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 80px !important; min-width: 80px; }"
 """Side by side where at least 80 px remain for each, so that the names can be read."""
+
+METHOD_NOTES = {name: method.doc for name, method in core.METHODS.items()}
+"""What each integrator is, for its tooltip."""
+
+LOCATE = {
+    "Locate crossings (transition scheme)": "End a step on the surface and begin the next there, with the other law "
+    "(Mannshardt), so that the order is kept. Without it a step over the surface follows the law it began with."
+}
+"""The one box of its group, and what it does."""
+
+START = "Coordinate of the selected start. A start can also be dragged in the portrait."
+"""Tooltip of a coordinate."""
 
 NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
 
@@ -47,8 +61,11 @@ class Sidebar(pn.viewable.Viewer):
         self.scene = scene
         self.presets = Dropdown("Examples", value="", options={"choose …": "", **_titles()})
         self.presets.param.watch(self._load, "value")
-        self.preset_note = text_pane("", "about")
-        self.tau = self._number("tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True)
+        self.preset_note = text_pane(FIRST, "about")
+        self.tau = self._number(
+            "tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True,
+            description="Time that one step covers. Type any number or formula, such as 1e-3 or 1/300.",
+        )  # fmt: skip
         self.tolerance = self._number(
             "tolerance",
             "Tolerance of taylor",
@@ -56,11 +73,14 @@ class Sidebar(pn.viewable.Viewer):
             logarithmic=True,
             description="Error of one step, relative to the state. No step is longer than τ.",
         )
-        self.t_end = self._number("t_end", "End time")
-        self.scale = self._number("perturbation_scale", "Factor c")
-        self.methods = pmui.CheckBoxGroup(
-            label="", value=scene.used, options=scene.offered, inline=True, margin=0, size="small"
+        self.t_end = self._number("t_end", "End time", description="The run starts at t = 0 and ends here.")
+        self.scale = self._number(
+            "perturbation_scale", "Factor c", description="Crossing times are moved by c·τᵖ, to see what that does."
         )
+        self.methods = Choices(
+            label="Integrators", value=scene.used, options=scene.offered, about=METHOD_NOTES, margin=0,
+            sizing_mode="stretch_width",
+        )  # fmt: skip
         self.methods_note = text_pane("", "about")
         self.methods_message = text_pane("", "error")
         self.system = Dropdown("System", value=scene.system, options=self._systems())
@@ -71,9 +91,10 @@ class Sidebar(pn.viewable.Viewer):
         self.write.on_click(lambda _: on_edit())
         self.plane = Dropdown("Portrait in the plane of", options={"": (0, 1)}, value=(0, 1))
         self.plane.param.watch(self._take_plane, "value")
-        self.locate = pmui.Switch.from_param(
-            scene.param.locate, label="Locate crossings (transition scheme)", description="", margin=(4, 0)
+        self.locate = Choices(
+            label="Crossings", options=list(LOCATE), about=LOCATE, margin=(4, 0), sizing_mode="stretch_width"
         )
+        self.locate.param.watch(lambda event: scene.param.update(locate=bool(event.new)), "value")
         self.order = Dropdown(
             "Perturb crossing times by c·τᵖ; order p",
             options={str(p or "none"): p or 0 for p in PERTURBATION_ORDERS},  # a Select cannot show the value None
@@ -112,10 +133,12 @@ class Sidebar(pn.viewable.Viewer):
         """Make the fields of another system's parameters and coordinates, reusing those there are."""
         system = self.scene.declaration
         parameters = {
-            f"values.{p.name}": {"label": short_name(p), "bounds": p.bounds, "description": f"{p.name}: {p.doc}"}
+            f"values.{p.name}": {"label": short_name(p), "bounds": p.bounds, "description": p.doc}
             for p in system.parameters
         }
-        coordinates = {f"x0.{i}": {"label": f"{name} at start"} for i, name in enumerate(system.variables)}
+        coordinates = {
+            f"x0.{i}": {"label": f"{name} at start", "description": START} for i, name in enumerate(system.variables)
+        }
         spare = {key: list(fields) for key, fields in self._made.items()}
         self.fields = {key: self._field(spare, key, **options) for key, options in (parameters | coordinates).items()}
         self._built_for = system
@@ -151,7 +174,7 @@ class Sidebar(pn.viewable.Viewer):
 
     def _choose(self, *_: Any) -> None:
         """Show the chosen system and plane, and clear the note of a preset of another system."""
-        if self._preset is not self.scene.declaration:
+        if self._preset not in (None, self.scene.declaration):
             self.preset_note.object = ""
         self.system.offer(self._systems(), self.scene.system)
         if self.scene.axes in self.plane.options.values():
@@ -160,6 +183,7 @@ class Sidebar(pn.viewable.Viewer):
     def _enable(self, *_: Any) -> None:
         """Enable the controls that have an effect, and say which methods are left out."""
         self.methods.param.update(options=self.scene.offered, value=self.scene.used)
+        self.locate.value = list(LOCATE) if self.scene.locate else []
         self.methods_note.object = method_notes(self.scene)
         self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
         self.order.disabled = not self.scene.locate

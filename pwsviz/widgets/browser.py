@@ -22,12 +22,13 @@ try {
 
 
 class Browser(pn.custom.JSComponent):
-    """Invisible: reports whether the window is narrow or dark, counts undo and redo keys, writes the address."""
+    """Invisible: tells whether the window is narrow or dark, counts keys for undo, redo, help, writes the address."""
 
     narrow = param.Boolean(default=False)
     dark = param.Boolean(default=False)
     undone = param.Integer(default=0)
     redone = param.Integer(default=0)
+    helped = param.Integer(default=0)
     query = param.String(default="", doc="The query in the address bar.")
 
     _esm = """
@@ -51,6 +52,7 @@ export function render({ model }) {
     const typing = event.composedPath().some(node => node.tagName == "INPUT" && node.type == "text"
       || node.tagName == "TEXTAREA")
     const key = event.key.toLowerCase()
+    if (key == "?" && !typing) { model.helped += 1 }
     if (typing || !(event.ctrlKey || event.metaKey) || !(key == "z" || key == "y" && !event.shiftKey)) return
     event.preventDefault()
     if (key == "z" && !event.shiftKey) model.undone += 1

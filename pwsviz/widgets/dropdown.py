@@ -13,7 +13,7 @@ __all__ = ["Dropdown"]
 
 DROPDOWN_CSS = f"""
 :host .bk-input-group {{ position: relative; width: 100%; padding: 8px 0 0; }}
-:host label {{ {LABEL} }}
+:host .bk-input-group > label {{ {LABEL} transform: none; }}
 select.bk-input:not([multiple]) {{
     height: 40px; width: 100%; padding: 0 32px 0 14px; border: 1px solid {FRAME}; border-radius: 4px;
     font-family: inherit; font-size: 1rem; text-overflow: ellipsis; cursor: pointer; appearance: none;

@@ -347,7 +347,7 @@ def test_a_system_without_conserved_quantities_offers_what_can_be_used(explorer)
     explorer.settle(20)
     assert explorer.sidebar.methods.options == ["rk2", "rk4", "rk8", "gauss4", "taylor"]
     assert explorer.sidebar.methods.value == ["rk2"]
-    assert "keep conserved quantities" in explorer.sidebar.methods_note.object
+    assert "need a conserved quantity" in explorer.sidebar.methods_note.object
     explorer.scene.system = "elliptic_curve"
     assert explorer.sidebar.methods.options == list(core.METHODS)
     assert explorer.sidebar.methods.value == ["dmm2", "rk2"]

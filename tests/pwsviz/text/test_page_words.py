@@ -30,21 +30,24 @@ def test_a_run_in_one_line():
 
 def test_runs_that_stopped_say_why_once():
     stopped = summary(status=core.Status.ESCAPED, message="t = 1: ran away <b>")
-    later = summary(status=core.Status.ESCAPED, message="t = 1.1: ran away <b>")
+    later = summary(method="rk2", status=core.Status.ESCAPED, message="t = 1.1: ran away <b>")
     lines = run_lines([stopped, later, summary(message="fine")])
     assert lines.count("ran away &lt;b&gt;") == 1
-    assert "t = 1:" in lines
+    assert "dmm2: t = 1:" in lines
+    assert "Likewise rk2." in lines
+    touched = summary(method="rk4", status=core.Status.GRAZING, message="touched")
+    assert run_lines([touched, stopped]).index("touched") < run_lines([touched, stopped]).index("ran away")
     assert "fine" not in lines
 
 
 def test_integrators_that_are_left_out_are_named_with_the_reason():
     assert method_notes(Scene()) == ""
-    assert "dmm2, dmm4, dmm6, dmm8 and prk8 keep conserved" in method_notes(Scene(system="gene_switch"))
+    assert "dmm2, dmm4, dmm6, dmm8 and prk8 need a conserved" in method_notes(Scene(system="gene_switch"))
     free = Scene(methods=["taylor"])
     assert "taylor chooses its own steps" in method_notes(free)
-    assert "disturb" not in method_notes(free)
+    assert "perturb" not in method_notes(free)
     free.perturbation_order = 2
-    assert "disturb" in method_notes(free)
+    assert "perturb" in method_notes(free)
 
 
 def test_names_are_listed_as_one_says_them():

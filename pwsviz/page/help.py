@@ -1,0 +1,78 @@
+"""What the page is, where its method comes from, and how it is used: a line, a citation, and half a page of help."""
+
+from __future__ import annotations
+
+from html import escape
+
+import panel as pn
+import panel_material_ui as pmui
+
+from pwsviz.widgets.panes import markup_pane
+
+__all__ = ["ABOUT", "CITATION", "FIRST", "Help"]
+
+ABOUT = "Integrate piecewise smooth systems and see what is conserved: for teaching and research in numerical analysis."
+"""What this is, and for whom."""
+
+FIRST = "New here? Choose an example above, or click in the portrait to start a trajectory there."
+"""The first thing to try; shown until an example is chosen."""
+
+CITATION = (
+    "A. N. Hirani, A. T. S. Wan, N. Wojtalewicz, "
+    '<a href="https://doi.org/10.3934/jcd.2023009" target="_blank" rel="noopener"><cite>Conservative integrators for '
+    "piecewise smooth systems with transversal dynamics</cite></a>, Journal of Computational Dynamics, 2023."
+)
+"""The paper whose method this is, as markup."""
+
+_USE = (
+    "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it.",
+    "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor keep ψ; Runge–Kutta methods (rk) do not.",
+    "Each tab beside the portrait answers one question: is ψ kept, what is the order, when does the solution cross, "
+    "what does an error cost, which step sizes work, what is the scheme.",
+    "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to read what it is.",
+    "“Write your own …” takes any system; its conserved quantities are checked as you type.",
+    "The address bar holds the whole scene: a link to it opens the same picture.",
+)
+
+_KEYS = {
+    "?": "this help",
+    "Ctrl+Z, Ctrl+Y": "undo, redo",
+    "Tab, arrow keys, Space": "go through the controls, choose, press",
+    "Delete": "remove the selected start, with the pointer over the portrait",
+    "Esc": "close a window such as this",
+}
+
+_CSS = """
+ul { margin: 4px 0 12px; padding-left: 18px; } li { margin: 3px 0; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 14px; margin: 4px 0 12px; } dd { margin: 0; }
+kbd { font: inherit; font-weight: 600; } h2 { font-size: 0.95rem; margin: 10px 0 2px; } a { color: inherit; }
+"""
+
+
+class Help(pn.viewable.Viewer):
+    """The help in a dialog; its text is made when it is first opened."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.text = markup_pane(_CSS)
+        self.dialog = pmui.Dialog(
+            self.text, title="Help", title_variant="h6", width_option="sm", close_on_click=True, show_close_button=True
+        )
+
+    def open(self) -> None:
+        """Open the dialog."""
+        self.text.object = self.text.object or _markup()
+        self.dialog.open = True
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """The dialog, closed until it is opened."""
+        return self.dialog
+
+
+def _markup() -> str:
+    use = "".join(f"<li>{escape(words)}</li>" for words in _USE)
+    keys = "".join(f"<dt><kbd>{escape(key)}</kbd></dt><dd>{escape(words)}</dd>" for key, words in _KEYS.items())
+    return (
+        f"<p>{escape(ABOUT)}</p><h2>How to use it</h2><ul>{use}</ul><h2>Keys</h2><dl>{keys}</dl>"
+        f"<h2>The method</h2><p>{CITATION}</p>"
+    )

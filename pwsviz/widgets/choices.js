@@ -1,0 +1,35 @@
+// A named group of check boxes, each with its explanation.
+
+let count = 0
+
+function render({ model, el }) {
+  const group = document.createElement("fieldset")
+  const name = document.createElement("legend")
+  const draw = () => {
+    name.textContent = model.label
+    const boxes = model.options.map(option => {
+      const id = `choice-${count++}`
+      const box = Object.assign(document.createElement("input"), { type: "checkbox", id, value: option })
+      const words = Object.assign(document.createElement("label"), { htmlFor: id, textContent: option })
+      const one = Object.assign(document.createElement("span"), { title: model.about[option] ?? "" })
+      box.checked = model.value.includes(option)
+      box.disabled = model.disabled
+      if (one.title != "") { box.setAttribute("aria-description", one.title) }
+      box.addEventListener("change", () => {
+        model.value = model.options.filter((_, k) => boxes[k].firstChild.checked)
+      })
+      one.append(box, words)
+      return one
+    })
+    group.replaceChildren(name, ...boxes)
+  }
+  const check = () => {
+    for (const box of group.querySelectorAll("input")) { box.checked = model.value.includes(box.value) }
+  }
+  for (const setting of ["label", "options", "about", "disabled"]) { model.on(setting, draw) }
+  model.on("value", check)
+  draw()
+  el.append(group)
+}
+
+export default { Choices: { render } }

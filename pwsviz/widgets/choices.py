@@ -1,0 +1,34 @@
+"""A group of check boxes."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import panel as pn
+import param
+
+__all__ = ["Choices"]
+
+CHOICES_CSS = """
+fieldset { display: flex; flex-wrap: wrap; gap: 2px 12px; margin: 0; padding: 2px; border: none; font-size: 1rem;
+           color: var(--mui-palette-text-primary); }
+legend { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+span { display: inline-flex; align-items: center; min-height: 26px; }
+input { width: 18px; height: 18px; margin: 0 6px 0 0; flex: none; cursor: pointer;
+        accent-color: var(--mui-palette-primary-main); }
+label { cursor: pointer; }
+input:focus-visible { outline: 2px solid var(--mui-palette-primary-main); outline-offset: 2px; }
+"""
+
+
+class Choices(pn.custom.JSComponent):
+    """Check boxes, with a name for the group that screen readers tell and a tooltip for each box."""
+
+    label = param.String(default="", doc="Name of the group.")
+    options = param.List(default=[], item_type=str, doc="Names of the boxes.")
+    about = param.Dict(default={}, doc="What each option is.")
+    value = param.List(default=[], doc="The boxes that are checked, in the order of the options.")
+    disabled = param.Boolean(default=False, doc="Whether nothing can be chosen.")
+
+    _bundle = "choices.js"  # fetched once by the browser
+    _stylesheets: ClassVar[list[str]] = [CHOICES_CSS]
