@@ -32,6 +32,7 @@ from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.maths_font import FACE
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
+from pwsviz.widgets.lecture import Lecture
 from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 
 RESULTS = Results()
@@ -131,6 +132,7 @@ class Explorer(pn.viewable.Viewer):
         self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
         self.help = Help()
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
+        self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
         self._changed_settings: set[str] = set()
         self.tabs = self._make_tabs()
@@ -317,7 +319,8 @@ class Explorer(pn.viewable.Viewer):
         self.browser.param.watch(lambda _: self.history.undo(), "undone")
         self.browser.param.watch(lambda _: self.history.redo(), "redone")
         self.browser.param.watch(lambda _: self.help.open(), "helped")
-        page.main.append(self.browser)
+        self.lecture.jscallback(on=f"{THE_PAGE}.sidebar_open = !cb_obj.on")
+        page.main.extend([self.browser, self.lecture])
         return page
 
     def _header(self) -> list[Any]:

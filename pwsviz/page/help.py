@@ -38,6 +38,7 @@ _KEYS = {
     "?": "this help",
     "Ctrl+Z, Ctrl+Y": "undo, redo",
     "Tab, arrow keys, Space": "go through the controls, choose, press",
+    "L": "lecture mode: full screen and large type, on and off",
     "Delete": "remove the selected start, with the pointer over the portrait",
     "Esc": "close a window such as this",
 }

@@ -20,7 +20,8 @@ class Lecture(pn.custom.JSComponent):
 
     on = param.Boolean(default=False, doc="Whether it is on; set in the browser.")
 
-    _esm = """
+    _esm = (
+        """
 const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label_text_font_size", "text_font_size"]
 export function render({ model }) {
   const usual = new Map()  // (figure part, property) -> its own size
@@ -65,4 +66,7 @@ export function render({ model }) {
     document.removeEventListener("fullscreenchange", leave)
   })
 }
-""".replace("LARGER", str(LARGER)).replace("LOOK_AGAIN", str(LOOK_AGAIN)).replace("KEY", KEY)
+""".replace("LARGER", str(LARGER))
+        .replace("LOOK_AGAIN", str(LOOK_AGAIN))
+        .replace("KEY", KEY)
+    )
