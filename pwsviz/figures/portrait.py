@@ -36,6 +36,7 @@ from pwsviz.figures.style import (
     show_methods,
     unseen,
 )
+from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.projection import Axes, axis_labels
 from pwsviz.results.orbits import Orbit
@@ -271,6 +272,7 @@ class PortraitView:
 
         self.figure.on_event(Tap, place)
         self.hand = attach_gestures(self.figure, self.starts)
+        attach_touch(self.figure)
         self.hand.on_change("data", lambda _attribute, _old, new: self._handle_gesture(new))
 
     def _handle_gesture(self, said: dict[str, Sequence[Any]]) -> None:

@@ -319,7 +319,7 @@ class Explorer(pn.viewable.Viewer):
         self.browser.param.watch(lambda _: self.history.undo(), "undone")
         self.browser.param.watch(lambda _: self.history.redo(), "redone")
         self.browser.param.watch(lambda _: self.help.open(), "helped")
-        self.lecture.jscallback(on=f"{THE_PAGE}.sidebar_open = !cb_obj.on")
+        self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large")
         page.main.extend([self.browser, self.lecture])
         return page
 

@@ -18,7 +18,7 @@ LOOK_AGAIN = 400
 class Lecture(pn.custom.JSComponent):
     """Invisible: fills the screen and enlarges the type of page and figures, in the browser alone."""
 
-    on = param.Boolean(default=False, doc="Whether it is on; set in the browser.")
+    large = param.Boolean(default=False, doc="Whether it is on; set in the browser.")
 
     _esm = (
         """
@@ -36,8 +36,8 @@ export function render({ model }) {
     }
   }
   const turn = on => {
-    if (on == model.on) return
-    model.on = on
+    if (on == model.large) return
+    model.large = on
     document.documentElement.style.fontSize = on ? `${100 * LARGER}%` : ""
     clearInterval(timer)
     if (on) {
@@ -55,7 +55,7 @@ export function render({ model }) {
   const press = event => {
     if (event.key.toLowerCase() != "KEY" || event.ctrlKey || event.altKey || event.metaKey) return
     if (event.composedPath().some(typing)) return
-    turn(!model.on)
+    turn(!model.large)
   }
   const leave = () => { if (!document.fullscreenElement) turn(false) }
   document.addEventListener("keydown", press)

@@ -1,0 +1,100 @@
+"""The screen is used, whatever its size: two columns, a portrait in sight, a lecture mode, and fingers."""
+
+import pytest
+
+from tests.browser.looking import await_built, await_painted, canvas
+from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
+
+pytestmark = pytest.mark.browser
+
+TYPE = """() => [...Bokeh.documents[0]._all_models.values()].filter(part => /Axis$/.test(part.type))
+    .map(part => parseFloat(part.major_label_text_font_size))"""
+
+SCROLLED = """() => {
+    const tops = []
+    const walk = node => node.querySelectorAll("*").forEach(one => {
+        tops.push(one.scrollTop)
+        if (one.shadowRoot) walk(one.shadowRoot)
+    })
+    walk(document)
+    return Math.max(window.scrollY, ...tops)
+}"""
+
+
+@pytest.mark.deep
+def test_portrait_and_view_share_a_wide_screen(visit):
+    page = visit(1920, 1080)
+    boxes = [await_painted(page, name).bounding_box() for name in ("Phase portrait", "conserved quantity")]
+    assert all(box["width"] > 700 and box["height"] > 750 for box in boxes)
+    assert boxes[1]["x"] + boxes[1]["width"] > 1850
+
+
+@pytest.mark.deep
+def test_the_portrait_stays_in_sight_beside_a_long_view(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.get_by_role("tab", name="Scheme").click()
+    page.get_by_text("The scheme: dmm2").wait_for()
+    page.mouse.move(1150, 600)
+    page.mouse.wheel(0, 600)
+    page.wait_for_function(f"() => ({SCROLLED})() > 300")
+    top = canvas(page, "Phase portrait").bounding_box()["y"]
+    assert 0 < top < 300
+
+
+def test_a_system_without_psi_opens_on_its_state_against_time(visit, address):
+    page = visit()
+    page.goto(f"{address}?v=1&system=relay_feedback")
+    await_painted(page, "Coordinate against time")
+    page.get_by_text("rk2 up to t = 19.1: x from").wait_for()
+
+
+@pytest.mark.deep
+def test_a_key_turns_the_lecture_mode_on_and_off(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_built(page)
+    usual = page.evaluate(TYPE)
+    page.keyboard.press("l")
+    page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
+    assert page.evaluate(TYPE) == pytest.approx([1.5 * size for size in usual])
+    page.keyboard.press("l")
+    page.wait_for_function("() => document.documentElement.style.fontSize == ''")
+    assert page.evaluate(TYPE) == usual
+
+
+@pytest.fixture
+def phone(chromium, address):
+    context = chromium.new_context(viewport={"width": 420, "height": 800}, has_touch=True, is_mobile=True)
+    page = context.new_page()
+    page.goto(address)
+    await_that(page, PORTRAIT)
+    await_still(page)
+    yield page
+    context.close()
+
+
+def swipe(page, fingers, by):
+    """Move fingers that start at these places by (dx, dy) pixels."""
+    touch = page.context.new_cdp_session(page)
+    for k in range(9):
+        points = [{"x": x + by[0] * k / 8, "y": y + by[1] * k / 8, "id": i} for i, (x, y) in enumerate(fingers)]
+        touch.send("Input.dispatchTouchEvent", {"type": "touchMove" if k else "touchStart", "touchPoints": points})
+        page.wait_for_timeout(20)
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+@pytest.mark.deep
+def test_one_finger_scrolls_the_page_and_two_move_the_portrait(phone):
+    seen = phone.evaluate(PORTRAIT)
+    x, y = inside(seen, 0.5, 0.5)
+    swipe(phone, [(x, y)], (0, -200))
+    phone.wait_for_function(f"() => ({SCROLLED})() > 100")
+    assert phone.evaluate(PORTRAIT)["range"] == pytest.approx(seen["range"])
+    phone.wait_for_timeout(500)
+    before = phone.evaluate(PORTRAIT)
+    x, y = inside(before, 0.5, 0.5)
+    swipe(phone, [(x - 40, y), (x + 40, y)], (60, 30))
+    await_that(
+        phone, PORTRAIT, lambda now: now["range"][0] < before["range"][0] and now["range"][2] > before["range"][2]
+    )
