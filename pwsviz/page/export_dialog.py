@@ -17,7 +17,7 @@ from pwsviz.export.script import snippet
 from pwsviz.export.tables import Table, csv_bytes, file_name, npz_bytes, png_callback
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
-from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
+from pwsviz.widgets.panes import DIALOG_SX, PLAIN_SX, TEXT_CSS, heading
 
 PROGRAM_CSS = """
 pre { max-height: 40vh; overflow: auto; padding: 8px 12px; margin: 0; border-radius: 4px; font-size: 0.8rem;
@@ -69,6 +69,7 @@ class ExportDialog(pn.viewable.Viewer):
             width_option="md",
             close_on_click=True,
             show_close_button=True,
+            sx=DIALOG_SX,
         )
         self.dialog.param.watch(self._drop_files, "open")
 
