@@ -33,7 +33,7 @@ from pwsviz.text.maths_font import FACE
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.lecture import Lecture
-from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
+from pwsviz.widgets.panes import DIALOG_SX, PLAIN_SX, markup_pane, text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
@@ -64,6 +64,7 @@ PAGE_SX = {
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
+    ".MuiDrawer-paper": {"backgroundColor": "background.default", "backgroundImage": "none"},  # as the names on frames
     ".MuiToolbar-root > h5, .MuiAppBar-root > .MuiLinearProgress-root": {"display": "none"},  # have no name and no use
 }  # fmt: skip
 
@@ -127,7 +128,7 @@ class Explorer(pn.viewable.Viewer):
         self.sidebar = Sidebar(self.scene, self.edit)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
         self.editing = pmui.Dialog(
-            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True
+            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True, sx=DIALOG_SX
         )
         self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
         self.help = Help()

@@ -20,7 +20,7 @@ from pwsviz.export.pictures import CHOICES, KINDS, picture_callback
 from pwsviz.export.script import snippet
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
-from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
+from pwsviz.widgets.panes import DIALOG_SX, PLAIN_SX, TEXT_CSS, heading
 from pwsviz.widgets.setting_buttons import BUTTONS_SX
 
 PROGRAM_CSS = """
@@ -76,6 +76,7 @@ class ExportDialog(pn.viewable.Viewer):
             width_option="md",
             close_on_click=True,
             show_close_button=True,
+            sx=DIALOG_SX,
         )
         self.dialog.param.watch(self._drop_files, "open")
         self._address = ""

@@ -7,7 +7,7 @@ from html import escape
 import panel as pn
 import panel_material_ui as pmui
 
-from pwsviz.widgets.panes import markup_pane
+from pwsviz.widgets.panes import DIALOG_SX, markup_pane
 
 __all__ = ["ABOUT", "CITATION", "FIRST", "Help"]
 
@@ -57,7 +57,13 @@ class Help(pn.viewable.Viewer):
         super().__init__()
         self.text = markup_pane(_CSS)
         self.dialog = pmui.Dialog(
-            self.text, title="Help", title_variant="h6", width_option="sm", close_on_click=True, show_close_button=True
+            self.text,
+            title="Help",
+            title_variant="h6",
+            width_option="sm",
+            close_on_click=True,
+            show_close_button=True,
+            sx=DIALOG_SX,
         )
 
     def open(self) -> None:

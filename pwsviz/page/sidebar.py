@@ -59,7 +59,12 @@ class Sidebar(pn.viewable.Viewer):
     def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
         super().__init__()
         self.scene = scene
-        self.presets = Dropdown("Examples", value="", options={"choose …": "", **_titles()})
+        self.presets = Dropdown(
+            "Examples",
+            description="Scenes to start from: the figures of the paper, and others.",
+            value="",
+            options={"choose …": "", **_titles()},
+        )
         self.presets.param.watch(self._load, "value")
         self.preset_note = text_pane(FIRST, "about")
         self.tau = self._number(
@@ -83,13 +88,23 @@ class Sidebar(pn.viewable.Viewer):
         )  # fmt: skip
         self.methods_note = text_pane("", "about")
         self.methods_message = text_pane("", "error")
-        self.system = Dropdown("System", value=scene.system, options=self._systems())
+        self.system = Dropdown(
+            "System",
+            description="The two laws, and the surface between them.",
+            value=scene.system,
+            options=self._systems(),
+        )
         self.system.param.watch(self._take_system, "value")
         self.write = pmui.Button(
             label="Write your own …", icon="edit", variant="text", size="small", margin=0, sx=PLAIN_SX
         )
         self.write.on_click(lambda _: on_edit())
-        self.plane = Dropdown("Portrait in the plane of", options={"": (0, 1)}, value=(0, 1))
+        self.plane = Dropdown(
+            "Portrait in the plane of",
+            description="The two variables that are drawn.",
+            options={"": (0, 1)},
+            value=(0, 1),
+        )
         self.plane.param.watch(self._take_plane, "value")
         self.locate = Choices(
             label="Crossings", options=list(LOCATE), about=LOCATE, margin=(4, 0), sizing_mode="stretch_width"
@@ -97,6 +112,7 @@ class Sidebar(pn.viewable.Viewer):
         self.locate.param.watch(lambda event: scene.param.update(locate=bool(event.new)), "value")
         self.order = Dropdown(
             "Perturb crossing times by c·τᵖ; order p",
+            description="Move every crossing time on purpose, to see which order p the order of the method needs.",
             options={str(p or "none"): p or 0 for p in PERTURBATION_ORDERS},  # a Select cannot show the value None
             value=scene.perturbation_order or 0,
         )

@@ -21,6 +21,33 @@ try {
 """JavaScript run in the browser when ``dark_theme`` of the page changes."""
 
 
+NAME_PANEL = """
+// Give the view below the tabs the role that goes with theirs, and the name of the tab that is chosen.
+const find = (node, chosen) => {
+  const parts = [...node.querySelectorAll("*")]
+  const found = parts.find(part => part.matches(chosen))
+  return found ?? parts.filter(part => part.shadowRoot).map(part => find(part.shadowRoot, chosen)).find(part => part)
+}
+let searches = 0
+const name_panel = () => {
+  const tabs = find(document, ".MuiTabsPanel")
+  if (tabs == null) { if (searches++ < 300) { setTimeout(name_panel, 100) }; return }
+  const panel = tabs.lastElementChild, titles = [...tabs.querySelectorAll("[role=tab]")]
+  const say = () => panel.setAttribute("aria-labelledby", titles.find(title => title.ariaSelected == "true")?.id ?? "")
+  panel.id = "view"
+  panel.role = "tabpanel"
+  titles.forEach((title, k) => {
+    title.id = `title-${k}`
+    title.setAttribute("aria-controls", panel.id)
+    new MutationObserver(say).observe(title, { attributeFilter: ["aria-selected"] })
+  })
+  say()
+}
+name_panel()
+"""
+"""JavaScript that makes the tabs' content a tab panel, which the tabs of panel-material-ui leave out."""
+
+
 class Browser(pn.custom.JSComponent):
     """Invisible: tells whether the window is narrow or dark, counts keys for undo, redo, help, writes the address."""
 
@@ -31,7 +58,8 @@ class Browser(pn.custom.JSComponent):
     helped = param.Integer(default=0)
     query = param.String(default="", doc="The query in the address bar.")
 
-    _esm = """
+    _esm = (
+        """
 // The server knows the models that it sends. Bokeh sends them back with the first event on one of them, in full, which
 // fails for components of Panel: among their callbacks are functions, and the event is lost.
 const keep_known = document => {
@@ -59,6 +87,7 @@ export function render({ model }) {
     else model.redone += 1
   }
   document.addEventListener("keydown", press)
+  NAME_PANEL
   model.on("remove", () => document.removeEventListener("keydown", press))
   model.on("query", () => {
     const address = new URL(window.location.href)
@@ -66,4 +95,7 @@ export function render({ model }) {
     window.history.replaceState(window.history.state, "", address)
   })
 }
-""".replace("NARROW", str(NARROW)).replace("DARK", DARK)
+""".replace("NARROW", str(NARROW))
+        .replace("DARK", DARK)
+        .replace("NAME_PANEL", NAME_PANEL)
+    )

@@ -102,6 +102,15 @@ def test_undo_in_a_field_is_the_fields_own(visit):
     sync_api.expect(field(page, "Step size τ")).to_have_value("0.01")
 
 
+def test_the_view_is_the_panel_of_its_tab(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    await_built(page)
+    page.get_by_role("tabpanel", name="Conserved quantity").wait_for()
+    page.get_by_role("tab", name="Scheme").click()
+    page.get_by_role("tabpanel", name="Scheme").wait_for()
+
+
 @pytest.mark.deep
 def test_a_question_mark_opens_the_help(visit):
     page = visit()

@@ -84,7 +84,7 @@ def test_words_for_counts_and_times():
     [
         (core.Parameter("a_minus", 1.0), "a₋"),
         (core.Parameter("omega2_plus", 1.0, latex=r"\omega^2_{+}"), "ω²₊"),
-        (core.Parameter("radius", 1.0, latex="r"), "radius"),
+        (core.Parameter("radius", 1.0, latex="r"), "r"),
         (core.Parameter("k", 1.0), "k"),
         (core.Parameter("strange", 1.0, latex=r"\frac{1}{2}"), "strange"),
     ],
