@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from pwsviz.geometry.phase_plane import Window, closed_surface
+from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.curves import curve, jump_lines
@@ -28,9 +28,6 @@ FEW_STEPS = 300
 
 SEVERAL_LEVELS = 6
 """Most level sets of ψ drawn through an orbit on each side."""
-
-COMPARABLE = 2.0
-"""A closed surface within a window this many times as large as that of an orbit is shown whole beside it."""
 
 _RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
 """Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
@@ -61,7 +58,6 @@ class Orbit:
 
     method: str
     path: Floats
-    surface: Floats
     crossings: Floats
     numbers: NDArray[np.intp]
     """Number of each crossing in the run, from 1."""
@@ -98,7 +94,6 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
     return Orbit(
         method=inputs.scheme.method,
         path=path,
-        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), axes),
         crossings=at[marks],
         numbers=1 + marks,
         times=crossings.t[marks],
