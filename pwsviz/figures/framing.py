@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from pwsviz.geometry.phase_plane import Window
-from pwsviz.results.orbits import Orbit
+from pwsviz.geometry.phase_plane import Window, closed_surface
+from pwsviz.results.results import Pictures
 
 __all__ = ["OTHERS", "extent", "power_of_ten"]
 
@@ -18,23 +17,27 @@ NEAR = 1.2
 OTHERS = 3.0
 """The same for orbits from other starts."""
 
+COMPARABLE = 2.0
+"""A closed surface within a window this many times as large as that of an orbit is shown whole beside it."""
 
-def extent(orbits: Sequence[Orbit], others: Sequence[Orbit] = ()) -> Window:
+
+def extent(pictures: Pictures) -> Window:
     """Return the box of the first orbit that stays, closed surfaces of comparable size, and the orbits near it.
 
-    Parameters
-    ----------
-    orbits : sequence of Orbit
-        One for each integrator, from the selected start.
-    others : sequence of Orbit
-        The same from the other starts, start by start. Those of the first integrator count, farther out (`OTHERS`)
-        than the orbits of other integrators (`NEAR`).
+    Of the orbits from other starts those of the first integrator count, farther out (`OTHERS`) than the orbits of other
+    integrators (`NEAR`). Of one that runs off only the start counts, unless all do.
     """
-    stay = [orbit for orbit in (*orbits, *others) if not orbit.runs_off]
-    base = stay[0] if stay else orbits[0]
-    first = Window.around(np.concatenate([base.path, base.surface]))
-    points = np.concatenate([base.path, base.surface, *(orbit.path for orbit in orbits)])
-    there = np.concatenate([np.empty((0, 2)), *(orbit.path for orbit in others[:: len(orbits)])])
+    stay = [orbit for orbit in (*pictures.orbits, *pictures.others) if not orbit.runs_off]
+    base = stay[0] if stay else pictures.orbits[0]
+    orbits, others = (
+        [np.array([orbit.start]) if orbit.runs_off and stay else orbit.path for orbit in given]
+        for given in (pictures.orbits, pictures.others[:: len(pictures.orbits)])
+    )
+    system, axes = pictures.inputs.selected[0].problem.build(), pictures.inputs.axes
+    surface = closed_surface(system, Window.around(base.path).scaled(COMPARABLE), axes)
+    first = Window.around(np.concatenate([base.path, surface]))
+    points = np.concatenate([base.path, surface, *orbits])
+    there = np.concatenate([np.empty((0, 2)), *others])
     near, far = first.scaled(NEAR).holds(points), first.scaled(OTHERS).holds(there)
     return Window.around(np.concatenate([points[near], there[far]]))
 

@@ -78,7 +78,8 @@ if (given?.moving && given.g != null) {
   }
   side.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
   surface.setv({ data: { x: sx, y: sy } }, { sync: false })
-  entry.setv({ label: { value: running ? "S: g = 0" : "S: g = 0 at t = 0" } }, { sync: false })
+  const label = { value: running ? "S: g = 0" : "S: g = 0 at t = 0" }
+  if (entry.label?.value != label.value) { entry.setv({ label }, { sync: false }) }  // each change rebuilds the legend
   for (const [sources, sign] of [[lines_below, -1], [lines_above, 1]]) {
     for (const source of sources) {  // lines that are hidden on the other side
       const { whole, y, psi, at_x, at_y } = source.data

@@ -111,7 +111,7 @@ class PortraitView:
     ) -> None:
         self.figure = self._plot()
         self.frame: Window | None = None
-        self._box: Window | None = None
+        self._pictures: Pictures | None = None
         self._names = ("x", "y")
         self._visible: Window | None = None
         self._heard = 0
@@ -305,13 +305,13 @@ class PortraitView:
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
         self.others.data = _curves(pictures.others, thinner=0.5)
         assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
-        self.ends.data = end_columns(pictures.numbered)
-        self.steps.data = _step_columns([*pictures.orbits, *pictures.others])
+        assign(self.ends, **end_columns(pictures.numbered))
+        assign(self.steps, **_step_columns([*pictures.orbits, *pictures.others]))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)])
-        self.jumps.data = {"x": jumps[:, 0], "y": jumps[:, 1]}
+        assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
-        self._box = extent(pictures.orbits, pictures.others)
+        self._pictures = pictures
 
     def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
         """Put the stars at the starts; after a refused move this puts its star back."""
@@ -334,8 +334,8 @@ class PortraitView:
 
     def fit(self) -> None:
         """Let the view show the trajectories drawn last."""
-        if self._box is not None:
-            self.look_at(self._box.scaled(ROOM))
+        if self._pictures is not None:
+            self.look_at(extent(self._pictures).scaled(ROOM))
 
     def look_at(self, window: Window) -> None:
         """Let the view show at least this part of the plane, as large as the screen and equal scales allow."""

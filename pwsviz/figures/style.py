@@ -179,6 +179,8 @@ def legend_lines(plot: figure) -> tuple[ColumnDataSource, Any]:
 def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
     """Name these integrators in a legend made of `legend_lines`."""
     names = list(dict.fromkeys(methods))
+    if names == source.data["method"]:
+        return
     lines = [line_of(name) for name in names]
     source.data = {
         "xs": [[np.nan]] * len(names), "ys": [[np.nan]] * len(names), "method": names,

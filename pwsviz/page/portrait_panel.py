@@ -65,7 +65,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
         self.limits = WindowFields(scene, self._seen, self.fit)
         self.player = Player(self.portrait, lines)
-        self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(9, 4), sizing_mode="stretch_width")
+        self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(14, 4), sizing_mode="stretch_width")
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.trouble = text_pane("")

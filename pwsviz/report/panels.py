@@ -81,7 +81,7 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     view.show_orbits(scene.declaration, pictures, starts, scene.selected)
     view.fit()
     ground = inputs.selected[0].problem
-    window = extent(pictures.orbits, pictures.others).scaled(2.0)
+    window = extent(pictures).scaled(2.0)
     view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, scene.axes))
     _make_static(view.figure, HEIGHT["portrait"])
     tables = portrait_tables(drawn_runs(inputs, scene.selected, results.run))

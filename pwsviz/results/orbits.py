@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from pwsviz.geometry.phase_plane import Window, closed_surface
-from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.polyline_reduction import RESOLUTION, Floats, distinct_pixels, screen_path
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.curves import curve, jump_lines
 from pwsviz.results.requests import RunInputs
@@ -26,11 +26,11 @@ FAR = 8.0
 FEW_STEPS = 300
 """Most steps of a run that are marked on its curve."""
 
+APART = 40.0
+"""Pixels that most steps are long if they are marked: three times the mark, on a screen of a third of `RESOLUTION`."""
+
 SEVERAL_LEVELS = 6
 """Most level sets of ψ drawn through an orbit on each side."""
-
-COMPARABLE = 2.0
-"""A closed surface within a window this many times as large as that of an orbit is shown whole beside it."""
 
 _RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
 """Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
@@ -61,7 +61,6 @@ class Orbit:
 
     method: str
     path: Floats
-    surface: Floats
     crossings: Floats
     numbers: NDArray[np.intp]
     """Number of each crossing in the run, from 1."""
@@ -98,7 +97,6 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
     return Orbit(
         method=inputs.scheme.method,
         path=path,
-        surface=closed_surface(run.system, Window.around(path).scaled(COMPARABLE), axes),
         crossings=at[marks],
         numbers=1 + marks,
         times=crossings.t[marks],
@@ -112,10 +110,12 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
 
 
 def _steps(run: core.Trajectory, near: Window | None, axes: Axes) -> Floats:
-    """Return the states at the ends of steps, if they are few."""
+    """Return the states at the ends of steps, if they are few and far enough apart to be told from one another."""
     at = in_plane(run.x, axes) if len(run.t) <= FEW_STEPS + 1 else np.empty((0, PLANE))
-    there = np.isfinite(at).all(axis=1) & (near.holds(at) if near else True)
-    return np.ascontiguousarray(at[there])
+    at = at[np.isfinite(at).all(axis=1) & (near.holds(at) if near else True)]
+    apart = APART * np.ptp(at, axis=0).max() / RESOLUTION if len(at) else 0.0
+    long = np.hypot(*np.diff(at, axis=0).T) > apart
+    return np.ascontiguousarray(at) if 2 * long.sum() > len(long) else np.empty((0, PLANE))
 
 
 def _end(run: core.Trajectory, near: Window | None, axes: Axes, path: Floats) -> End | None:

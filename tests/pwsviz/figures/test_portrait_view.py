@@ -1,5 +1,6 @@
 """The portrait draws what the arrays say, and passes on what the hand does."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -53,18 +54,26 @@ class Watched(PortraitView):
         self.hand.data = {"act": [act], "index": [index], "x": [x], "y": [y], "count": [count]}
 
 
-def test_the_view_holds_the_first_orbit():
+def test_the_view_holds_the_first_orbit_and_a_closed_surface():
     _, pictures = pictured()
-    assert extent(pictures.orbits).covers(Window.around(pictures.orbits[0].path))
+    assert extent(pictures).covers(Window.around(pictures.orbits[0].path))
+    assert extent(pictures).covers(Window(-1.0, 1.0, -1.0, 1.0))
 
 
 def test_the_view_holds_trajectories_from_other_starts_but_none_that_is_far():
     _, pictures = pictured(TWO, 1)
-    assert extent(pictures.orbits, pictures.others).covers(Window.around(pictures.others[0].path))
+    assert extent(pictures).covers(Window.around(pictures.others[0].path))
     first = Window.around(pictures.orbits[0].path)
     far = np.array([[first.x_high + OTHERS * 5 * first.width, 0.0]])
-    away = [type(one)(**{**vars(one), "path": far}) for one in pictures.others]
-    assert extent(pictures.orbits, away) == extent(pictures.orbits)
+    away = [replace(one, path=far) for one in pictures.others]
+    assert extent(replace(pictures, others=away)) == extent(replace(pictures, others=[]))
+
+
+def test_the_view_suits_the_trajectory_that_stays_though_another_is_selected():
+    _, one = pictured(((-1.0, -1.0),))
+    _, pictures = pictured(((-1.0, -1.0), (1.4, 1.4)), 1)
+    assert pictures.orbits[0].runs_off
+    assert extent(pictures).width < 2 * extent(one).width
 
 
 def test_other_starts_are_drawn_thinner_and_the_legend_names_each_integrator_once():
