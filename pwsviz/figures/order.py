@@ -29,6 +29,9 @@ TIME_ERROR = ("crossing time error", "|t* − t̂|")
 ROOM = 2.0
 """Factor between the largest error and the point in which the lines of integer slopes meet."""
 
+NAMED = 0.2
+"""Part of a line of integer slope after which its name stands above it."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -139,10 +142,9 @@ class OrderView:
             source=self.guide_names,
             text_color=GREY,
             text_font_size="12px",
-            text_align="left",
-            text_baseline="top",
-            x_offset=6,
-            y_offset=2,
+            text_align="right",
+            text_baseline="bottom",
+            x_offset=-2,
         )
         self.floor = mark_levels(plot, {1e-15: "round-off"})
 
@@ -206,7 +208,8 @@ class OrderView:
             "xs": [np.array([start, far]) for start in starts],
             "ys": [np.array([height, top]) for height in heights],
         }
-        self.guide_names.data = {"x": starts, "y": heights, "text": [f"slope {slope}" for slope in slopes]}
+        named = starts * (far / starts) ** NAMED, heights * (top / heights) ** NAMED
+        self.guide_names.data = {"x": named[0], "y": named[1], "text": [f"slope {slope}" for slope in slopes]}
         self.corners.data = {"x": [near, far], "y": [bottom, top]}
 
 
