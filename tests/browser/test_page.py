@@ -43,7 +43,7 @@ def test_the_slider_moves_the_step_size(visit):
     drawing = await_painted(page, "conserved quantity")
     page.get_by_text(re.compile("2,000 steps")).first.wait_for()
     before = settled_picture(page, drawing)
-    slider = page.locator("input[type=range]").nth(3)  # after those of three parameters
+    slider = page.get_by_role("slider", name="Step size τ, slider")
     slider.focus()
     for _ in range(20):
         slider.press("ArrowLeft")
