@@ -119,7 +119,7 @@ def _drifts(study: core.StabilityStudy, drift: Drift) -> Numbers:
     rows = []
     for name, error, status, message in zip(study.methods, drift.error, drift.status, drift.message, strict=True):
         known = np.flatnonzero(np.isfinite(error))
-        until = f"{drift.t[known[-1]]:.4g}" if len(known) else UNKNOWN
+        until = f"{drift.t[known[-1]]:,.6g}" if len(known) else UNKNOWN
         going = "under way" if status is core.Status.RUNNING else "reaches the end"
         rows.append((name, _at_most(float(np.fmax.reduce(error))), until, message or going))
     return Numbers(("integrator", "|Δψ| at most", "up to t", "outcome"), tuple(rows))

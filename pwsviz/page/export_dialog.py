@@ -120,7 +120,7 @@ class ExportDialog(pn.viewable.Viewer):
         button.js_on_click(args={"source": source}, code=COPY[name])
         return button
 
-    def _row(self, piece: Piece) -> pn.Row:
+    def _row(self, piece: Piece) -> pn.FlexBox:
         buttons = [
             self._download(f"CSV {name}".strip(), f"{piece.title} {name}", "csv", partial(_write_csv, table), piece.how)
             for name, table in piece.tables.items()
@@ -130,7 +130,7 @@ class ExportDialog(pn.viewable.Viewer):
         if piece.figure is not None:
             buttons += [self._picture(piece, piece.figure, kind) for kind in KINDS]
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
-        return pn.Row(title, pn.FlexBox(*buttons, margin=0), margin=0, sizing_mode="stretch_width")
+        return pn.FlexBox(title, *buttons, margin=0, sizing_mode="stretch_width")
 
     def _make_choices(self) -> Any:
         """Return the choices about pictures: width, size of the text, resolution, colours, and whether with caption."""

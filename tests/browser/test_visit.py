@@ -18,7 +18,7 @@ def test_every_view_shows_itself_and_says_what_it_shows(visit):
     await_painted(page, "Phase portrait")
     type_into(page, "End time", "2")
     for tab, words in (
-        ("Cost", re.compile("Compile/load time")),
+        ("Cost", re.compile("Fastest to a given error")),
         ("Stability", re.compile("Largest step size")),
         ("Scheme", re.compile("The scheme: dmm2")),
     ):
