@@ -136,7 +136,7 @@ class PortraitView:
             match_aspect=True,
             x_range=DataRange1d(range_padding=0.0),
             y_range=DataRange1d(range_padding=0.0),
-            min_border_left=62,  # steady, whatever the numbers on the axis
+            min_border_left=76,  # wider than the usual numbers, whose width would move the range, and the range them
             active_drag="pan",
             active_scroll="wheel_zoom",
         )
