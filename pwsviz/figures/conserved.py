@@ -219,7 +219,8 @@ def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = N
     told = [words for curve in curves if (words := _drift(curve, round_off))]
     many = len(curves[0].crossings)
     missing = f" {many:,} crossings: too many for their ticks and for the sides to be told apart." * (many > MOST_BANDS)
-    return "; ".join(told) + "." + missing if told else ""
+    whose = f" Sides and crossings are those of {curves[0].method}." * (len(curves) > 1)
+    return "; ".join(told) + "." + missing + whose if told else ""
 
 
 def _drift(curve: ErrorCurve, round_off: float) -> str:
@@ -235,12 +236,12 @@ def _drift(curve: ErrorCurve, round_off: float) -> str:
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if worst == 0:
         return f"{curve.method} conserves ψ exactly"
-    if worst <= max(round_off, STEADY * size):
+    if worst <= round_off or worst <= STEADY * size:
         kind = "round-off" if worst <= round_off else "accumulated round-off"
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
     if late <= 2 * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
-    return f"{curve.method} drifts to {rounded_up(worst)}{_relative(worst, size)} by t = {t[-1]:.4g}"
+    return f"{curve.method} drifts to {rounded_up(worst)}{_relative(worst, size)} by t = {curve.t_end:.4g}"
 
 
 def _relative(error: float, size: float) -> str:

@@ -99,7 +99,9 @@ def _shares(study: core.StabilityStudy, found: OutcomeMap, method: str) -> Numbe
     words, counts = np.unique([OUTCOMES[code].words for code in done.tolist()], return_counts=True)
     order = np.argsort(-counts, kind="stable")
     rows = tuple((str(words[n]), _share(counts[n] / len(done)), _bound(found, k, str(words[n]))) for n in order)
-    return Numbers(("outcome", "share", "|Δψ| at most"), rows, caption=f"Map of {method}, {plural(len(done), 'run')}")
+    runs = plural(codes.size, "run")
+    runs = runs if len(done) == codes.size else f"{len(done):,} of {runs} so far"
+    return Numbers(("outcome", "share", "|Δψ| at most"), rows, caption=f"Map of {method}, {runs}")
 
 
 def _bound(found: OutcomeMap, k: int, words: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range1d
 from bokeh.models.annotations import Span
 from bokeh.models.renderers import GlyphRenderer
 
@@ -17,7 +17,6 @@ from pwsviz.figures.style import (
     PURPLE,
     SIDES,
     assign,
-    fit_to_corners,
     legend_below,
     line_of,
     plain_figure,
@@ -38,6 +37,9 @@ WIDEST = 3.0
 LEGEND_HEIGHT = 64
 """Pixels of the lowest panel that its legend and the label of its axis take."""
 
+BESIDE = 0.01
+"""Part of the time that the axis shows before the start and after the end."""
+
 LEFT = 64
 """Pixels left of each panel, so that their axes stand below one another."""
 
@@ -48,10 +50,17 @@ class Shared:
     """What all panels show alike: the time, the sides occupied and the crossings of the first integrator."""
 
     def __init__(self) -> None:
-        self.across = DataRange1d(range_padding=0.0)
+        self.across = Range1d(start=0.0, end=1.0)
         self.segments = {side: ColumnDataSource({"start": [], "end": []}) for side in SIDES}
         columns = ("t", "x", "y", "label", "kind", "marker", "colour", "number", "method")
+        self.t_end = 1.0
         self.instants = unseen((*columns, *map(_column, range(MOST_PANELS))))
+
+    def look_at(self, t_end: float) -> None:
+        """Show the whole time, and a little more, so that the marks at its ends are whole."""
+        self.t_end, beside = t_end, BESIDE * t_end
+        ends = {"start": -beside, "end": t_end + beside}
+        self.across.update(**ends, **{f"reset_{end}": place for end, place in ends.items()})
 
 
 def _column(k: int) -> str:
@@ -63,9 +72,8 @@ class Panel:
     """One coordinate against time; `show` only changes its data."""
 
     def __init__(self, k: int, shared: Shared, now: Span) -> None:
-        self.figure = plain_figure(
-            SUMMARY, x_range=shared.across, y_range=DataRange1d(range_padding=0.08), min_border_left=LEFT
-        )
+        self.up = DataRange1d(range_padding=0.08)
+        self.figure = plain_figure(SUMMARY, x_range=shared.across, y_range=self.up, min_border_left=LEFT)
         self.bands = {
             side: self.figure.vstrip("start", "end", source=source, color=SIDES[side], alpha=0.16, line_width=0)
             for side, source in shared.segments.items()
@@ -76,7 +84,8 @@ class Panel:
             "xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6
         )
         self.figure.scatter("t", "y", source=self.steps, color="colour", size=4)
-        self.corners = fit_to_corners(self.figure, [0.0, 1.0], [-1.0, 1.0])
+        self.corners = ColumnDataSource({"x": [0.0, 0.0], "y": [-1.0, 1.0]})
+        self.up.renderers = [self.figure.scatter("x", "y", source=self.corners, alpha=0.0, size=1)]
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
         self.figure.add_layout(now)
         entries = [({"field": "method"}, self.lines), ("g < 0", self.bands[-1]), ("g > 0", self.bands[1])]
@@ -126,7 +135,7 @@ class Panel:
             colour=[look.colour for run, look in zip(runs, looks, strict=True) for _ in run.steps[0]],
         )
         low, high = _range([run.bounds[k] for run in runs])
-        assign(self.corners, x=[0.0, max(run.t_end for run in runs) or 1.0], y=[low, high])
+        assign(self.corners, x=[0.0, 0.0], y=[low, high])
 
 
 class StateView:
@@ -158,7 +167,9 @@ class StateView:
         places : (k, 2) array
             Place of each of its crossings in the portrait.
         """
-        drawn = names[:MOST_PANELS]
+        drawn, t_end = names[:MOST_PANELS], max(run.t_end for run in runs) or 1.0
+        if self.shared.t_end != t_end:  # else the user's zoom stays
+            self.shared.look_at(t_end)
         for k, name in enumerate(drawn):
             self.panel(k).place(name, len(drawn), lowest=k + 1 == len(drawn))
             self.panel(k).show(k, runs)
@@ -200,5 +211,11 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves]) -> str:
     """Return the range of each coordinate drawn, of the first integrator's run."""
     first = runs[0]
     ranges = [f"{name} from {low:.4g} to {high:.4g}" for name, (low, high) in zip(names, first.bounds, strict=True)]
+    off = " Its last part runs off and is not drawn." if first.runs_off else ""
     more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
-    return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges[:MOST_PANELS])}.{more}"
+    return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges[:MOST_PANELS])}.{off}{more}{_whose(runs)}"
+
+
+def _whose(runs: Sequence[StateCurves]) -> str:
+    """Say whose sides and crossings are marked, where there are several runs."""
+    return f" Sides and crossings are those of {runs[0].method}." if len(runs) > 1 else ""

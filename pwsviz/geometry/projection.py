@@ -70,7 +70,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
         if not shows_surface(system, axes):
             sentences.append(f"Nor has the surface g = {system.g} = 0, which is no curve there.")
     if moves(system) and shows_surface(system, axes):
-        sentences.append("The surface moves with time: it is drawn where it stands at t = 0, and moves when animated.")
+        sentences.append("The surface moves with time: it is drawn at t = 0, and while animated at the time shown.")
     if system.dimension == PLANE and _psi_names_time(system):
         sentences.append("ψ names time, so its level sets move; they are left out.")
     return " ".join(sentences)

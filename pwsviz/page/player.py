@@ -153,6 +153,7 @@ export function render({ model, data, el }) {
   })
   label()
   take()
+  requestAnimationFrame(() => play.focus({ preventScroll: true }))  // for the space bar
 }
 """
 

@@ -32,7 +32,7 @@ class WindowFields(pn.viewable.Viewer):
     scene : Scene
         The settings.
     seen : callable
-        Returns the four ends of what is visible.
+        Returns the four ends of what is visible: more than was typed where equal scales need more.
     on_fit : callable
         Called when the user wants to see the trajectories again.
     """
@@ -64,10 +64,10 @@ class WindowFields(pn.viewable.Viewer):
         self.sync()
 
     def _read(self, k: int) -> float:
-        return float((self.scene.window or self._seen())[k])
+        return float(self._seen()[k])
 
     def _accept(self, k: int, value: object) -> None:
-        ends: list[object] = list(self.scene.window or self._seen())
+        ends: list[object] = list(self._seen())
         ends[k] = value
         self.scene.accept("window", tuple(ends))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import core
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, in_plane
+from pwsviz.results.orbits import RUNS_OFF
 
 FEW = 500
 """Steps below which states between them are shown, so that the marker moves smoothly along the curve."""
@@ -60,7 +62,7 @@ class Landmarks:
     kinds : tuple of str
         Kind of each crossing.
     round_off : float
-        Size of the round-off of ψ; 0 if no ψ is known.
+        Size of the round-off of ψ; 0 if no ψ is known, NaN of a run that may have run off, along which it varies.
     """
 
     places: Floats
@@ -105,5 +107,5 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:
     """Return what the plot of the conserved quantity marks of a run."""
     kinds = tuple(str(kind) for kind in run.crossings.kind)
-    round_off = ROUND_OFF * MACHINE_EPSILON * run.psi_size()
+    round_off = math.nan if run.status in RUNS_OFF else ROUND_OFF * MACHINE_EPSILON * run.psi_size()
     return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds, round_off)

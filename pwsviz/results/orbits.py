@@ -15,7 +15,7 @@ from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
 from pwsviz.results.curves import curve, jump_lines
 from pwsviz.results.requests import RunInputs
 
-__all__ = ["FAR", "End", "Levels", "Orbit", "orbit_of"]
+__all__ = ["FAR", "RUNS_OFF", "End", "Levels", "Orbit", "orbit_of"]
 
 Levels = tuple[tuple[int, tuple[float, ...]], ...]
 """Values of ψ for each side."""
@@ -32,7 +32,7 @@ APART = 40.0
 SEVERAL_LEVELS = 6
 """Most level sets of ψ drawn through an orbit on each side."""
 
-_RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
+RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
 """Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
 
 
@@ -77,7 +77,7 @@ class Orbit:
     @property
     def runs_off(self) -> bool:
         """Whether it may have gone very far, and only its beginning is drawn."""
-        return self.end is not None and self.end.status in _RUNS_OFF
+        return self.end is not None and self.end.status in RUNS_OFF
 
 
 def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: Axes) -> Orbit:
@@ -85,7 +85,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
 
     Without such a window the whole of it, but of one that may have run off only the part near its beginning.
     """
-    if near is None and run.status in _RUNS_OFF:
+    if near is None and run.status in RUNS_OFF:
         near = _surroundings(run, axes)
     points, kinks = curve(run, axes, near)
     crossings = run.crossings.passed

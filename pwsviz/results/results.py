@@ -73,6 +73,8 @@ class Summary:
     method: str
     steps: int
     crossings: int
+    jumps: bool
+    """Whether the run stays on its side: each crossing is a jump back."""
     seconds: float
     worst_error: float
     status: core.Status
@@ -394,10 +396,12 @@ def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve
 
 
 def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
+    passed = run.crossings.passed
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
-        crossings=len(run.crossings.passed),
+        crossings=len(passed),
+        jumps=bool(len(passed) and (passed.kind == "jump").all() and (run.side == run.side[0]).all()),
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error)),
         status=run.status,

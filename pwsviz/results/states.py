@@ -8,6 +8,7 @@ import numpy as np
 
 import core
 from pwsviz.geometry.polyline_reduction import Floats, envelope
+from pwsviz.results.orbits import RUNS_OFF
 
 SAMPLES = 1200
 """Times at least at which a curve is drawn: about one a pixel. Runs of fewer steps are evaluated between them."""
@@ -16,7 +17,7 @@ FEW_STEPS = 200
 """Most steps that are marked by dots; more of them would hide the curve."""
 
 OUTLIERS = 0.02
-"""Part of the values at either end that the axis need not hold if the run ends early, as it may have run off."""
+"""Part of the values at either end that the axis need not hold if the run may have run off."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,9 @@ class StateCurves:
     steps : (n,) array, (n, d) array
         Times and states of the steps; empty if there are more than `FEW_STEPS`.
     bounds : (d, 2) array
-        Least and greatest value of each coordinate, without outliers of a run that ends early.
+        Least and greatest value of each coordinate, without outliers of a run that may have run off.
+    runs_off : bool
+        Whether it may have.
     t_end : float
         Last time of the run.
     """
@@ -41,6 +44,7 @@ class StateCurves:
     curves: tuple[tuple[Floats, Floats], ...]
     steps: tuple[Floats, Floats]
     bounds: Floats
+    runs_off: bool
     t_end: float
 
 
@@ -52,7 +56,8 @@ def state_curves(run: core.Trajectory) -> StateCurves:
         method=run.method,
         curves=tuple(envelope(t, column, SAMPLES) for column in x.T),
         steps=(run.t[few], run.x[few]),
-        bounds=_bounds(run, x),
+        bounds=_bounds(x, OUTLIERS if run.status in RUNS_OFF else 0.0),
+        runs_off=run.status in RUNS_OFF,
         t_end=float(run.t[-1]),
     )
 
@@ -80,7 +85,6 @@ def _with_crossings(run: core.Trajectory, t: Floats, x: Floats) -> tuple[Floats,
     return times[order], states[order]
 
 
-def _bounds(run: core.Trajectory, x: Floats) -> Floats:
-    """Return (d, 2): least and greatest value of each coordinate that the axis should hold."""
-    left_out = 0.0 if run.status is core.Status.COMPLETED else OUTLIERS
+def _bounds(x: Floats, left_out: float) -> Floats:
+    """Return (d, 2): least and greatest value of each coordinate, but for this part of the values at either end."""
     return np.nanquantile(np.where(np.isfinite(x), x, np.nan), [left_out, 1.0 - left_out], axis=0).T

@@ -18,7 +18,7 @@ from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
 from pwsviz.text.words import as_text, complaint
-from pwsviz.widgets.panes import fade, plot_pane, text_pane
+from pwsviz.widgets.panes import FADED, PLAIN, fade, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
 Outcome = Any
@@ -131,7 +131,7 @@ class Tab(pn.viewable.Viewer):
         """Draw the result for these inputs; or say why there is none, and fade what was drawn last."""
         if isinstance(outcome, Exception):
             self.shown = None
-            self.words.object = complaint(outcome)
+            self._say(complaint(outcome))
             self._fade(past=True)
             return
         self.outcome, self.shown = outcome, inputs
@@ -152,7 +152,7 @@ class Tab(pn.viewable.Viewer):
     def await_system(self, words: str) -> None:
         """Fade the figures, which belong to another system, and show these words."""
         self.shown = self.outcome = None
-        self.words.object = words
+        self._say(words)
         self._fade(past=True)
 
     def plot(self, plot: figure) -> pn.pane.Bokeh:
@@ -165,9 +165,12 @@ class Tab(pn.viewable.Viewer):
     def _show(self, outcome: Outcome) -> None:
         """Draw a result, show it in figures and words below the plot, and give the words to screen readers."""
         words = self.draw(outcome)
-        self.words.object = "".join(map(table_markup, self.numbers(outcome))) + as_text(words)
+        self._say("".join(map(table_markup, self.numbers(outcome))) + as_text(words))
         for pane, summary in zip(self.plots, self._summaries, strict=True):
             describe(pane.object, f"{summary}. {words}")
+
+    def _say(self, markup: str) -> None:
+        self.words.param.update(object=markup, styles=PLAIN)
 
     def _fade(self, past: bool) -> None:
         for pane in self.plots:
@@ -191,8 +194,9 @@ class LongTab(Tab):
         self.progress = Progress(lambda: self.on_cancel(), lambda: self.on_again())
 
     def begin(self) -> None:
-        """Show the progress bar, and fade the figures: what they show is not what was asked for."""
+        """Show the progress bar, and fade figures and words: what they show is not what was asked for."""
         self.progress.begin()
+        self.words.styles = FADED
         self._fade(past=True)
 
     def advance(self, done: int, total: int, partial: Outcome) -> None:

@@ -14,6 +14,9 @@ from pwsviz.text.words import as_text
 FADED = {"opacity": "0.35"}
 """Additional styles of a pane that shows an outdated result."""
 
+PLAIN = {"opacity": "1"}
+"""The same of one that does not: the browser keeps a style that is merely left out."""
+
 PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
 """Of buttons: no capitals and no line breaks."""
 
@@ -65,10 +68,9 @@ def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:
 def fade(pane: pn.pane.Bokeh, past: bool) -> None:
     """Fade a figure that shows an outdated result, or show it plainly.
 
-    The styles of a pane replace those of its figure, and the browser keeps a style that is merely left out; so all of
-    them are given each time.
+    The styles of a pane replace those of its figure, so all of them are given each time.
     """
-    pane.styles = {**pane.object.styles, **(FADED if past else {"opacity": "1"})}
+    pane.styles = {**pane.object.styles, **(FADED if past else PLAIN)}
 
 
 def _html(markup: str) -> pn.pane.HTML:

@@ -17,7 +17,7 @@ from pwsviz.text.words import as_text, complaint, duration, listed, plural, roun
 
 def summary(**changes):
     values = {
-        "method": "dmm2", "steps": 60000, "crossings": 1, "seconds": 0.00481,
+        "method": "dmm2", "steps": 60000, "crossings": 1, "jumps": False, "seconds": 0.00481,
         "worst_error": 8.2e-16, "status": core.Status.COMPLETED, "message": "",
     }  # fmt: skip
     return Summary(**(values | changes))
