@@ -8,7 +8,7 @@ from tests.browser.looking import await_built, await_painted, field, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 #: The success criteria of WCAG 2.2, levels A and AA; and two of axe's own rules.
 RULES = """() => axe.run(document, {runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"],

@@ -22,6 +22,7 @@ def await_shown(page, name, entry):
     raise AssertionError(f"{name} shows {shown}, not {entry}")
 
 
+@pytest.mark.deep
 def test_the_plane_named_is_the_plane_drawn_after_another_system(visit):
     page = visit()
     page.goto(f"{page.url}?v=1&system=rigid_body&t_end=1")

@@ -9,7 +9,7 @@ from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 from tests.browser.looking import await_painted, settled_picture
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 #: Colours painted in a square of 16 pixels around a place of the plane.
 AROUND = """([x, y]) => {

@@ -8,7 +8,7 @@ import pytest
 
 from tests.browser.test_portrait import FIGURE, PORTRAIT, await_still, await_that, inside
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 CURVES = f"""label => ({FIGURE})(label).rows.filter(row => "xs" in row && "method" in row).flatMap(row =>
     Array.from(row.method, (method, k) => ({{method, x: Array.from(row.xs[k]), y: Array.from(row.ys[k])}})))"""

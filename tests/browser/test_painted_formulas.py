@@ -4,7 +4,7 @@ import pytest
 
 from tests.browser.looking import await_painted
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 #: Of each root that is shown: its height and that of what is under it, and whether its sign is drawn left of that.
 ROOTS = """page => {

@@ -11,7 +11,7 @@ from tests.browser.looking import await_painted
 from tests.browser.test_ends import painted
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 PURPLE = (204, 121, 167)
 

@@ -205,6 +205,7 @@ def test_a_crossing_pointed_at_beside_the_portrait_is_marked_in_it(page):
     await_that(page, PORTRAIT, lambda seen: seen["ringed"] == 0)
 
 
+@pytest.mark.deep
 def test_the_player_moves_a_marker_for_each_integrator_and_tells_the_server_nothing(visit):
     page = visit()
     messages = sent(page)

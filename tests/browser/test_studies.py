@@ -7,7 +7,7 @@ import pytest
 from tests.browser.looking import await_painted, field
 from tests.browser.test_portrait import FIGURE, await_that
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 POINTS = f"""() => {{
     const figure = ({FIGURE})("error against run time")

@@ -13,6 +13,7 @@ sync_api = pytest.importorskip("playwright.sync_api")
 pytestmark = pytest.mark.browser
 
 
+@pytest.mark.deep
 def test_every_view_shows_itself_and_says_what_it_shows(visit):
     page = visit()
     await_painted(page, "Phase portrait")
@@ -57,6 +58,7 @@ def test_a_broken_link_is_told_and_harms_nothing(visit, address):
     assert page.locator("script", has_text="alert(1)").count() == 0
 
 
+@pytest.mark.deep
 def test_a_system_is_typed_checked_and_used(visit):
     page = visit()
     await_painted(page, "Phase portrait")

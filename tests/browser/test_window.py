@@ -7,7 +7,7 @@ import pytest
 from tests.browser.looking import field
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, drag, inside
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 
 @pytest.fixture
