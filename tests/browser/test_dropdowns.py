@@ -51,6 +51,7 @@ def test_the_system_named_is_the_last_that_was_written(visit):
     await_shown(page, "System", "Pendulum")
 
 
+@pytest.mark.deep
 def test_a_list_is_chosen_from_by_keyboard(visit):
     page = visit()
     await_painted(page, "Phase portrait")
