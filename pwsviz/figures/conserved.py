@@ -248,7 +248,8 @@ def _relative(error: float, size: float) -> str:
     """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
-    return f" ({rounded_up(error / size)} of the size of ψ, {size:.0e})".replace("e+0", "e").replace("e-0", "e-")
+    about = f"{float(f'{size:.0e}'):g}".replace("e+0", "e").replace("e-0", "e-")
+    return f" ({rounded_up(error / size)} of the size of ψ, about {about})"
 
 
 def _largest(error: Floats) -> str:

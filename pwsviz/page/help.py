@@ -37,7 +37,8 @@ _USE = (
 _KEYS = {
     "?": "this help",
     "Ctrl+Z, Ctrl+Y": "undo, redo",
-    "Tab, arrow keys, Space": "go through the controls, choose, press",
+    "Tab, arrow keys, Enter": "go through the controls, choose, press",
+    "Space": "play or pause the animation, while it is open",
     "L": "lecture mode: full screen and large type, on and off",
     "Delete": "remove the selected start, with the pointer over the portrait",
     "Esc": "close a window such as this",

@@ -20,7 +20,7 @@ PLAIN = {"opacity": "1"}
 PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
 """Of buttons: no capitals and no line breaks."""
 
-DIALOG_SX = {"[aria-label=close]": {"color": "text.secondary !important"}}
+DIALOG_SX = {"& [aria-label=close]": {"color": "var(--mui-palette-text-secondary) !important"}}
 """Of dialogs: their button to close is otherwise dark on dark."""
 
 TEXT_CSS = (

@@ -118,9 +118,9 @@ def test_what_is_round_off_depends_on_the_size_of_psi():
         return conserved_text([curve(errors)], Landmarks(np.empty((0, 2)), (), 2 * MACHINE_EPSILON * size))
 
     large, small = 4e-8 * np.arange(9), 1e-16 * np.arange(9)
-    assert words(large, 1e9) == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4e-7 (4e-16 of the size of ψ, 1e9)."
+    assert words(large, 1e9) == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4e-7 (4e-16 of the size of ψ, about 1e9)."
     assert words(large, 1.0) == "dmm2 drifts to 4e-7 by t = 20."
-    assert words(small, 1e-9) == "dmm2 drifts to 8e-16 (8e-7 of the size of ψ, 1e-9) by t = 20."
+    assert words(small, 1e-9) == "dmm2 drifts to 8e-16 (8e-7 of the size of ψ, about 1e-9) by t = 20."
 
 
 def test_an_error_that_comes_and_goes_is_no_drift():
