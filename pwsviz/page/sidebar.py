@@ -59,6 +59,28 @@ class Sidebar(pn.viewable.Viewer):
     def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
         super().__init__()
         self.scene = scene
+        self._make_examples()
+        self._make_system(on_edit)
+        self._make_numbers()
+        self._make_methods()
+        self._make_crossings()
+        self.about = text_pane("", "about")
+        self.parameters = pn.Column(margin=0, sizing_mode="stretch_width")
+        self.trajectories = Trajectories(scene)
+        self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
+        self.fields: dict[str, NumberField] = {}  # of the parameters and coordinates of the system
+        self._made: dict[str, list[NumberField]] = {}
+        self._placed: dict[str, list[NumberField]] = {}
+        self._built_for: core.PiecewiseSystem | None = None
+        self._preset: core.PiecewiseSystem | None = None  # of the preset whose note is shown
+        scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
+        scene.param.watch(self._choose, ["system", "own", "axes"])
+        scene.param.watch(self._enable, ["system", "own", "methods", "locate", "perturbation_order"])
+        self._sync()
+        self._choose()
+        self._enable()
+
+    def _make_examples(self) -> None:
         self.presets = Dropdown(
             "Examples",
             description="Scenes to start from: the figures of the paper, and others.",
@@ -67,6 +89,28 @@ class Sidebar(pn.viewable.Viewer):
         )
         self.presets.param.watch(self._load, "value")
         self.preset_note = text_pane(FIRST, "about")
+
+    def _make_system(self, on_edit: Callable[[], None]) -> None:
+        self.system = Dropdown(
+            "System",
+            description="The two laws, and the surface between them.",
+            value=self.scene.system,
+            options=self._systems(),
+        )
+        self.system.param.watch(self._take_system, "value")
+        self.write = pmui.Button(
+            label="Write your own …", icon="edit", variant="text", size="small", margin=0, sx=PLAIN_SX
+        )
+        self.write.on_click(lambda _: on_edit())
+        self.plane = Dropdown(
+            "Portrait in the plane of",
+            description="The two variables that are drawn.",
+            options={"": (0, 1)},
+            value=(0, 1),
+        )
+        self.plane.param.watch(self._take_plane, "value")
+
+    def _make_numbers(self) -> None:
         self.tau = self._number(
             "tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True,
             description="Time that one step covers. Type any number or formula, such as 1e-3 or 1/300.",
@@ -82,58 +126,29 @@ class Sidebar(pn.viewable.Viewer):
         self.scale = self._number(
             "perturbation_scale", "Factor c", description="Crossing times are moved by c·τᵖ, to see what that does."
         )
+
+    def _make_methods(self) -> None:
         self.methods = Choices(
-            label="Integrators", value=scene.used, options=scene.offered, about=METHOD_NOTES, margin=0,
+            label="Integrators", value=self.scene.used, options=self.scene.offered, about=METHOD_NOTES, margin=0,
             sizing_mode="stretch_width",
         )  # fmt: skip
         self.methods_note = text_pane("", "about")
         self.methods_message = text_pane("", "error")
-        self.system = Dropdown(
-            "System",
-            description="The two laws, and the surface between them.",
-            value=scene.system,
-            options=self._systems(),
-        )
-        self.system.param.watch(self._take_system, "value")
-        self.write = pmui.Button(
-            label="Write your own …", icon="edit", variant="text", size="small", margin=0, sx=PLAIN_SX
-        )
-        self.write.on_click(lambda _: on_edit())
-        self.plane = Dropdown(
-            "Portrait in the plane of",
-            description="The two variables that are drawn.",
-            options={"": (0, 1)},
-            value=(0, 1),
-        )
-        self.plane.param.watch(self._take_plane, "value")
+        self.methods.param.watch(self._take_methods, "value")
+
+    def _make_crossings(self) -> None:
         self.locate = Choices(
             label="Crossings", options=list(LOCATE), about=LOCATE, margin=(4, 0), sizing_mode="stretch_width"
         )
-        self.locate.param.watch(lambda event: scene.param.update(locate=bool(event.new)), "value")
+        self.locate.param.watch(lambda event: self.scene.param.update(locate=bool(event.new)), "value")
         self.order = Dropdown(
             "Perturb crossing times by c·τᵖ; order p",
             description="Move every crossing time on purpose, to see which order p the order of the method needs.",
             options={str(p or "none"): p or 0 for p in PERTURBATION_ORDERS},  # a Select cannot show the value None
-            value=scene.perturbation_order or 0,
+            value=self.scene.perturbation_order or 0,
         )
-        self.order.param.watch(lambda event: scene.param.update(perturbation_order=event.new or None), "value")
-        scene.param.watch(lambda event: self.order.param.update(value=event.new or 0), "perturbation_order")
-        self.about = text_pane("", "about")
-        self.parameters = pn.Column(margin=0, sizing_mode="stretch_width")
-        self.trajectories = Trajectories(scene)
-        self.coordinates = pn.Row(margin=0, sizing_mode="stretch_width", stylesheets=[COORDINATES_CSS])
-        self.fields: dict[str, NumberField] = {}  # of the parameters and coordinates of the system
-        self._made: dict[str, list[NumberField]] = {}
-        self._placed: dict[str, list[NumberField]] = {}
-        self._built_for: core.PiecewiseSystem | None = None
-        self._preset: core.PiecewiseSystem | None = None  # of the preset whose note is shown
-        self.methods.param.watch(self._take_methods, "value")
-        scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
-        scene.param.watch(self._choose, ["system", "own", "axes"])
-        scene.param.watch(self._enable, ["system", "own", "methods", "locate", "perturbation_order"])
-        self._sync()
-        self._choose()
-        self._enable()
+        self.order.param.watch(lambda event: self.scene.param.update(perturbation_order=event.new or None), "value")
+        self.scene.param.watch(lambda event: self.order.param.update(value=event.new or 0), "perturbation_order")
 
     def _number(self, field: str, label: str, **options: Any) -> NumberField:
         return NumberField(label, partial(self._read, field), partial(self.scene.accept, field), **options)
