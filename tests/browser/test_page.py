@@ -124,7 +124,7 @@ def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_b
     await_painted(page, "Coordinate against time")
     page.get_by_role("tab", name="Conserved quantity").click()
     page.get_by_text(re.compile("no conserved quantity is known on either side")).wait_for()
-    page.get_by_text(re.compile("keep conserved quantities. None is known here")).wait_for()
+    page.get_by_text(re.compile("need a conserved quantity. None is known here")).wait_for()
     page.get_by_label("dmm2", exact=True).wait_for(state="detached")
     page.get_by_role("img", name=re.compile("conserved quantity")).wait_for(state="hidden")
     choose_system(page, "Elliptic curve")

@@ -72,7 +72,7 @@ def test_a_reference_that_gives_up_has_a_colour_of_its_own(visit, address):
 
 def test_a_click_on_the_map_goes_there_and_long_runs_take_the_step_size_of_the_page(visit, address):
     page = open_at(visit, address, "view=stability&methods=rk2&t_end=2.0&tau=0.005")
-    page.get_by_text("625 runs").wait_for(timeout=60_000)
+    page.get_by_text(re.compile("Map of rk2, 625 runs$")).wait_for(timeout=60_000)
     left, top, width, height = await_that(page, CELLS)["frame"]
     page.mouse.click(left + 0.25 * width, top + 0.5 * height)
     page.wait_for_url(re.compile("tau=0.00[0-4]"))

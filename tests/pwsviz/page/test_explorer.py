@@ -60,7 +60,7 @@ def test_going_round_the_tabs_twice_computes_each_view_once(explorer):
             explorer.settle(60)
     made = {kind: count - before.get(kind, 0) for kind, count in counts(explorer).items()}
     assert {kind: count for kind, count in made.items() if count} == {
-        "study": 1, "cost": 1, "stability": 1, "diagnosis": 1,
+        "states": 2, "study": 1, "cost": 1, "stability": 1, "diagnosis": 1,
     }  # fmt: skip
 
 
