@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.looking import await_painted, field
+from tests.browser.looking import await_built, await_painted, canvas, field, settled_picture
 from tests.browser.test_portrait import FIGURE, await_that
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
@@ -73,9 +73,11 @@ def test_a_reference_that_gives_up_has_a_colour_of_its_own(visit, address):
 def test_a_click_on_the_map_goes_there_and_long_runs_take_the_step_size_of_the_page(visit, address):
     page = open_at(visit, address, "view=stability&methods=rk2&t_end=2.0&tau=0.005")
     page.get_by_text(re.compile("Map of rk2, 625 runs$")).wait_for(timeout=60_000)
+    await_built(page)
+    settled_picture(page, canvas(page, "outcome of runs"))  # its legend may grow once more, and move it
     left, top, width, height = await_that(page, CELLS)["frame"]
     page.mouse.click(left + 0.25 * width, top + 0.5 * height)
-    page.wait_for_url(re.compile("tau=0.00[0-4]"))
+    page.wait_for_function("() => /tau=0.00[0-4]/.test(location.href)", timeout=60_000)
     tau = field(page, "Step size τ").input_value()
     assert float(tau) < 0.005
     page.get_by_role("button", name="Near grazing").click()
