@@ -218,7 +218,8 @@ def test_linear_fields_with_any_eigenvalues_under_any_surface(draws):
 
 
 def test_second_passages_of_a_saddle_keep_their_digits(draws):
-    # near a separatrix a passage takes as long as the logarithm of the distance from it: 64 bits lose that
+    # near a separatrix a passage takes as long as the logarithm of the distance from it: 64 bits lose that, and so does
+    # an oracle of 40 terms, whose truncation (7e-28 a step) two passages enlarge by the square of that distance
     compared = 0
     for rng in draws(1):
         near = float(10 ** rng.uniform(-7, -4))
@@ -229,7 +230,7 @@ def test_second_passages_of_a_saddle_keep_their_digits(draws):
             ([elliptic(-3.0), elliptic(-3.0)], f"x - {dyadic(rng, -0.5, 0.5)}", [1.0 - near, 0.0], 0.125),
         ]
         for kinds, g, x0, h in cases:
-            compared += compare(kinds, g, x0, 0.0, 60.0, 3, h, 40)
+            compared += compare(kinds, g, x0, 0.0, 60.0, 3, h, 60)
     assert compared >= 6
 
 
