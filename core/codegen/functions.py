@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 
 import sympy
 from sympy import Expr, Symbol
@@ -14,7 +14,7 @@ from core.codegen.linear_solve import FEW, least_change, row_lines, size_line
 from core.codegen.printing import assignments, doubled_assignments, magnitude, named
 from core.codegen.rounding import rounding_bound
 from core.kernels import abi, divided_differences, stack_array, taylor_coefficients
-from core.kernels.doubledouble import arithmetic, elementary, error_free, tables
+from core.kernels.doubledouble import arithmetic, error_free
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws, Mode
 
@@ -31,12 +31,17 @@ _FARTHEST_OF_HALF = 1e-6
 #: A gradient whose squared sine to the others is below this is left out of the projection, which it would enlarge.
 _TANGENT = 2.0**-25
 
-#: Modules of the jitted functions and tables that generated text uses.
-_JITTED = (
-    abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, stack_array, tables,
-    taylor_coefficients,
-)  # fmt: skip
-_HOME = {name: module.__name__ for module in _JITTED for name in getattr(module, "__all__", ())}
+
+@cache
+def _homes() -> dict[str, str]:
+    """Module of each jitted function and table that generated text uses."""
+    from core.kernels.doubledouble import elementary  # makes tables of numbers, which `import core` need not await
+
+    modules = (
+        abi, arithmetic, divided_differences, elementary, error_free, linear_solve_loops, stack_array,
+        taylor_coefficients,
+    )  # fmt: skip
+    return {name: module.__name__ for module in modules for name in getattr(module, "__all__", ())}
 
 
 def function_text(name: str, lines: Sequence[str]) -> str:
@@ -48,8 +53,9 @@ def function_text(name: str, lines: Sequence[str]) -> str:
 def module_text(functions: Iterable[str]) -> str:
     """Text of a module of such functions, with the imports that they need."""
     body = "\n\n".join(functions)
-    called = sorted(set(re.findall(r"\b[A-Za-z]\w*\b", body)) & set(_HOME))
-    imports = [f"from {_HOME[name]} import {name}" for name in called]
+    homes = _homes()
+    called = sorted(set(re.findall(r"\b[A-Za-z]\w*\b", body)) & set(homes))
+    imports = [f"from {homes[name]} import {name}" for name in called]
     return "\n".join(
         [
             "import math",
