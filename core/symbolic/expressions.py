@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 import sympy
+from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 __all__ = ["FUNCTIONS", "TIME", "check_name", "parse", "quoted", "to_text"]
@@ -140,6 +141,15 @@ class _Text(StrPrinter):
 
     def _print_Rational(self, expr: sympy.Rational) -> str:  # noqa: N802
         return "/".join(self._print_Integer(sympy.Integer(n)) for n in (expr.p, expr.q))
+
+    def _print_Mul(self, expr: sympy.Mul) -> str:  # noqa: N802
+        """Put a number last where sympy, which reads 3*(x - y) as 3*x - 3*y, would multiply it into a sum."""
+        factor, rest = expr.as_coeff_Mul()
+        over, under = sympy.fraction(rest)
+        first = over.as_ordered_factors()[0]
+        if factor is sympy.S.One or not (first.is_Add or any(u.is_Add for u in sympy.Mul.make_args(under))):
+            return str(super()._print_Mul(expr))
+        return f"{self.parenthesize(rest, PRECEDENCE['Mul'])}*{self.parenthesize(factor, PRECEDENCE['Mul'])}"
 
     def _print_Exp1(self, expr: sympy.Expr) -> str:  # noqa: N802
         return "e"

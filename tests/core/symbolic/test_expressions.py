@@ -285,6 +285,9 @@ _trees = st.recursive(
 @given(_trees)
 @example("1e-200*x - 3e250/7*y")
 @example("exp(x)**2/e")
+@example("0.3/(x - y)")
+@example("((x - y)*exp(a))*2/7")
+@example("-3/(7*(x - y)**2)")
 def test_text_of_an_expression_reads_back_as_the_same_expression(text: str) -> None:
     try:
         expression = parse(text, NAMES)
