@@ -21,15 +21,15 @@ __all__ = ["folds", "near_folds", "signs_at_folds"]
 Array = NDArray[np.float64]
 
 #: Number of straight lines along which folds are sought.
-_LINES = 48
+_LINES = 96
 #: Number of equally spaced points on each line.
 _PLACES = 25
 #: Most folds that are sought, in the order of `folds`.
 _MOST_FOLDS = 16
 #: Most local minima of |u| that are kept for each fold u, over all lines.
-_MOST_MINIMA = 12
-#: Golden sections of a bracket: they narrow it to 4e-6 of its length.
-_SECTIONS = 26
+_MOST_MINIMA = 24
+#: Golden sections of a bracket: they narrow it to 1e-10 of its length, so that a narrow layer about a zero is met.
+_SECTIONS = 48
 #: Part of a bracket that one golden section keeps.
 _GOLDEN = (5**0.5 - 1) / 2
 #: Points sampled at a fold and on both sides of it, as distances in units of the spacing of points on a line.
@@ -84,7 +84,7 @@ def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, 
     symbols
         n symbols, in the order of the coordinates.
     points
-        (m, n) points; the lines lead from any of them to those far from zero.
+        (m, n) points; half of the lines lead from any of them to those far from zero, half to any others.
 
     Returns
     -------
@@ -93,7 +93,9 @@ def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, 
     tape = Tape(found)
     places = [tape.place[u] for u in found]
     far = np.argsort(np.abs(points).max(axis=1))[len(points) // 2 :]  # so that a line passes folds that are not near 0
-    start, end = points[rng.integers(len(points), size=_LINES)], points[rng.choice(far, size=_LINES)]
+    any_two = rng.integers(len(points), size=(2, _LINES))  # so that there are values along a line
+    ends = np.where(np.arange(_LINES) % 2 == 0, rng.choice(far, size=_LINES), any_two[1])
+    start, end = points[any_two[0]], points[ends]
 
     def sizes(origin: Array, step: Array) -> list[Array]:
         """|u| of every fold, at origin + step."""

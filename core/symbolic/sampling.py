@@ -39,7 +39,7 @@ _DIGITS = 120
 _MORE_DIGITS = 480
 #: Size of the arguments of exp, tanh, … up to which the points are preferred: there 1 − tanh(u) keeps digits.
 _TELLING = 60.0
-#: Largest size of such arguments where no preferred point has a value: beyond it evaluation takes too long.
+#: Largest size of such arguments where no preferred point of a piece has a value: beyond it evaluation takes too long.
 _LARGEST = 1e6
 
 #: Relative perturbation of a coordinate, 64 roundings: values that change much by it are round-off.
@@ -227,20 +227,21 @@ class Samples:
             queues = [[self._mapping(p) for p in self._drawn()[:_ATTEMPTS]]]
         wanted = min(_MOST, max(_FEW, _EACH * len(queues)), max(_LEAST, _EFFORT // len(self.tape.nodes)))
         tries = max(2 * wanted, _EFFORT // len(self.tape.nodes)) // len(queues) + 1
-        for largest in (_TELLING, _LARGEST):
-            found = [self._with_digits(queue[:tries], largest) for queue in queues]
-            in_turn = (pair for pairs in zip_longest(*found) for pair in pairs if pair is not None)
-            chosen = list(islice(in_turn, wanted))
-            yield from chosen
-            if chosen:
-                return
+        found = [self._with_digits(queue[:tries]) for queue in queues]
+        in_turn = (pair for pairs in zip_longest(*found) for pair in pairs if pair is not None)
+        yield from islice(in_turn, wanted)
 
-    def _with_digits(self, points: Sequence[Point], largest: float) -> Iterator[tuple[Point, list[Any]]]:
-        """Yield those of the points that have values in many digits, with these values."""
-        for point in points:
-            values = self.in_digits(point, largest=largest)
-            if values is not None:
-                yield point, values
+    def _with_digits(self, points: Sequence[Point]) -> Iterator[tuple[Point, list[Any]]]:
+        """Yield the preferred points of a piece that have values in many digits, else the others, with these values."""
+        for largest in (_TELLING, _LARGEST):
+            some = False
+            for point in points:
+                values = self.in_digits(point, largest=largest)
+                if values is not None:
+                    some = True
+                    yield point, values
+            if some:
+                return
 
     def perturbed(self) -> list[Array]:
         """Values of all nodes at slightly perturbed points: `nodes` that differ much from them are round-off."""

@@ -43,6 +43,8 @@ BRANCHES = (
     "(sqrt({w}**2) - {w})", "(({w}**4)**(1/4) - {w})", "(({w}**2)**(3/2) - {w}**3)", "({w}*sqrt({w}**2) - {w}**2)",
     "({w}/sqrt({w}**2) - 1)*{w}**2", "(exp(log({w}**2)/2) - {w})", "(1 - tanh(1000*{w}))",
 )  # fmt: skip
+#: They change within about 1/k of w = 0 only.
+LAYERS = ("(1 - tanh({k}*{w}))", "tanh({k}*{w})", "exp(-({k}*{w})**2)")
 SECONDS = 3.0  #: of processor time for a declaration, on a busy machine
 
 
@@ -196,6 +198,55 @@ def test_what_changes_in_a_part_of_its_side_is_refused_with_a_place_where_it_doe
     assert refused
 
 
+def place_in_layer(rng, w, psi, field, variables, g, side, tries=20):
+    """A point on the side where w = 0, found by bisection along a coordinate, and ψ changes; None if none is found."""
+    codes = [compile(text, "drawn", "eval") for text in (w, psi, g, *field)]
+    names = [n for n in (*variables, "t") if n in codes[0].co_names]
+    for _ in range(tries):
+        point, name = a_point(rng, variables), str(rng.choice(names))
+        near = next(zeros_along(codes[0], point, name), None)
+        height = None if near is None else value(codes[2], near)
+        if height is not None and side * height > 0.05 and changes_at(codes[1], codes[3:], variables, near):
+            return near
+    return None
+
+
+def zeros_along(code, point, name):
+    """Points where the code's value is zero, on the line through the point along a coordinate."""
+    places = [{**point, name: point[name] + mpmath.mpf(k) / 4} for k in range(-24, 25)]
+    values = [value(code, p) for p in places]
+    for low, high, a, b in zip(places, places[1:], values, values[1:], strict=False):
+        if a is None or b is None or a * b > 0:
+            continue
+        for _ in range(60):
+            middle = {**low, name: (low[name] + high[name]) / 2}
+            found = value(code, middle)
+            if found is None:
+                break
+            low, high, a = (low, middle, a) if a * found <= 0 else (middle, high, found)
+        else:
+            yield high
+
+
+def test_what_changes_in_a_thin_layer_alone_is_refused(draws):
+    refused = 0
+    for rng in draws(24):
+        variables, field, g, psi = drawn_case(rng)
+        u, v = rng.choice(variables, size=2, replace=False)
+        w = str(rng.choice([place for place in PLACES if place not in ("a", "(k - 2)")])).format(u=u, v=v)
+        steep = float(f"{10 ** rng.uniform(1, 5):.4g}")
+        wrong = f"{psi} + {str(rng.choice(LAYERS)).format(w=w, k=steep)}"
+        for side, name in ((-1, "psi_minus"), (1, "psi_plus")):
+            if place_in_layer(rng, w, wrong, field, variables, g, side) is None:
+                continue  # it may be right
+            case = (variables, field, g, {name: (wrong,)})
+            start = time.process_time()
+            assert "conserved by" in str(refusal(*case[:3], **case[3])), f"not refused: {case}"
+            assert time.process_time() - start < SECONDS, case
+            refused += 1
+    assert refused
+
+
 @pytest.mark.parametrize("side", [-1, 1])
 def test_what_changes_only_beyond_the_surface_is_accepted(draws, side):
     for rng in draws(8):
@@ -229,6 +280,11 @@ def test_where_it_holds_is_said(psi, says):
     with pytest.raises(ValueError, match="psi_minus") as refused:
         declared(*given)
     assert says in str(refused.value)
+
+
+def test_a_part_of_the_side_where_an_exponential_underflows_is_looked_at_too():
+    psi = "y**2/2 + x + exp(-x**2) + (sqrt((x + 20)**2) - (x + 20))"  # exp(-400) = 2e-174
+    assert "where x + 20 > 0 only" in str(refusal(("x", "y"), ("y", "2*x*exp(-x**2) - 1"), "y - 1", psi_minus=(psi,)))
 
 
 def test_gradients_that_vanish_in_a_part_of_the_side_are_refused():
