@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
 from bokeh.models.annotations import Span
+from bokeh.models.glyphs import Scatter
 
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
@@ -17,12 +18,15 @@ from pwsviz.figures.style import (
     assign,
     describe,
     fit_to_corners,
+    invisible,
     legend_below,
     legend_lines,
     line_of,
     mark_levels,
     plain_figure,
+    run_lines,
     show_methods,
+    side_strips,
     unseen,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
@@ -85,10 +89,9 @@ class ConservedView:
     def _band_glyphs(self) -> None:
         plot = self.figure
         self.segments, self.bands = {}, {}
-        for side, colour in SIDES.items():
+        for side in SIDES:
             self.segments[side] = ColumnDataSource({"start": [], "end": []})
-            look: dict[str, Any] = {"fill_color": colour, "fill_alpha": 0.16, "line_width": 0}
-            self.bands[side] = plot.vstrip("start", "end", source=self.segments[side], **look)
+            self.bands[side] = plot.add_glyph(self.segments[side], side_strips(side))
         self.levels = mark_levels(
             plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, or 0", NOWHERE: "round-off"}
         )
@@ -98,7 +101,7 @@ class ConservedView:
         columns = ("xs", "ys", "method", "colour", "dash")
         self.methods, self.keys = legend_lines(plot)
         self.curves = ColumnDataSource({name: [] for name in columns})
-        self.lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
+        self.lines = plot.add_glyph(self.curves, run_lines())
         plot.add_tools(
             HoverTool(
                 renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
@@ -107,7 +110,8 @@ class ConservedView:
             )
         )  # fmt: skip
         self.exits = ColumnDataSource({name: [] for name in ("t", "y", "colour", "words")})
-        exits = plot.scatter("t", "y", source=self.exits, marker="triangle", color="colour", size=12)
+        look: dict[str, Any] = {"marker": "triangle", "line_color": "colour", "fill_color": "colour", "size": 12}
+        exits = plot.add_glyph(self.exits, Scatter(x="t", **look))
         plot.add_tools(HoverTool(renderers=[exits], tooltips=[("", "@words")]))
         self.corners = fit_to_corners(plot, [0.0, 1.0], [FLOOR / 2, 1e-2])
 
@@ -115,11 +119,10 @@ class ConservedView:
         plot = self.figure
         columns = ("t", "foot", "x", "y", "label", "kind", "marker", "colour", "number", "method")
         self.instants = unseen(columns)
-        self.ticks = plot.scatter(
-            "t", "foot", source=self.instants, marker="marker", size=9, fill_color="white", line_color="colour",
-            line_width=1.8,
-        )  # fmt: skip
-        reach = plot.scatter("t", "foot", source=self.instants, size=18, alpha=0.0)
+        place: dict[str, Any] = {"x": "t", "y": "foot"}
+        look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 1.8}
+        self.ticks = plot.add_glyph(self.instants, Scatter(size=9, **place, **look))
+        reach = plot.add_glyph(self.instants, invisible(size=18, **place))
         self.hover = HoverTool(
             renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},
             tooltips=[("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")],

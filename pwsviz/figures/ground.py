@@ -10,6 +10,7 @@ from bokeh.core.properties import value
 from bokeh.events import MouseLeave, MouseMove, RangesUpdate
 from bokeh.models import ColumnDataSource, CustomJS, HoverTool
 from bokeh.models.annotations import LegendItem
+from bokeh.models.glyphs import Line, MultiPolygons
 from bokeh.models.widgets import Div
 from bokeh.plotting import figure
 
@@ -50,17 +51,17 @@ class Ground:
         self.covered: Window | None = None
         self._shown: Backdrop | None = None
         self.side = ColumnDataSource({"xs": [], "ys": []})
-        tint = plot.multi_polygons("xs", "ys", source=self.side, color=SIDES[-1], alpha=0.13, line_width=0)
+        tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SIDES[-1], fill_alpha=0.13, line_width=0))
         self.levels, self.orbit_levels, self.arrows = ({side: _line_source() for side in SIDES} for _ in range(3))
         usual, own, field = (list[Any]() for _ in range(3))
         for side, colour in SIDES.items():
-            usual.append(plot.line("x", "y", source=self.levels[side], color=colour, alpha=0.45, line_width=1))
-            own.append(plot.line("x", "y", source=self.orbit_levels[side], color=colour, alpha=0.9, line_width=1.5))
-            field.append(plot.line("x", "y", source=self.arrows[side], color=GREY, alpha=0.75, line_width=1))
+            usual.append(plot.add_glyph(self.levels[side], Line(line_color=colour, line_alpha=0.45)))
+            own.append(plot.add_glyph(self.orbit_levels[side], Line(line_color=colour, line_alpha=0.9, line_width=1.5)))
+            field.append(plot.add_glyph(self.arrows[side], Line(line_color=GREY, line_alpha=0.75)))
         tip: dict[str, Any] = {"tooltips": [("ψ on this level set", "@psi{%.5g}")], "formatters": {"@psi": "printf"}}
         plot.add_tools(HoverTool(renderers=[*usual, *own], visible=False, limit=1, **tip))
         self.surface = _line_source()
-        line = plot.line("x", "y", source=self.surface, color=PURPLE, line_width=2.5)
+        line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
         self._arrow_lines = field
         self.legend: list[tuple[str, Any]] = [
             ("S: g = 0", line), ("g < 0", tint), ("field f", field[-1]), ("ψ = const.", usual[-1]),

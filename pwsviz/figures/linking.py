@@ -6,6 +6,7 @@ from typing import Protocol
 
 from bokeh.events import MouseLeave
 from bokeh.models import ColumnDataSource, CustomJS, HoverTool
+from bokeh.models.glyphs import VSpan
 from bokeh.plotting import figure
 
 from pwsviz.figures.portrait import PortraitView
@@ -70,7 +71,7 @@ def link_crossings(portrait: PortraitView, view: Linked, ticks: ColumnDataSource
     ticks : ColumnDataSource
         The crossings marked there: their times, places in the portrait, numbers and integrators.
     """
-    view.figure.vspan("t", source=portrait.pointed_time, line_color=VERMILION, line_width=2)
+    view.figure.add_glyph(portrait.pointed_time, VSpan(x="t", line_color=VERMILION, line_width=2))
     _follow(view, POINT_FROM_TICKS, portrait, {"marks": portrait.crossings, "ticks": ticks})
 
 

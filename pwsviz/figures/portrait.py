@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
 from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, ResetTool
+from bokeh.models.glyphs import Line, MultiLine, Scatter, Text
 from bokeh.plotting import figure
 
 import core
@@ -27,6 +28,7 @@ from pwsviz.figures.style import (
     assign,
     describe,
     fit_to_corners,
+    invisible,
     legend_below,
     legend_lines,
     line_of,
@@ -148,27 +150,30 @@ class PortraitView:
     def _orbit_glyphs(self) -> None:
         plot = self.figure
         columns = ("xs", "ys", "method", "colour", "dash", "width")
-        looks: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_join": "round"}
+        looks: dict[str, Any] = {
+            "line_color": "colour",
+            "line_dash": "dash",
+            "line_width": "width",
+            "line_join": "round",
+        }
         self.others = ColumnDataSource({name: [] for name in columns})
-        self.beside = plot.multi_line("xs", "ys", source=self.others, alpha=0.55, **looks)
+        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=0.55, **looks))
         self.orbits = ColumnDataSource({name: [] for name in columns})
-        self.curves = plot.multi_line("xs", "ys", source=self.orbits, **looks)
+        self.curves = plot.add_glyph(self.orbits, MultiLine(**looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
-        plot.scatter("x", "y", source=self.steps, size=STEP_SIZE, fill_color="white", line_color="colour")
+        plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="white", line_color="colour"))
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
-        self.jump_lines = plot.line("x", "y", source=self.jumps, color=ORANGE, line_dash=[2, 4], line_width=2)
+        self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=ORANGE, line_dash=[2, 4], line_width=2))
 
     def _crossing_glyphs(self) -> None:
         plot = self.figure
         self.crossings = unseen(
             ("x", "y", "label", "kind", "marker", "colour", "method", "number", "time", "start", "chosen", "size")
         )
-        self.marks = plot.scatter(
-            "x", "y", source=self.crossings, marker="marker", size="size", fill_color="white", line_color="colour",
-            line_width=2,
-        )  # fmt: skip
-        reach = plot.scatter("x", "y", source=self.crossings, size=16, alpha=0.0)  # easier to hit than the mark
+        look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
+        self.marks = plot.add_glyph(self.crossings, Scatter(size="size", **look))
+        reach = plot.add_glyph(self.crossings, invisible(size=16))  # easier to hit than the mark
         self.hover = HoverTool(
             renderers=[reach],
             tooltips=[
@@ -182,15 +187,13 @@ class PortraitView:
         self.pointed = ColumnDataSource({"x": [], "y": []})
         self.pointed_time = ColumnDataSource({"t": []})  # for figures whose horizontal axis is time
         ring: dict[str, Any] = {"size": POINTED_SIZE, "fill_alpha": 0.0, "line_color": VERMILION, "line_width": 3}
-        plot.scatter("x", "y", source=self.pointed, **ring)
+        plot.add_glyph(self.pointed, Scatter(**ring))
 
     def _end_glyphs(self) -> None:
         plot = self.figure
         self.ends = unseen(("x", "y", "label", "marker", "colour", "method", "time", "kind", "start"))
-        self.stops = plot.scatter(
-            "x", "y", source=self.ends, marker="marker", size=END_SIZE, fill_color="white", line_color="colour",
-            line_width=2,
-        )  # fmt: skip
+        look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
+        self.stops = plot.add_glyph(self.ends, Scatter(size=END_SIZE, **look))
         plot.add_tools(
             HoverTool(
                 renderers=[self.stops], attachment="above", visible=False, limit=3, formatters={"@time": "printf"},
@@ -204,21 +207,16 @@ class PortraitView:
         plot = self.figure
         columns = ("x", "y", "number", "size", "fill", "chosen", "heard")
         self.starts = unseen(columns)
-        self.stars = plot.scatter(
-            "x", "y", source=self.starts, marker="star", size="size", fill_color="fill", line_color=RIM,
-            line_width=1.2,
-        )  # fmt: skip
-        plot.text(
-            "x", "y", "number", source=self.starts, text_align="center", text_baseline="middle", text_color="black",
-            text_font_size="10px", text_font_style="bold", y_offset=1,
-        )  # fmt: skip
+        look: dict[str, Any] = {"size": "size", "fill_color": "fill", "line_color": RIM, "line_width": 1.2}
+        self.stars = plot.add_glyph(self.starts, Scatter(marker="star", **look))
+        letters: dict[str, Any] = {"text_color": "black", "text_font_size": "10px", "text_font_style": "bold"}
+        centred: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "y_offset": 1}
+        plot.add_glyph(self.starts, Text(text="number", **letters, **centred))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size")})
-        plot.scatter(
-            "x", "y", source=self.moving, marker="marker", size="size", fill_color="colour", line_color="white",
-            line_width=1.5,
-        )  # fmt: skip
+        look = {"size": "size", "fill_color": "colour", "line_color": "white", "line_width": 1.5}
+        plot.add_glyph(self.moving, Scatter(marker="marker", **look))
         self.trails = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "width")})
-        plot.multi_line("xs", "ys", source=self.trails, color="colour", line_width="width", line_cap="round")
+        plot.add_glyph(self.trails, MultiLine(line_color="colour", line_width="width", line_cap="round"))
         self.corners = fit_to_corners(plot, [-1.0, 1.0], [-1.0, 1.0])
 
     def _add_legend(self) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range1d
 from bokeh.models.annotations import Span
+from bokeh.models.glyphs import Scatter
 from bokeh.models.renderers import GlyphRenderer
 
 import core
@@ -17,9 +18,12 @@ from pwsviz.figures.style import (
     PURPLE,
     SIDES,
     assign,
+    invisible,
     legend_below,
     line_of,
     plain_figure,
+    run_lines,
+    side_strips,
     unseen,
 )
 from pwsviz.geometry.polyline_reduction import Floats
@@ -75,17 +79,14 @@ class Panel:
         self.up = DataRange1d(range_padding=0.08)
         self.figure = plain_figure(SUMMARY, x_range=shared.across, y_range=self.up, min_border_left=LEFT)
         self.bands = {
-            side: self.figure.vstrip("start", "end", source=source, color=SIDES[side], alpha=0.16, line_width=0)
-            for side, source in shared.segments.items()
+            side: self.figure.add_glyph(source, side_strips(side)) for side, source in shared.segments.items()
         }
         self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash")})
         self.steps = ColumnDataSource({name: [] for name in ("t", "y", "colour")})
-        self.lines = self.figure.multi_line(
-            "xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6
-        )
-        self.figure.scatter("t", "y", source=self.steps, color="colour", size=4)
+        self.lines = self.figure.add_glyph(self.curves, run_lines())
+        self.figure.add_glyph(self.steps, Scatter(x="t", line_color="colour", fill_color="colour", size=4))
         self.corners = ColumnDataSource({"x": [0.0, 0.0], "y": [-1.0, 1.0]})
-        self.up.renderers = [self.figure.scatter("x", "y", source=self.corners, alpha=0.0, size=1)]
+        self.up.renderers = [self.figure.add_glyph(self.corners, invisible(size=1))]
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
         self.figure.add_layout(now)
         entries = [({"field": "method"}, self.lines), ("g < 0", self.bands[-1]), ("g > 0", self.bands[1])]
@@ -94,8 +95,8 @@ class Panel:
     def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
         plot = self.figure
         look: dict[str, Any] = {"fill_color": "white", "line_color": "colour", "line_width": 1.8, "size": 6}
-        marks = plot.scatter("t", column, source=instants, marker="marker", **look)
-        reach = plot.scatter("t", column, source=instants, size=14, alpha=0.0)  # easier to hit than the mark
+        marks = plot.add_glyph(instants, Scatter(x="t", y=column, marker="marker", **look))
+        reach = plot.add_glyph(instants, invisible(x="t", y=column, size=14))  # easier to hit than the mark
         tooltips = [("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")]
         hover = HoverTool(
             renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},

@@ -17,6 +17,7 @@ from bokeh.models import (
     WheelZoomTool,
 )
 from bokeh.models.annotations import Legend, LegendItem, Span
+from bokeh.models.glyphs import MultiLine, Scatter, VStrip
 from bokeh.plotting import figure
 
 import core
@@ -155,10 +156,25 @@ def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
 def fit_to_corners(plot: figure, x: list[float], y: list[float]) -> ColumnDataSource:
     """Let the ranges follow two invisible corner points and nothing else; return the source of these points."""
     corners = ColumnDataSource({"x": x, "y": y})
-    renderer = plot.scatter("x", "y", source=corners, alpha=0.0, size=1)
+    renderer = plot.add_glyph(corners, invisible(size=1))
     for axis in ranges(plot):
         axis.renderers = [renderer]
     return corners
+
+
+def invisible(**place: Any) -> Scatter:
+    """Return marks that are not seen: points to fit a range to, or to be hit by the pointer."""
+    return Scatter(fill_alpha=0.0, line_alpha=0.0, **place)
+
+
+def run_lines() -> MultiLine:
+    """Return the curves of runs against time, each in the look of its integrator."""
+    return MultiLine(line_color="colour", line_dash="dash", line_width=1.6)
+
+
+def side_strips(side: int) -> VStrip:
+    """Return the shade of the times between ``start`` and ``end``, which a run spends on one side."""
+    return VStrip(x0="start", x1="end", fill_color=SIDES[side], fill_alpha=0.16, line_width=0)
 
 
 def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
@@ -172,8 +188,8 @@ def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:
 def legend_lines(plot: figure) -> tuple[ColumnDataSource, Any]:
     """Return a source of methods, whose looks `show_methods` sets, and what a legend draws of them: no curve."""
     source = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash")})
-    look: dict[str, Any] = {"color": "colour", "line_dash": "dash", "line_width": LEGEND_WIDTH}
-    return source, plot.multi_line("xs", "ys", source=source, **look)
+    look: dict[str, Any] = {"line_color": "colour", "line_dash": "dash", "line_width": LEGEND_WIDTH}
+    return source, plot.add_glyph(source, MultiLine(**look))
 
 
 def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 from html import escape
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
-import param
-from panel.util.parameters import edit_readonly
-from panel_material_ui.template.base import Page
 
 import core
 from pwsviz.editor.form import SystemEditor
 from pwsviz.export.tables import drawn_runs, portrait_tables
 from pwsviz.figures.linking import link_portrait
 from pwsviz.page.export_dialog import ExportDialog, Piece
+from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.help import ABOUT, CITATION, Help
 from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.page.sidebar import Sidebar
@@ -29,7 +27,6 @@ from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
-from pwsviz.text.maths_font import FACE
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.lecture import Lecture
@@ -57,31 +54,8 @@ GRID_CSS = """
 IN_SIGHT = {"position": "sticky", "top": "0"}
 """The portrait stays in sight while a long view beside it scrolls."""
 
-PAGE_SX = {
-    ".MuiAppBar-root": {
-        "backgroundColor": "background.paper", "color": "text.primary", "boxShadow": "none",
-        "borderBottom": "1px solid", "borderColor": "divider", "backgroundImage": "none",
-    },
-    ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
-    ".MuiToolbar-root": {"minHeight": "48px !important"},
-    ".MuiDrawer-paper": {"backgroundColor": "background.default", "backgroundImage": "none"},  # as the names on frames
-    ".MuiToolbar-root > h5, .MuiAppBar-root > .MuiLinearProgress-root": {"display": "none"},  # have no name and no use
-}  # fmt: skip
-
-ONE_H1 = {"components": {"MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}}}}
-"""Only the title of the page is set in the style h3; it is the heading of all others."""
-
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 """Of a button in the header, whose theme assumes a coloured bar and sets white text."""
-
-PAGE_HTML = """{% extends "base.html" %}
-{% block custom_css %}<style>FACE</style>{% endblock %}
-{% block loader_css %}{{ super() }}
-#loader:not(.error) { background: none; cursor: progress; }
-{% endblock %}""".replace("FACE", FACE)
-"""While the page is built: the parts already there are visible but take no input, which Panel would lose."""
-
-THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
 
 TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "6px", "fontSize": "0.8125rem"}}
 """Titles as narrow as possible; on a narrow screen the row scrolls."""
@@ -93,10 +67,6 @@ footer a { color: inherit; }
 """
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
-
-
-class _NeverBusy(param.Parameterized):
-    busy = param.Boolean(default=False)
 
 
 class Explorer(pn.viewable.Viewer):
@@ -125,13 +95,8 @@ class Explorer(pn.viewable.Viewer):
         for view in self.views.values():
             view.link(self.portrait_panel.portrait)
         self.history = History(self.scene)
-        self.sidebar = Sidebar(self.scene, self.edit)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
-        self.editing = pmui.Dialog(
-            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True, sx=DIALOG_SX
-        )
-        self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
-        self.help = Help()
+        self._below = pn.Column(margin=0, sizing_mode="stretch_width")
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
@@ -151,6 +116,28 @@ class Explorer(pn.viewable.Viewer):
         tabs.param.watch(lambda event: self.scene.param.update(view=list(VIEWS)[event.new]), "active")
         self.scene.param.watch(lambda event: tabs.param.update(active=list(VIEWS).index(event.new)), "view")
         return tabs
+
+    @cached_property
+    def sidebar(self) -> Sidebar:
+        """The controls."""
+        return Sidebar(self.scene, self.edit)
+
+    @cached_property
+    def editing(self) -> Any:
+        """The dialog that holds the editor."""
+        return pmui.Dialog(
+            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True, sx=DIALOG_SX
+        )
+
+    @cached_property
+    def export(self) -> ExportDialog:
+        """The dialog behind “Export & share”."""
+        return ExportDialog(self.scene, self._pieces, lambda: self.view.program())
+
+    @cached_property
+    def help(self) -> Help:
+        """The dialog behind “?”."""
+        return Help()
 
     @property
     def view(self) -> Tab:
@@ -198,7 +185,7 @@ class Explorer(pn.viewable.Viewer):
 
     def _stop_others(self, view: Tab) -> None:
         for other in self.views.values():
-            if other is not view and isinstance(other, LongTab):
+            if other is not view and other.built and isinstance(other, LongTab):
                 other.progress.end()
 
     def _advance(self, view: Tab, done: int, total: int, part: Any) -> None:
@@ -291,29 +278,14 @@ class Explorer(pn.viewable.Viewer):
         right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
         views = pn.Column(left, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            self.notice, views, self._about(), self.editing, self.export, self.help,
+            self.notice, views, self._below,
             stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width",
         )  # fmt: skip
 
     def page(self) -> Any:
         """Return the page, whose computations are cancelled when the session ends."""
         pn.state.on_session_destroyed(lambda _context: self.close())
-        page = Page(
-            title="pwsviz",
-            header=self._header(),
-            sidebar=[self.sidebar],
-            main=[self],
-            sidebar_width=300,
-            sidebar_resizable=False,
-            theme_config=ONE_H1,
-            busy_indicator=None,
-            sx=PAGE_SX,
-            template=PAGE_HTML,
-        )
-        with edit_readonly(page):
-            # In place of the server's: each change of that one visits all pages, and it would keep this page in memory.
-            page.busy = _NeverBusy().param.busy
-        # The page is looked up in the browser: of a model passed as an argument, Panel visits all parts at each change.
+        page = make_frame("pwsviz", [self])
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)
@@ -322,7 +294,14 @@ class Explorer(pn.viewable.Viewer):
         self.browser.param.watch(lambda _: self.help.open(), "helped")
         self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large")
         page.main.extend([self.browser, self.lecture])
+        pn.state.onload(partial(self._furnish, page))
         return page
+
+    def _furnish(self, page: Any) -> None:
+        """Add what can wait until the picture is on screen: the controls, and dialogs that open at a click."""
+        page.sidebar = [self.sidebar]
+        page.header = self._header()
+        self._below.objects = [self._about(), self.editing, self.export, self.help]
 
     def _header(self) -> list[Any]:
         undo = pmui.IconButton(

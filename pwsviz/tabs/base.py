@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
+from functools import cached_property
 from typing import Any
 
 import panel as pn
@@ -191,7 +192,11 @@ class LongTab(Tab):
         super().__init__(scene, results)
         self.on_cancel: Callable[[], None] = lambda: None
         self.on_again: Callable[[], None] = lambda: None
-        self.progress = Progress(lambda: self.on_cancel(), lambda: self.on_again())
+
+    @cached_property
+    def progress(self) -> Progress:
+        """The bar and the buttons; made with the rest of the tab."""
+        return Progress(lambda: self.on_cancel(), lambda: self.on_again())
 
     def begin(self) -> None:
         """Show the progress bar, and fade figures and words: what they show is not what was asked for."""

@@ -1,0 +1,89 @@
+"""The frame of the page: its template, its look, and what the browser loads before the page is there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import param
+from bokeh.document import Document
+from panel.io.resources import get_dist_path
+from panel.util.parameters import edit_readonly
+from panel_material_ui.template.base import Page
+
+from pwsviz.text.maths_font import FACE
+
+__all__ = ["THE_PAGE", "make_frame"]
+
+THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
+"""JavaScript of the data of the page. Of a model passed as an argument, Panel visits all parts at each change."""
+
+SIDEBAR_WIDTH = 300
+"""Width of the sidebar in pixels."""
+
+PAGE_SX = {
+    ".MuiAppBar-root": {
+        "backgroundColor": "background.paper", "color": "text.primary", "boxShadow": "none",
+        "borderBottom": "1px solid", "borderColor": "divider", "backgroundImage": "none",
+    },
+    ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
+    ".MuiToolbar-root": {"minHeight": "48px !important"},
+    ".MuiDrawer-paper": {"backgroundColor": "background.default", "backgroundImage": "none"},  # as the names on frames
+    ".MuiToolbar-root > h5, .MuiAppBar-root > .MuiLinearProgress-root": {"display": "none"},  # have no name and no use
+}  # fmt: skip
+
+ONE_H1 = {"components": {"MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}}}}
+"""Only the title of the page is set in the style h3; it is the heading of all others."""
+
+TEMPLATE = """{% extends "base.html" %}
+{% block custom_css %}<style>FACE</style>{% endblock %}
+{% block postamble %}
+<link rel="modulepreload" href="{{ components }}">
+<script>addEventListener("DOMContentLoaded", () => setTimeout(() => importShim("{{ components }}")))</script>
+{% endblock %}
+{% block loader_css %}{{ super() }}
+#loader:not(.error) { background: none; cursor: progress; }
+{% endblock %}""".replace("FACE", FACE)
+"""The browser compiles the code of the components while it waits for the page: loading it only then takes half a second
+more. While the page is built, the parts already there are visible but take no input, which Panel would lose."""
+
+
+class _NeverBusy(param.Parameterized):
+    busy = param.Boolean(default=False)
+
+
+class Frame(Page):
+    """Panel's page, whose template knows where the code of its components is."""
+
+    def get_root(self, doc: Document | None = None, comm: Any = None, preprocess: bool = True) -> Any:
+        if doc is not None:  # of a session made after its page was sent, Panel would take the styles from afar
+            doc.template_variables.setdefault("dist_url", get_dist_path())
+        root: Any = super().get_root(doc, comm, preprocess)
+        if doc is not None:
+            doc.template_variables["components"] = root.esm
+        return root
+
+
+def make_frame(title: str, main: list[Any]) -> Page:
+    """Return a page with an empty header and an empty sidebar.
+
+    Parameters
+    ----------
+    title : str
+        Of the page.
+    main : list
+        What it shows beside the sidebar.
+    """
+    page = Frame(
+        title=title,
+        main=main,
+        sidebar_width=SIDEBAR_WIDTH,
+        sidebar_resizable=False,
+        theme_config=ONE_H1,
+        busy_indicator=None,
+        sx=PAGE_SX,
+        template=TEMPLATE,
+    )
+    with edit_readonly(page):
+        # In place of the server's: each change of that one visits all pages, and it would keep this page in memory.
+        page.busy = _NeverBusy().param.busy
+    return page
