@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from textwrap import indent
 
 import core
-from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs
+from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs, transition_of
 from pwsviz.results.results import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.scene.scene import OWN, Scene
 from pwsviz.scene.validation import MAX_STEPS
@@ -142,7 +142,8 @@ print(f"times of crossings {{study.crossings}}: slopes {{study.time_slope}}")"""
 
 def cost_program(scene: Scene, inputs: CostInputs) -> str:
     """Return the lines that repeat a comparison of run times."""
-    keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"peers": inputs.peers})
+    keywords = _x0(scene) | {"methods": repr(inputs.methods)}
+    keywords |= _unusual({"peers": inputs.peers, "transition": transition_of(inputs.locate)})
     return f"""\
 # The cost of accuracy.
 {_call("study = core.work_precision", ("system", _span(scene)), keywords)}
@@ -176,6 +177,7 @@ def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
     keywords |= {"parts": repr(parts)} | ({} if inputs.tau is None else {"tau": repr(inputs.tau)})
+    keywords |= _unusual({"transition": transition_of(inputs.locate)})
     call = _call("study = core.stability_study", ("system", f"(0.0, {inputs.t_end!r})"), keywords)
     return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
 

@@ -32,6 +32,11 @@ class InitialValueProblem:
         return self.declaration.with_parameters(**dict(self.values))
 
 
+def transition_of(locate: bool) -> str:
+    """Return the argument ``transition`` of `core.integrate` that locates crossings, or steps over them."""
+    return "mannshardt" if locate else "none"
+
+
 @dataclass(frozen=True)
 class Scheme:
     """How to integrate: a method, and what it does at crossings."""
@@ -54,7 +59,7 @@ class Scheme:
     @property
     def transition(self) -> str:
         """The argument ``transition`` of `core.integrate`."""
-        return "mannshardt" if self.locate else "none"
+        return transition_of(self.locate)
 
 
 @dataclass(frozen=True)
@@ -93,11 +98,12 @@ class CostInputs:
     t_end: float
     methods: tuple[str, ...]
     peers: tuple[str, ...]
+    locate: bool = True
 
     @classmethod
     def of(cls, scene: Scene) -> CostInputs:
         """Read it from a scene."""
-        return cls(InitialValueProblem.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
+        return cls(InitialValueProblem.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers), scene.locate)
 
 
 @dataclass(frozen=True)
@@ -111,6 +117,7 @@ class StabilityInputs:
     coordinate: int
     tau: float | None = None
     """Step size of the scene; None for the map, which has many."""
+    locate: bool = True
 
     @classmethod
     def of(cls, scene: Scene) -> StabilityInputs:
@@ -118,7 +125,7 @@ class StabilityInputs:
         part = scene.stability_part
         coordinate = scene.stability_coordinate if part != "drift" else 0
         tau, end = scene.tau if part != "map" else None, min(scene.t_end, STABILITY_END)
-        return cls(InitialValueProblem.of(scene), end, tuple(scene.used), part, coordinate, tau)
+        return cls(InitialValueProblem.of(scene), end, tuple(scene.used), part, coordinate, tau, scene.locate)
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:

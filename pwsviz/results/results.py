@@ -29,6 +29,7 @@ from pwsviz.results.requests import (
     StudyInputs,
     other_inputs,
     run_inputs,
+    transition_of,
 )
 from pwsviz.results.states import StateCurves, state_curves
 from pwsviz.scene.scene import Scene
@@ -358,6 +359,7 @@ def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) ->
         x0=start,
         methods=inputs.methods,
         peers=inputs.peers,
+        transition=transition_of(inputs.locate),
         executor=pool,
         cancel=cancel,
         progress=report,
@@ -374,6 +376,7 @@ def _stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: 
         coordinate=inputs.coordinate,
         parts=parts,
         tau=inputs.tau,
+        transition=transition_of(inputs.locate),
         executor=pool,
         cancel=cancel,
         progress=report,

@@ -188,6 +188,12 @@ class Asked(Exception):  # noqa: N818  (no error)
     [
         ({"view": "cost"}, "work_precision", {"methods": ("dmm2", "rk2")}),
         ({"view": "cost", "peers": []}, "work_precision", {"methods": ("dmm2", "rk2"), "peers": ()}),
+        ({"view": "cost", "locate": False}, "work_precision", {"methods": ("dmm2", "rk2"), "transition": "none"}),
+        (
+            {"view": "stability", "stability_part": "map", "locate": False},
+            "stability_study",
+            {"methods": ("dmm2", "rk2"), "parts": ("largest_tau", "map"), "transition": "none"},
+        ),
         ({"view": "stability"}, "stability_study", {"methods": ("dmm2", "rk2"), "parts": ("largest_tau", "map")}),
         (
             {"view": "stability", "stability_part": "grazing", "stability_coordinate": 1},

@@ -6,7 +6,7 @@ import pytest
 import core
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION
-from pwsviz.results.requests import Scheme, run_inputs, study_inputs
+from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
@@ -66,6 +66,21 @@ def test_another_projection_costs_no_run(results):
     assert np.array_equal(flat.path[0], run.x[0, :2])
     assert np.array_equal(tilted.path[0], run.x[0, 2:])
     assert np.array_equal(tilted.crossings[0], run.crossings.x[0, 2:])
+
+
+@pytest.mark.parametrize(
+    ("inputs", "name"),
+    [(CostInputs, "work_precision"), (StabilityInputs, "stability_study")],
+    ids=["cost", "stability"],
+)
+def test_cost_and_stability_step_over_the_surface_where_the_page_does(inputs, name, monkeypatch):
+    asked = []
+    monkeypatch.setattr(core, name, lambda *_, transition, **__: asked.append(transition))
+    for locate in (True, False):
+        getattr(Results(), {"work_precision": "cost", "stability_study": "stability"}[name])(
+            inputs.of(Scene(locate=locate))
+        )
+    assert asked == ["mannshardt", "none"]
 
 
 def test_the_order_study_does_not_depend_on_step_size_and_end_time():
