@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import core
 from pwsviz.scene.scene import Scene, Start
@@ -60,6 +61,15 @@ class Scheme:
     def transition(self) -> str:
         """The argument ``transition`` of `core.integrate`."""
         return transition_of(self.locate)
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of `core.integrate`, other than a tolerance, and of `core.order_study`."""
+        return {
+            "method": self.method,
+            "transition": self.transition,
+            "perturbation_order": self.perturbation_order,
+            "perturbation_scale": self.perturbation_scale,
+        }
 
 
 @dataclass(frozen=True)
@@ -140,9 +150,10 @@ def other_inputs(scene: Scene) -> tuple[RunInputs, ...]:
     return tuple(_run_inputs(scene, name, start) for start in others for name in scene.used)
 
 
-def study_inputs(scene: Scene) -> StudyInputs:
-    """Return the inputs of the order study of a scene."""
-    return StudyInputs(InitialValueProblem.of(scene), Scheme.of(scene, scene.order_method))
+def study_inputs(scene: Scene) -> tuple[StudyInputs, ...]:
+    """Return the inputs of the order study of each integrator that the scene studies."""
+    problem = InitialValueProblem.of(scene)
+    return tuple(StudyInputs(problem, Scheme.of(scene, method)) for method in scene.order_methods)
 
 
 def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:
