@@ -10,7 +10,7 @@ from bokeh.plotting import figure
 
 from pwsviz.export.about import about
 from pwsviz.export.files import Tables
-from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, portrait_tables
+from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.framing import extent
 from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Rows, order_tables, state_rows, studied, time_rows
@@ -83,7 +83,7 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     window = extent(pictures).scaled(2.0)
     view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, scene.axes))
     _make_static(view.figure, HEIGHT["portrait"])
-    tables = portrait_tables(drawn_runs(inputs, scene.selected, results.run))
+    tables = {**portrait_tables(drawn_runs(inputs, scene.selected, results.run)), **drawn_table(pictures)}
     return view.figure, _measured((*inputs.selected, *inputs.others), results), tables
 
 

@@ -69,7 +69,7 @@ class OrderTab(LongTab):
 
         def offer(*_: Any) -> None:
             every.param.update(value=scene.order_all, visible=len(scene.fixed_step) > 1)
-            one.disabled = scene.order_all
+            one.visible = not scene.order_all
 
         offer()
         scene.param.watch(offer, ["order_all", "system", "methods"])
