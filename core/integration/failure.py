@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy  # loads its subpackages on first use
 
+from core.interface.cancelling import Cancel
 from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
 
@@ -14,12 +15,14 @@ __all__ = ["GROWTH", "ends_beyond", "runs_away"]
 
 #: Growth of the largest coordinate that counts as running away: to a pole, or by an exponential of no practical use.
 GROWTH = 1e6
-_EVALUATIONS = 20_000  #: largest number of evaluations of the field: a quarter of a second
+_EVALUATIONS = 20_000  #: largest number of evaluations of the field: some seconds
 _AHEAD = (1.0, 3.0, 10.0)  #: distances ahead of a state, relative to it, at which the field is evaluated
 _TOLERANCE = 1e-4  #: relative tolerance, enough to see whether the solution grows
 
 
-def runs_away(system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: float, size: float) -> bool | None:
+def runs_away(
+    system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: float, size: float, cancel: Cancel | None = None
+) -> bool | None:
     """Whether the solution with the field of a side grows beyond `GROWTH` times its size between two times.
 
     It is integrated by an implicit method of SciPy, so that stiff fields cost no more than others.
@@ -32,11 +35,14 @@ def runs_away(system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: flo
         End time, before or after t0.
     size
         Largest |coordinate| of the initial value of the run.
+    cancel
+        Called after each step; once it returns True, this is given up.
 
     Returns
     -------
     bool or None
-        None where this cannot be decided: the field is not defined on the way, or needs too many evaluations.
+        None where this cannot be decided: the field is not defined on the way, or needs too many evaluations, or the
+        work is given up.
     """
     size = max(size, float(np.abs(x0).max())) or 1.0
 
@@ -47,7 +53,7 @@ def runs_away(system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: flo
         if not np.isfinite(field(t0, x0)).all():
             return None
         solver = scipy.integrate.Radau(field, t0, x0, t1, rtol=_TOLERANCE, atol=_TOLERANCE * size)
-        while solver.status == "running" and solver.nfev < _EVALUATIONS:
+        while solver.status == "running" and solver.nfev < _EVALUATIONS and not (cancel is not None and cancel()):
             try:
                 solver.step()
             except (ValueError, np.linalg.LinAlgError):  # a Jacobian that is not finite

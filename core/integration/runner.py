@@ -306,16 +306,19 @@ class Runner:
         If the state has grown beyond bounds, the exact solution is followed from where the mode was entered. If a step
         fails elsewhere, the solution is followed for some steps from here.
         """
-        size = float(np.abs(self._x0).max())
+        size, cancel = float(np.abs(self._x0).max()), self.settings.cancel
         if self.side == 0:
             return self.status
-        if self.status is Status.ESCAPED or float(np.abs(self._x).max()) > GROWTH * size > 0.0:
+        grown = self.status is Status.ESCAPED or float(np.abs(self._x).max()) > GROWTH * size > 0.0
+        if grown:
             t, x = self.entry()
-            away = runs_away(self.system, self.side, t, x, self.t + _MARGIN * (self.t - t), size)
-            return self.status if away is None else Status.ESCAPED if away else Status.UNSTABLE
-        ahead = self.t + _AHEAD * self._step_length()
-        away = ahead != self.t and runs_away(self.system, self.side, self.t, self.x, ahead, size)
-        return Status.ESCAPED if away else self.status
+            away = runs_away(self.system, self.side, t, x, self.t + _MARGIN * (self.t - t), size, cancel)
+        else:
+            ahead = self.t + _AHEAD * self._step_length()
+            away = ahead != self.t and runs_away(self.system, self.side, self.t, self.x, ahead, size, cancel)
+        if away is None:
+            return Status.CANCELLED if cancel is not None and cancel() else self.status
+        return Status.ESCAPED if away else Status.UNSTABLE if grown else self.status
 
 
 def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:

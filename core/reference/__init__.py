@@ -1,11 +1,13 @@
 """Reference solutions: exact where a closed form is known, else by the Taylor method or an external solver."""
 
+from core.interface.cancelling import Cancelled
 from core.reference.declared import reference_solution
 from core.reference.exact import ExactSolution, exact_solution
 from core.reference.external import external_solution
 from core.reference.solution import ReferenceSolution, Solution
 
 __all__ = [
+    "Cancelled",
     "ExactSolution",
     "ReferenceSolution",
     "Solution",

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.interface.cancelling import Cancel, raise_if
 from core.reference.first_root import FirstRoot, newton, zero_between
 from core.reference.powers import GUARD, Field, Step
 from core.reference.program import Digits
@@ -36,11 +37,12 @@ _EXPECTED = 2.0**-30
 
 
 class Level(NamedTuple):
-    """A precision, with the fields and the surface to evaluate in it."""
+    """A precision, with the fields and the surface to evaluate in it, and what tells whether to stop."""
 
     digits: Digits
     fields: Mapping[int, Field]
     surface: Surface
+    cancel: Cancel | None = None
 
 
 class ExactArc:
@@ -113,6 +115,7 @@ class ExactArc:
 
     def _extend(self) -> None:
         """Take a step, and find the first crossing on it."""
+        raise_if(self._level.cancel)
         if len(self._steps) == _MAX_STEPS:
             last = float(self._end)
             raise ValueError(f"no crossing found in {_MAX_STEPS} steps, up to {last:.6g} after the last one")

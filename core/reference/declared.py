@@ -7,6 +7,7 @@ import sympy
 from numpy.typing import NDArray
 
 from core.interface.arguments import number
+from core.interface.cancelling import Cancel, raise_if
 from core.reference.exact import exact_solution
 from core.reference.external import external_solution
 from core.reference.solution import Solution
@@ -17,7 +18,13 @@ from core.systems import System, system_of
 __all__ = ["reference_solution"]
 
 
-def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0, independent: bool = False) -> Solution:
+def reference_solution(
+    system: System,
+    x0: Start | None = None,
+    t0: float = 0.0,
+    independent: bool = False,
+    cancel: Cancel | None = None,
+) -> Solution:
     """Exact solution where both fields have a known closed form, else the Taylor method at two tolerances.
 
     A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
@@ -36,6 +43,8 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
     independent
         Where there is no closed form, use SciPy's DOP853 at its tightest tolerance: slower and less accurate, but an
         external solver, independent of this package's methods.
+    cancel
+        Called again and again; once it returns True, whatever is asked for raises `core.reference.Cancelled`.
 
     Returns
     -------
@@ -57,13 +66,14 @@ def reference_solution(system: System, x0: Start | None = None, t0: float = 0.0,
     numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
     fields = {side: tuple(f.xreplace(numbers) for f in laws.modes[side].field) for side in (-1, 1)}
     jump = None if laws.jump is None else tuple(u.xreplace(numbers) for u in laws.jump)
-    exact = exact_solution(fields[-1], fields[1], laws.g.xreplace(numbers), laws.x, t0, start, jump=jump)
+    exact = exact_solution(fields[-1], fields[1], laws.g.xreplace(numbers), laws.x, t0, start, jump=jump, cancel=cancel)
     if exact is not None:
         return exact
     if not independent:
-        return TaylorSolution(system, start, t0)
+        return TaylorSolution(system, start, t0, cancel)
 
     def field(side: int, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        raise_if(cancel)
         return system.field(side, t, x)
 
     def height(t: float, x: NDArray[np.float64]) -> float:

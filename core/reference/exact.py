@@ -15,6 +15,7 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike, NDArray
 
+from core.interface.cancelling import Cancel
 from core.reference.arcs import ExactArc, Level
 from core.reference.powers import GUARD, Field
 from core.reference.program import Digits, Program
@@ -42,6 +43,7 @@ def exact_solution(
     x0: ArrayLike,
     max_crossings: int = MAX_CROSSINGS,
     jump: tuple[sympy.Expr, ...] | None = None,
+    cancel: Cancel | None = None,
 ) -> ExactSolution | None:
     """Exact solution of x' = field_± (x), or None if no closed form of one of the fields is known.
 
@@ -58,6 +60,8 @@ def exact_solution(
     max_crossings : int
     jump : tuple of d expressions, or None
         In the variables and time: the state after reaching the surface.
+    cancel : callable () -> bool, or None
+        Called at each step; once it returns True, what is asked for raises `Cancelled`.
     """
     below, above = closed_form(field_minus, variables), closed_form(field_plus, variables)
     names = {TIME, *variables}
@@ -70,7 +74,7 @@ def exact_solution(
     start = np.asarray(x0, dtype=float)
 
     def begin(bits: int, guide: ReferenceSolution | None) -> ReferenceSolution:
-        level = Level(Digits.of(bits + GUARD), flows, surface)
+        level = Level(Digits.of(bits + GUARD), flows, surface, cancel)
         return _solution(level, jumps, float(t0), start, max_crossings, guide)
 
     return ExactSolution(", ".join(sorted({below, above})), float(t0), begin)

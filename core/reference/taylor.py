@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.integration.runner import Runner, Settings
 from core.integration.trajectory import Crossings, Status
+from core.interface.cancelling import Cancel, Cancelled
 from core.methods import METHODS
 from core.system import PiecewiseSystem
 
@@ -39,13 +40,17 @@ class TaylorSolution:
         (d,) initial state.
     t0
         Initial time.
+    cancel
+        As in `integrate`; what is asked for then raises `Cancelled`.
     """
 
     exact = False
     name = f"Taylor method at tolerances {_FINE:g} and {_COARSE:g}"
 
-    def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float) -> None:
-        self._fine, self._coarse = (_Path(system, x0, t0, tolerance) for tolerance in (_FINE, _COARSE))
+    def __init__(
+        self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, cancel: Cancel | None = None
+    ) -> None:
+        self._fine, self._coarse = (_Path(system, x0, t0, tolerance, cancel) for tolerance in (_FINE, _COARSE))
         self._t0 = t0
         self._error = 0.0
         for path in (self._fine, self._coarse):
@@ -95,8 +100,10 @@ class _Snapshot(NamedTuple):
 class _Path:
     """One run, with snapshots from which it can be continued to any time."""
 
-    def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, tolerance: float) -> None:
-        settings = Settings(np.inf, tolerance, max_steps=_MAX_STEPS)
+    def __init__(
+        self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, tolerance: float, cancel: Cancel | None
+    ) -> None:
+        settings = Settings(np.inf, tolerance, max_steps=_MAX_STEPS, cancel=cancel)
         self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
         self._kept, self._ended = [_Snapshot(t0, self._runner.copy())], False
         self._stride = float(np.linalg.norm(x0)) / (float(np.linalg.norm(system.field(1, t0, x0))) or 1.0) or 1.0
@@ -127,15 +134,23 @@ class _Path:
                 if not t < self._runner.t:
                     raise
         runner = self._kept[bisect_right([s.t for s in self._kept], t) - 1].runner.copy()
-        runner.advance(t)
+        _advance(runner, t)
         return runner
 
     def _extend(self, wanted: str) -> None:
         """Advance by a stride; ValueError where the run has stopped before what is `wanted`."""
         runner, before = self._runner, self._runner.steps
-        if self._ended or runner.advance(runner.t + self._stride) is not Status.COMPLETED:
+        if self._ended or _advance(runner, runner.t + self._stride) is not Status.COMPLETED:
             self._ended = True
             reason = runner.status.reason
             raise ValueError(f"the solution ends at t = {runner.t:.16g}, x = {runner.x}, before {wanted}: {reason}")
         self._kept.append(_Snapshot(runner.t, runner.copy()))
         self._stride *= 2.0 if runner.steps - before < _STRIDE else 1.0
+
+
+def _advance(runner: Runner, t: float) -> Status:
+    """Advance a run to time t; raise `Cancelled` if it is given up on the way."""
+    status = runner.advance(t)
+    if status is Status.CANCELLED:
+        raise Cancelled
+    return status

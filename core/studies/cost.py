@@ -9,17 +9,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.integrate import checked_method, checked_settings, checked_start
-from core.integration.conserved_error import psi_size
 from core.interface.arguments import count, listed, number
+from core.interface.cancelling import Cancel, Cancelled
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method
-from core.reference import Solution, reference_solution
+from core.reference import reference_solution
 from core.studies.external_solvers import EXTERNAL_SOLVERS
 from core.studies.measure import Measured, Problem, measure
-from core.studies.tasks import Cancel, as_completed
+from core.studies.target import Target, target_of
+from core.studies.tasks import GivenUp, as_completed
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
@@ -43,14 +45,6 @@ _NUMBERS = "a tuple is needed, as in (0.1, 0.05)"
 _MAX_SETTINGS = 64
 #: Most timed runs at one setting.
 _MAX_REPEATS = 1000
-#: Number of crossings to the default end time.
-_CROSSINGS = 10
-#: Default time span of a solution without crossings.
-_LENGTH = 10.0
-#: Round-off of run and reference together, relative to the size of the state: 16 eps.
-_ROUND_OFF = 16.0 * 2.0**-52
-#: Error of a reference, as part of its own estimate, which is the error of the worse of two solutions.
-_OF_ESTIMATE = 0.1
 
 #: `CostCurve.status` of a setting that is still to be measured.
 WAITING = "not measured yet"
@@ -81,7 +75,7 @@ class CostCurve(Brief):
     state_error: Floats
     """(m,) ‖x − x*‖ at the end."""
     time_error: Floats
-    """(m,) |t̂ − t*| of the last crossing; nan where there is none, or where their number is wrong."""
+    """(m,) |t̂ − t*| of the last crossing; nan where there is none, or where their sequence is wrong."""
     invariant_error: Floats
     """(m,) largest |Δψ| over all segments, each from where it was entered to where it was left, or to the end, as in
     `Trajectory.conserved_error`; nan where no ψ is known."""
@@ -91,6 +85,8 @@ class CostCurve(Brief):
     """(m,) `DONE`, `WAITING`, `CANCELLED`, or what is wrong."""
     compile_seconds: float
     """Processor time (s) to compile, or to load from disk, not included in `seconds`; nan if not measured."""
+    correct_sequence: NDArray[np.bool_]
+    """(m,) whether the run has the crossings of the solution, in order; see `CrossingSequence.difference`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +126,7 @@ def work_precision(
     executor: Executor | None = None,
     progress: Callable[[int, int, WorkPrecision], object] | None = None,
     cancel: Cancel | None = None,
+    transition: str = "mannshardt",
 ) -> WorkPrecision:
     """Measure run time and error of several integrators, each at several step sizes or tolerances.
 
@@ -166,6 +163,8 @@ def work_precision(
         Called as ``progress(done, total, partial)`` after every setting of every integrator.
     cancel
         Called twenty times a second; once it returns True, what has been measured is returned.
+    transition
+        As in `integrate`, for the methods of this package; an external solver always stops on the surface.
 
     Raises
     ------
@@ -178,40 +177,28 @@ def work_precision(
     start = checked_start(system, span[0], x0)
     repeats, budget = count(repeats, "repeats", _MAX_REPEATS), _checked_budget(budget)
     given = _checked_ladders(names, settings if settings is not None else {})
-    exact = reference_solution(system, start, span[0])
-    target = _target(system, exact, start, span)
+    checked_settings(METHODS[_METHODS[0]], None, transition=transition)
+    try:
+        target = target_of(system, reference_solution(system, start, span[0], cancel=cancel), start, span)
+    except Cancelled:
+        target = Target.unknown(start, span)
     ladders = {name: given.get(name) or _ladder(name, target, budget) for name in names}
-    study = _Study(system, target, exact.name, ladders)
-    most = 2 * target.crossings + 10
-    problem = Problem(system, span[0], target.end, start, most, repeats, budget)
+    study, given_up = _Study(target, ladders), GivenUp()
+    most = 2 * len(target.crossings) + 10
+    problem = Problem(system, span[0], target.end, start, most, repeats, budget, transition, given_up)
     tasks = [(problem, name, setting) for _, name, setting in study.places]
-    for done, (place, measured) in enumerate(as_completed(measure, tasks, executor, cancel), 1):
+    for done, (place, measured) in enumerate(as_completed(measure, tasks, executor, cancel, given_up), 1):
         study.put(place, measured)
         if progress is not None:
             progress(done, len(tasks), study.result())
     return study.result(CANCELLED)
 
 
-@dataclass(frozen=True, eq=False)
-class _Target:
-    """The reference solution at the end time, with which runs are compared."""
-
-    t0: float
-    end: float
-    x: Floats
-    crossings: int
-    last: float
-    floor: Mapping[str, float]
-
-
 class _Study:
     """The curves of a study, filled point by point."""
 
-    def __init__(
-        self, system: PiecewiseSystem, target: _Target, reference: str, ladders: Mapping[str, Sequence[float]]
-    ) -> None:
+    def __init__(self, target: Target, ladders: Mapping[str, Sequence[float]]) -> None:
         self._target = target
-        self._reference = reference
         self._curves = [_empty(name, ladder) for name, ladder in ladders.items()]
         rounds = range(max(map(len, ladders.values())))
         #: Column of a curve, its name and the setting; the cheapest settings of all integrators come first.
@@ -233,7 +220,7 @@ class _Study:
         ]
         target = self._target
         span = (target.t0, target.end)
-        return WorkPrecision(span, tuple(curves), target.crossings, self._reference, target.floor)
+        return WorkPrecision(span, tuple(curves), len(target.crossings), target.reference, target.floor)
 
 
 def _empty(name: str, ladder: Sequence[float]) -> CostCurve:
@@ -244,25 +231,26 @@ def _empty(name: str, ladder: Sequence[float]) -> CostCurve:
     status = (WAITING,) * len(ladder)
     return CostCurve(
         name, title, external is not None, setting_name, np.array(ladder), nothing, nothing, nothing, nothing, nothing,
-        nothing, status, math.nan,
+        nothing, status, math.nan, np.zeros(len(ladder), dtype=bool),
     )  # fmt: skip
 
 
-def _with_point(curve: CostCurve, k: int, measured: Measured, target: _Target) -> CostCurve:
+def _with_point(curve: CostCurve, k: int, measured: Measured, target: Target) -> CostCurve:
     """A copy of the curve with column k filled, as earlier ones are already in use."""
     status = measured.reason or DONE
     values: dict[str, float] = {}
     if measured.x is not None:
-        right = measured.crossings == target.crossings
-        if not right:
-            status = f"{measured.crossings} crossings, where the solution has {target.crossings}"
+        found = measured.crossings
+        difference = found.difference(target.crossings)
+        status = difference or status
         values = {
             "seconds": measured.seconds,
             "evaluations": measured.evaluations,
             "state_error": float(np.linalg.norm(measured.x - target.x)),
-            "time_error": abs(measured.last - target.last) if right else math.nan,
+            "time_error": math.nan if difference or not len(found) else abs(found.t[-1] - target.crossings.t[-1]),
             "invariant_error": measured.conserved_error,
-            "crossings": measured.crossings,
+            "crossings": len(found),
+            "correct_sequence": not difference,
         }
     columns: dict[str, Any] = {name: np.array(getattr(curve, name)) for name in values}
     for name, value in values.items():
@@ -338,7 +326,7 @@ def _check_setting(name: str, value: float) -> None:
         raise ValueError(f"tolerance = {value!r} of {name!r} is outside {EXTERNAL_SOLVERS[name].finest:.2g} … 0.1")
 
 
-def _ladder(name: str, target: _Target, budget: float) -> list[float]:
+def _ladder(name: str, target: Target, budget: float) -> list[float]:
     """Default settings from coarse to fine, chosen so that the errors range over many powers of ten."""
     if name in EXTERNAL_SOLVERS:
         return list(EXTERNAL_SOLVERS[name].tolerances)
@@ -346,49 +334,7 @@ def _ladder(name: str, target: _Target, budget: float) -> list[float]:
     if order is None:
         return list(_TOLERANCES)
     length = target.end - target.t0
-    coarsest = _COARSEST * length / (target.crossings + 1)
+    coarsest = _COARSEST * length / (len(target.crossings) + 1)
     finest = max(coarsest * 10 ** (-_ALL_DIGITS / order), length / (_STEPS_A_SECOND * budget))
     count = max(int(math.log10(coarsest / finest) * order / _DIGITS), 1)
     return [coarsest * 10 ** (-_DIGITS / order * k) for k in range(count + 1)]
-
-
-def _target(
-    system: PiecewiseSystem, exact: Solution, x0: tuple[float, ...], span: tuple[float, float | None]
-) -> _Target:
-    """State of the solution at the end time, and its crossings until then."""
-    t0, end = span
-    if end is None:
-        end = _default_end(exact, t0)
-    try:
-        x = exact.state(end)
-    except ValueError as why:
-        raise ValueError(f"t_span ends at {end:g}, after the solution: {why}; take an earlier end") from None
-    times = _crossing_times(exact, end)
-    size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
-    estimate = _OF_ESTIMATE * exact.error
-    floor = {
-        "state": max(_ROUND_OFF * size, estimate),
-        "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),
-        "invariant": _ROUND_OFF * max(float(psi_size(system, exact.side(t), t, y)) for t, y in ((t0, x0), (end, x))),
-    }
-    return _Target(t0, end, x, len(times), times[-1] if times else math.nan, floor)
-
-
-def _default_end(exact: Solution, t0: float) -> float:
-    """Default end time: after ten crossings, or as many as there are, halfway between two of them."""
-    times = [t0, *_crossing_times(exact, math.inf, _CROSSINGS + 1)]
-    return (times[-2] + times[-1]) / 2 if len(times) > 1 else t0 + _LENGTH
-
-
-def _crossing_times(exact: Solution, end: float, most: float = math.inf) -> list[float]:
-    """Times of the crossings up to `end`; ValueError is how a solution says that it has no more."""
-    times: list[float] = []
-    while len(times) < most:
-        try:
-            t, _ = exact.crossing(len(times) + 1)
-        except ValueError:
-            break
-        if t > end:
-            break
-        times.append(t)
-    return times

@@ -7,15 +7,18 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from core.integrate import integrate
 from core.integration.trajectory import Status, Trajectory
+from core.interface.cancelling import Cancel, raise_if
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.external_solvers import EXTERNAL_SOLVERS, Arcs, ScalarFunctions, Stopped, external_arcs
+from core.studies.sequence import CrossingSequence
 from core.system import PiecewiseSystem
 
 __all__ = ["Measured", "Problem", "measure"]
@@ -37,6 +40,10 @@ class Problem(NamedTuple):
     repeats: int
     budget: float
     """Seconds that one run may take."""
+    transition: str
+    """As in `integrate`, for the methods of this package."""
+    cancel: Cancel
+    """Returns True once nobody waits for the result."""
 
 
 class Measured(NamedTuple):
@@ -50,21 +57,19 @@ class Measured(NamedTuple):
     evaluations: float = math.nan
     x: Floats | None = None
     """(d,) state at the end."""
-    crossings: int = 0
-    last: float = math.nan
-    """Time of the last crossing."""
+    crossings: CrossingSequence = CrossingSequence(np.empty(0), np.empty(0, dtype=np.int64))
     conserved_error: float = math.nan
     """Largest change of any ψ over a segment, from where it was entered to where it was left, or to the end."""
 
 
 class _Clock:
-    """Tells when a run has used up its budget of processor time."""
+    """Tells when a run has used up its budget of processor time, or nobody waits for it."""
 
-    def __init__(self, budget: float) -> None:
-        self._budget, self._end = budget, time.thread_time() + budget
+    def __init__(self, budget: float, cancel: Cancel) -> None:
+        self._budget, self._end, self._cancel = budget, time.thread_time() + budget, cancel
 
     def over(self) -> bool:
-        return time.thread_time() > self._end
+        return time.thread_time() > self._end or self._cancel()
 
     def check(self) -> None:
         if self.over():
@@ -93,29 +98,31 @@ def measure(problem: Problem, name: str, setting: float) -> Measured:
 
 
 def _measure(problem: Problem, name: str, setting: float) -> Measured:
+    raise_if(problem.cancel)
     started = time.thread_time()
     try:
         explore, again = (_own_method if name in METHODS else _external)(problem, name, setting)
     except Stopped as why:
         return Measured(str(why), time.thread_time() - started)
     compiling = time.thread_time() - started
-    clock = _Clock(problem.budget)
+    clock = _Clock(problem.budget, problem.cancel)
     try:
         arcs = explore(clock)
     except Stopped as why:
         return Measured(str(why), compiling)
-    x, last = arcs.left[-1][1], arcs.left[-2][0] if arcs.crossings else math.nan
+    x, crossings = arcs.left[-1][1], _sequence(arcs)
     if not np.isfinite(x).all():
         return Measured("the state at the end is not finite", compiling)
     seconds = _fastest(again, problem.repeats, problem.budget)
+    raise_if(problem.cancel)
     error = arcs.conserved_error(problem.system)
-    return Measured("", compiling, seconds, arcs.evaluations, x, arcs.crossings, last, error)
+    return Measured("", compiling, seconds, arcs.evaluations, x, crossings, error)
 
 
 def _own_method(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
     """A method of METHODS: a run that records its crossings, and one that records only the end, to be timed."""
     key = "tolerance" if METHODS[name].adaptive else "tau"
-    options: dict[str, Any] = {key: setting, "method": name}
+    options: dict[str, Any] = {key: setting, "method": name, "transition": problem.transition}
     system, span, start = problem.system, (problem.t0, problem.end), problem.x0
 
     def explore(clock: _Clock) -> Arcs:
@@ -125,7 +132,7 @@ def _own_method(problem: Problem, name: str, setting: float) -> tuple[Callable[[
         return _arcs(run)
 
     integrate(system, span, start, record="end", max_steps=1, **options)  # compiles what there is to compile
-    return explore, lambda: integrate(system, span, start, record="end", **options)
+    return explore, lambda: integrate(system, span, start, record="end", cancel=problem.cancel, **options)
 
 
 def _arcs(run: Trajectory) -> Arcs:
@@ -136,7 +143,7 @@ def _arcs(run: Trajectory) -> Arcs:
 
 
 def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
-    """An external solver: a run within the budget, and the same run without a check, to be timed."""
+    """An external solver: a run within the budget, and the same run, to be timed."""
     start, functions = np.array(problem.x0), ScalarFunctions(problem.system)
     prepared = EXTERNAL_SOLVERS[name].prepare(functions, setting, float(np.abs(start).max()) or 1.0)
 
@@ -146,7 +153,7 @@ def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_C
     def explore(clock: _Clock) -> Arcs:
         return run(clock.check)
 
-    return explore, lambda: run(_no_check)
+    return explore, lambda: run(partial(raise_if, problem.cancel))
 
 
 def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
@@ -165,5 +172,5 @@ def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
     return min(times)
 
 
-def _no_check() -> None:
-    pass
+def _sequence(arcs: Arcs) -> CrossingSequence:
+    return CrossingSequence(np.array([t for t, _ in arcs.left[:-1]]), np.array(arcs.side[1:], dtype=np.int64))

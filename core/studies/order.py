@@ -14,10 +14,10 @@ from core.integrate import checked_method, checked_settings, checked_start
 from core.integration.runner import Runner, Settings
 from core.integration.trajectory import Status
 from core.interface.arguments import count, listed, number
+from core.interface.cancelling import Cancel, Cancelled
 from core.kernels.arrays import Floats
 from core.methods import Method
 from core.reference import Solution, reference_solution
-from core.studies.tasks import Cancel
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
@@ -126,8 +126,11 @@ def order_study(
     numbers = _checked_crossings(crossings)
     options = (transition, perturbation_order, perturbation_scale)
     settings = [checked_settings(chosen, tau, None, *options, cancel=cancel) for tau in steps]
-    exact = reference_solution(system, start, t0)
-    times, states, crossing_times = _targets(exact, t0, numbers)
+    try:
+        exact = reference_solution(system, start, t0, cancel=cancel)
+        times, states, crossing_times = _targets(exact, t0, numbers)
+    except Cancelled:
+        return _nothing(chosen, steps, numbers)
     size = float(np.abs(states).max())
     floor = max(_ROUND_OFF * np.finfo(float).eps * size, _OF_ESTIMATE * exact.error)
     time_error = np.full((len(numbers), len(steps)), np.nan)
@@ -151,6 +154,19 @@ def order_study(
         if progress is not None:
             progress(j + 1, len(settings), study())
     return study()
+
+
+def _nothing(method: Method, taus: Floats, numbers: tuple[int, ...]) -> OrderStudy:
+    """Return a study that was cancelled before its reference was known."""
+    k, m = len(numbers), len(taus)
+
+    def empty(*shape: int) -> Floats:
+        return np.full(shape, np.nan)
+
+    return OrderStudy(
+        method.name, taus, numbers, empty(1 + k), empty(k, m), empty(1 + k, m), empty(k), empty(1 + k), empty(k, 2),
+        empty(1 + k, 2), math.nan, "not computed",
+    )  # fmt: skip
 
 
 def _checked_taus(taus: Iterable[float]) -> Floats:

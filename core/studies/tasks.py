@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from threading import Event
 from typing import Any, TypeVar
 
-__all__ = ["Cancel", "as_completed"]
+from core.interface.cancelling import Cancel
 
-Cancel = Callable[[], bool]
-"""Returns True once the work should be given up."""
+__all__ = ["GivenUp", "as_completed"]
 
 Result = TypeVar("Result")
 
@@ -20,11 +20,31 @@ _OUTSTANDING = 256
 _POLL = 0.05
 
 
+class GivenUp:
+    """A `Cancel` for tasks: True once their results are no longer wanted; in another process it never is."""
+
+    def __init__(self) -> None:
+        self._event = Event()
+
+    def set(self) -> None:
+        """Let the tasks stop."""
+        self._event.set()
+
+    def __call__(self) -> bool:
+        """Return whether the results are no longer wanted."""
+        return self._event.is_set()
+
+    def __reduce__(self) -> tuple[type[GivenUp], tuple[()]]:
+        """Pickle without the event, which does not leave its process."""
+        return GivenUp, ()
+
+
 def as_completed(
     call: Callable[..., Result],
     tasks: Iterable[Any],
     executor: Executor | None = None,
     cancel: Cancel | None = None,
+    given_up: GivenUp | None = None,
 ) -> Iterator[tuple[int, Result]]:
     """Call a function for each of many tasks, and yield the results in the order of completion.
 
@@ -41,6 +61,8 @@ def as_completed(
     cancel
         Called twenty times a second. Once it returns True, tasks that have not begun are cancelled and the iteration
         ends, without waiting for those that run.
+    given_up
+        Set when the iteration ends, so that tasks that hold it do not go on for nobody.
 
     Yields
     ------
@@ -52,14 +74,14 @@ def as_completed(
     Exception
         What a call raised, when its result is due; the other tasks are cancelled.
     """
-    if executor is not None:
-        yield from _completed(call, tasks, executor, cancel)
-        return
-    own = ThreadPoolExecutor(os.cpu_count())
+    pool = ThreadPoolExecutor(os.cpu_count()) if executor is None else executor
     try:
-        yield from _completed(call, tasks, own, cancel)
+        yield from _completed(call, tasks, pool, cancel)
     finally:
-        own.shutdown(wait=False, cancel_futures=True)
+        if given_up is not None:
+            given_up.set()
+        if executor is None:
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _completed(

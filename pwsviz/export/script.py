@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping
 from textwrap import indent
 
 import core
-from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs
-from pwsviz.results.results import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
+from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs, transition_of
+from pwsviz.results.studies import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.scene.scene import OWN, Scene
 from pwsviz.scene.validation import MAX_STEPS
 
@@ -115,9 +115,11 @@ def _runs(scene: Scene) -> str:
     return loop if alike else f"methods = {{\n{listed}}}\n{loop}"
 
 
-def order_program(scene: Scene, inputs: StudyInputs) -> str:
-    """Return the lines that repeat an order study."""
-    start, method = _x0(scene), _unusual({"method": inputs.scheme.method})
+def order_program(scene: Scene, inputs: tuple[StudyInputs, ...]) -> str:
+    """Return the lines that repeat the order studies of one integrator or of several."""
+    start, scheme = _x0(scene), _texts(_scheme(inputs[0].scheme))
+    several = len(inputs) > 1
+    method = {"method": "method"} if several else _unusual({"method": inputs[0].scheme.method})
     looked = _call(
         "run = core.integrate",
         ("system", f"(0.0, {STUDY_HORIZON!r})"),
@@ -127,10 +129,9 @@ def order_program(scene: Scene, inputs: StudyInputs) -> str:
     study = _call(
         "study = core.order_study",
         ("system", "2.0 ** -np.arange(3.0, 13.5, 0.5)"),
-        start | _texts(_scheme(inputs.scheme)) | method | {"crossings": "crossings"},
+        start | scheme | method | {"crossings": "crossings"},
     )
-    return f"""\
-# The order: at crossings {STUDY_CROSSINGS}, or at earlier ones if there are fewer.
+    lines = f"""\
 {looked}
 last = len(run.crossings.passed) - 1  # the segment after it is studied, too
 crossings = {STUDY_CROSSINGS} if last >= {STUDY_CROSSINGS[-1]} else sorted({{-(-last // 3), -(-2 * last // 3), last}})
@@ -138,11 +139,14 @@ crossings = {STUDY_CROSSINGS} if last >= {STUDY_CROSSINGS[-1]} else sorted({{-(-
 print(f"{{study.method}} against {{study.reference}}")
 print(f"state, before the first crossing and after {{study.crossings}}: slopes {{study.state_slope}}")
 print(f"times of crossings {{study.crossings}}: slopes {{study.time_slope}}")"""
+    loop = f"for method in {[one.scheme.method for one in inputs]!r}:\n{indent(lines, '    ')}" if several else lines
+    return f"# The order: at crossings {STUDY_CROSSINGS}, or at earlier ones if there are fewer.\n{loop}"
 
 
 def cost_program(scene: Scene, inputs: CostInputs) -> str:
     """Return the lines that repeat a comparison of run times."""
-    keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"peers": inputs.peers})
+    keywords = _x0(scene) | {"methods": repr(inputs.methods)}
+    keywords |= _unusual({"peers": inputs.peers, "transition": transition_of(inputs.locate)})
     return f"""\
 # The cost of accuracy.
 {_call("study = core.work_precision", ("system", _span(scene)), keywords)}
@@ -176,6 +180,7 @@ def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
     keywords |= {"parts": repr(parts)} | ({} if inputs.tau is None else {"tau": repr(inputs.tau)})
+    keywords |= _unusual({"transition": transition_of(inputs.locate)})
     call = _call("study = core.stability_study", ("system", f"(0.0, {inputs.t_end!r})"), keywords)
     return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
 

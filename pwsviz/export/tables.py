@@ -1,4 +1,4 @@
-"""The runs that a figure draws, as tables: a row for each step, and a row for each crossing."""
+"""The runs that a figure draws, as tables: a row for each step, for each crossing, and for each vertex drawn."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import core
 from pwsviz.export.columns import MEANINGS
 from pwsviz.export.files import Tables
 from pwsviz.results.requests import RunInputs
-from pwsviz.results.results import PortraitInputs
+from pwsviz.results.results import Pictures, PortraitInputs
 
-__all__ = ["MOST_ROWS", "DrawnRun", "conserved_tables", "drawn_runs", "portrait_tables"]
+__all__ = ["MOST_ROWS", "DrawnRun", "conserved_tables", "drawn_runs", "drawn_table", "portrait_tables"]
 
 MOST_ROWS = 2_000_000
 """Rows of a table, about; of runs that have more steps together, every k-th step of each is kept, and the last."""
@@ -64,6 +64,27 @@ def portrait_tables(runs: Drawn) -> Tables:
         "curves": lambda: _stacked(drawn := runs(), map(_states, drawn, _kept(drawn))),
         "crossings": lambda: _stacked(drawn := runs(), [_crossings(one, places=True) for one in drawn]),
     }
+
+
+def drawn_table(pictures: Pictures) -> Tables:
+    """Return the curves of a portrait as drawn: between long steps the solution, elsewhere no more than a screen shows.
+
+    Columns
+    -------
+    drawn: start, integrator, the two variables of the plane by name; a row of NaN is a gap in the curve.
+    """
+
+    def drawn() -> Columns:
+        numbered = sorted(pictures.numbered, key=lambda one: one[0])
+        lengths = [len(orbit.path) for _, orbit in numbered]
+        variables = pictures.inputs.selected[0].problem.declaration.variables
+        return {
+            "start": np.repeat([number for number, _ in numbered], lengths),
+            "integrator": np.repeat([orbit.method for _, orbit in numbered], lengths),
+            **_by_name([variables[k] for k in pictures.inputs.axes], np.concatenate([o.path for _, o in numbered])),
+        }
+
+    return {"drawn": drawn}
 
 
 def conserved_tables(runs: Drawn) -> Tables:

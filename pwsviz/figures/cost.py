@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import core
 from core.studies import CostCurve
@@ -21,7 +21,6 @@ from pwsviz.figures.cost_text import (
     cost_of,
     cost_text,
     cost_words,
-    crosses_as_the_solution,
     error_of,
     setting_text,
 )
@@ -37,7 +36,7 @@ EXTERNAL_LINES = {
 }
 """Looks of external solvers: grey, with dashes and markers that none of our methods has."""
 
-WRONG = "other number of crossings"
+WRONG = "wrong sequence of crossings"
 """Legend of runs that have not the crossings of the solution; they are drawn hollow."""
 
 
@@ -86,7 +85,7 @@ class CostView:
         """
         self._across.axis_label, self._up.axis_label = ACROSS[across], UP[up]
         level = study.floor[up] or MACHINE_EPSILON
-        drawn = [_Drawn(curve, crosses_as_the_solution(study, curve), across, up) for curve in study.curves]
+        drawn = [_Drawn(curve, across, up) for curve in study.curves]
         drawn = [one for one in drawn if one.there.any()]
         least = min((one.least for one in drawn), default=level)
         bottom = min(least, level) / 2  # where errors of 0 are drawn
@@ -111,8 +110,8 @@ class CostView:
 class _Drawn:
     """The drawn form of one curve: points with a cost and an error, and gaps between them."""
 
-    def __init__(self, curve: CostCurve, right: NDArray[np.bool_], across: Across, up: Up) -> None:
-        self.curve, self._right, self._across = curve, right, across
+    def __init__(self, curve: CostCurve, across: Across, up: Up) -> None:
+        self.curve, self._across = curve, across
         self.line = line_of(curve.name) if not curve.peer else EXTERNAL_LINES[curve.name]
         self.error = error_of(curve, up)
         cost = cost_of(curve, across)
@@ -143,7 +142,7 @@ class _Drawn:
                 "cost": cost_words(cost, self._across),
                 "error": f"{self.error[k]:.1e}",
                 "status": self.curve.status[k],
-                "right": bool(self._right[k]),
+                "right": bool(self.curve.correct_sequence[k]),
             }
 
 
@@ -155,7 +154,16 @@ def cost_rows(study: core.WorkPrecision) -> dict[str, ArrayLike]:
         name: np.repeat(np.array([getattr(curve, key) for curve in curves]), counts)
         for name, key in (("integrator", "title"), ("setting_name", "setting_name"))
     }
-    numbers = ("setting", "seconds", "evaluations", "state_error", "time_error", "invariant_error", "crossings")
+    numbers = (
+        "setting",
+        "seconds",
+        "evaluations",
+        "state_error",
+        "time_error",
+        "invariant_error",
+        "crossings",
+        "correct_sequence",
+    )
     columns |= {name: np.concatenate([getattr(curve, name) for curve in curves]) for name in numbers}
     columns["compile_seconds"] = np.repeat([curve.compile_seconds for curve in curves], counts)
     return columns | {"outcome": np.concatenate([np.array(curve.status) for curve in curves])}

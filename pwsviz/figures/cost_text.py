@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 import core
 from core.studies import CANCELLED, DONE, WAITING, CostCurve
@@ -44,12 +43,6 @@ def error_of(curve: CostCurve, up: Up) -> Floats:
     return {"state": curve.state_error, "time": curve.time_error, "invariant": curve.invariant_error}[up]
 
 
-def crosses_as_the_solution(study: core.WorkPrecision, curve: CostCurve) -> NDArray[np.bool_]:
-    """Return (m,) whether a run has as many crossings as the solution; a run that has not is of another trajectory."""
-    right: NDArray[np.bool_] = curve.crossings == study.crossings
-    return right
-
-
 def setting_text(curve: CostCurve, k: int) -> str:
     """Return a setting as text: “τ = 0.01”."""
     name = "τ" if curve.setting_name == "tau" else curve.setting_name
@@ -68,14 +61,15 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
     what = "Fastest" if across == "seconds" else "Fewest evaluations"
-    return Numbers(header, rows, caption=f"{what} to a given error; only runs with the solution's crossings count")
+    caption = f"{what} to a given error; only runs with the solution's sequence of crossings count"
+    return Numbers(header, rows, caption=caption)
 
 
 def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> tuple[str, ...]:
     """Return the row of one target: the error, then integrator and cost, of ours and of an external solver."""
     cells = [f"{target:.0e}".replace("e-0", "e-")]
     for peer in (False, True):
-        found = [_reach(study, curve, target, across, up) for curve in study.curves if curve.peer is peer]
+        found = [_reach(curve, target, across, up) for curve in study.curves if curve.peer is peer]
         best = min(filter(None, found), key=lambda one: one[0], default=None)
         if best is None:
             cells += [NONE, NONE]
@@ -85,11 +79,9 @@ def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) 
     return tuple(cells)
 
 
-def _reach(
-    study: core.WorkPrecision, curve: CostCurve, target: float, across: Across, up: Up
-) -> tuple[float, CostCurve, int] | None:
+def _reach(curve: CostCurve, target: float, across: Across, up: Up) -> tuple[float, CostCurve, int] | None:
     """Return the least cost of a right run with an error up to the target, its curve and index; None if none is."""
-    good = (error_of(curve, up) <= target) & crosses_as_the_solution(study, curve)
+    good = (error_of(curve, up) <= target) & curve.correct_sequence
     cost = np.where(good, cost_of(curve, across), np.nan)
     if np.isnan(cost).all():
         return None
@@ -112,7 +104,7 @@ def _why_none(study: core.WorkPrecision, up: Up) -> str:
         return "no run has reached the end"
     return {
         "state": "no run has reached the end",
-        "time": "no run has as many crossings as the solution" if study.crossings else "there is no crossing",
+        "time": "no run has the crossings of the solution" if study.crossings else "there is no crossing",
         "invariant": "no conserved quantity is known",
     }[up]
 
@@ -144,7 +136,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         places: dict[str, list[int]] = {}
         for k, status in enumerate(curve.status):
             if status not in (DONE, WAITING, CANCELLED):
-                wrong = f"not the {plural(study.crossings, 'crossing')} of the solution (drawn hollow)"
+                wrong = f"not the sequence of {plural(study.crossings, 'crossing')} of the solution (drawn hollow)"
                 places.setdefault(wrong if np.isfinite(curve.seconds[k]) else status, []).append(k)
         for reason, found in places.items():
             yield f"{curve.title}{_where(curve, found)}: {reason}."

@@ -1,17 +1,33 @@
-"""The order plot: an error against the step size, one curve for each number of crossings, with fitted slopes."""
+"""The order plot: an error against the step size, one curve for each number of crossings, with fitted slopes.
+
+With several integrators a curve has the look of its integrator, and the mark of its number of crossings.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d
 from numpy.typing import ArrayLike
 
 import core
-from pwsviz.figures.style import GREEN, GREY, ORANGE, SKY, Line, fit_to_corners, legend_below, mark_levels, plain_figure
+from pwsviz.figures.style import (
+    GREEN,
+    GREY,
+    ORANGE,
+    SKY,
+    Line,
+    fit_to_corners,
+    legend_below,
+    line_of,
+    mark_levels,
+    plain_figure,
+)
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.tables import Numbers
 
 LINES = (
     Line(GREY, (), "circle", 1.6),
@@ -19,7 +35,10 @@ LINES = (
     Line(GREEN, (3, 3), "triangle", 1.6),
     Line(ORANGE, (10, 4, 2, 4), "diamond", 1.6),
 )
-"""Looks of the curves; they do not stand for integrators, whose looks are in `style`."""
+"""Looks of the curves of one integrator; they do not stand for integrators, whose looks are in `style`."""
+
+UNKNOWN = "–"
+"""In place of a slope that is not known."""
 
 
 STATE_ERROR = ("state error", "‖x − x̂‖₂")
@@ -57,6 +76,31 @@ class Row:
         return f"slope {self.slope:.2f}" if np.isfinite(self.slope) else "no slope"
 
 
+class Studied(NamedTuple):
+    """The curves of one integrator in an order plot."""
+
+    method: str
+    order: int
+    taus: Floats
+    rows: list[Row]
+    floor: float
+    """Error that is round-off."""
+    reference: str
+    """Name of the solution that it is compared with."""
+
+
+Rows = Callable[[core.OrderStudy], list[Row]]
+"""Returns the curves of a plot from a study."""
+
+
+def studied(studies: Sequence[core.OrderStudy], rows: Rows) -> list[Studied]:
+    """Return what an order plot shows of studies."""
+    return [
+        Studied(one.method, core.METHODS[one.method].order or 1, one.taus, rows(one), float(one.floor), one.reference)
+        for one in studies
+    ]
+
+
 def state_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the state error before the first crossing and after each of the studied ones."""
     names = [("before the first crossing", "before")]
@@ -75,31 +119,44 @@ def time_rows(study: core.OrderStudy) -> list[Row]:
     ]
 
 
-def order_tables(study: core.OrderStudy, rows: Sequence[Row]) -> Mapping[str, Callable[[], Mapping[str, ArrayLike]]]:
-    """Return what a plot of these rows draws: the errors, a row for each curve and step size, and the fits."""
-    curves = np.array([row.name for row in rows])
+def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[str, ArrayLike]]]:
+    """Return what a plot draws: the errors, a row for each curve and step size, and the fits."""
+    drawn = [(one, row) for one in shown for row in one.rows]
 
     def errors() -> Mapping[str, ArrayLike]:
+        lengths = [one.taus.size for one, _ in drawn]
         return {
-            "integrator": np.repeat(np.array([study.method]), curves.size * study.taus.size),
-            "curve": np.repeat(curves, study.taus.size),
-            "tau": np.tile(study.taus, curves.size),
-            "error": np.concatenate([row.error for row in rows]),
+            "integrator": np.repeat([one.method for one, _ in drawn], lengths),
+            "curve": np.repeat([row.name for _, row in drawn], lengths),
+            "tau": np.concatenate([one.taus for one, _ in drawn]),
+            "error": np.concatenate([row.error for _, row in drawn]),
         }
 
     def fits() -> Mapping[str, ArrayLike]:
-        windows = np.array([row.window for row in rows])
         return {
-            "integrator": np.repeat(np.array([study.method]), curves.size),
-            "curve": curves,
-            "slope": np.array([row.slope for row in rows]),
-            "fit_from": windows[:, 0],
-            "fit_to": windows[:, 1],
-            "round_off": np.full(curves.size, study.floor),
-            "reference": np.repeat(np.array([study.reference]), curves.size),
+            "integrator": np.array([one.method for one, _ in drawn]),
+            "curve": np.array([row.name for _, row in drawn]),
+            "slope": np.array([row.slope for _, row in drawn]),
+            "fit_from": np.array([row.window[0] for _, row in drawn]),
+            "fit_to": np.array([row.window[1] for _, row in drawn]),
+            "round_off": np.array([one.floor for one, _ in drawn]),
+            "reference": np.array([one.reference for one, _ in drawn]),
         }
 
     return {"errors": errors, "fits": fits}
+
+
+def order_numbers(shown: Sequence[Studied]) -> list[Numbers]:
+    """Return the fitted slopes of several integrators as a table; none of a single one, whose legend has them."""
+    if len(shown) < 2:
+        return []
+    names = list(dict.fromkeys(row.short for one in shown for row in one.rows))
+    slopes = [{row.short: row.slope for row in one.rows if np.isfinite(row.slope)} for one in shown]
+    rows = tuple(
+        (one.method, str(one.order), *(f"{known[name]:.2f}" if name in known else UNKNOWN for name in names))
+        for one, known in zip(shown, slopes, strict=True)
+    )
+    return [Numbers(("integrator", "order", *names), rows, caption="Fitted slopes")]
 
 
 def _ends(window: Floats) -> tuple[float, float]:
@@ -154,54 +211,50 @@ class OrderView:
         fits = plot.multi_line("xs", "ys", source=self.fits, color="colour", alpha=0.25, line_width=9, line_cap="round")
         self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label")})
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
-        self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker")})
-        plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
+        self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "label")})
+        marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
-        legend_below(
-            plot,
-            2,
-            [
-                ({"field": "label"}, lines),
-                ("fit", fits),
-            ],
-            widest=200,
-        )
+        entries = [({"field": "label"}, lines), ({"field": "label"}, marks), ("fit", fits)]
+        _, self._marks, _ = legend_below(plot, 2, entries, widest=200)
 
-    def show(self, taus: Floats, rows: list[Row], floor: float, order: int) -> None:
-        """Draw one study."""
-        drawn = [(row, LINES[k % len(LINES)], np.isfinite(row.error) & (row.error > 0)) for k, row in enumerate(rows)]
+    def show(self, shown: Sequence[Studied]) -> None:
+        """Draw the studies of one integrator or of several."""
+        several = len(shown) > 1
+        drawn = [_Drawn(one, k, several) for one in shown for k in range(len(one.rows))]
         self.curves.data = {
-            "xs": [taus for _ in drawn],
-            "ys": [np.where(there, row.error, np.nan) for row, _, there in drawn],  # NaN leaves a gap
-            "colour": [line.colour for _, line, _ in drawn],
-            "dash": [list(line.dash) for _, line, _ in drawn],
-            "label": [row.label for row, _, _ in drawn],
+            "xs": [one.taus for one in drawn],
+            "ys": [np.where(one.there, one.row.error, np.nan) for one in drawn],  # NaN leaves a gap
+            "colour": [one.line.colour for one in drawn],
+            "dash": [list(one.line.dash) for one in drawn],
+            "label": [one.label for one in drawn],
         }
-        counts = [int(there.sum()) for _, _, there in drawn]
+        counts = [int(one.there.sum()) for one in drawn]
         self.points.data = {
-            "x": np.concatenate([taus[there] for _, _, there in drawn]),
-            "y": np.concatenate([row.error[there] for row, _, there in drawn]),
-            "colour": [line.colour for (_, line, _), n in zip(drawn, counts, strict=True) for _ in range(n)],
-            "marker": [line.marker for (_, line, _), n in zip(drawn, counts, strict=True) for _ in range(n)],
+            "x": np.concatenate([one.taus[one.there] for one in drawn]),
+            "y": np.concatenate([one.row.error[one.there] for one in drawn]),
+            "colour": np.repeat([one.line.colour for one in drawn], counts),
+            "marker": np.repeat([one.marker for one in drawn], counts),
+            "label": np.repeat([one.row.short for one in drawn], counts),
         }
-        fits = [(fitted_line(taus, row), line.colour) for row, line, _ in drawn]
-        shown = [(fit, colour) for fit, colour in fits if fit is not None]
+        self._marks.visible = several
+        fits = [(fitted_line(one.taus, one.row), one.line.colour) for one in drawn]
+        known = [(fit, colour) for fit, colour in fits if fit is not None]
         self.fits.data = {
-            "xs": [fit[0] for fit, _ in shown],
-            "ys": [fit[1] for fit, _ in shown],
-            "colour": [colour for _, colour in shown],
+            "xs": [fit[0] for fit, _ in known],
+            "ys": [fit[1] for fit, _ in known],
+            "colour": [colour for _, colour in known],
         }
+        floor = max(one.floor for one in shown)
         self.floor.move(floor)
-        self._show_guides(taus, rows, floor, order)
+        self._show_guides(drawn, floor, {one.order for one in shown})
 
-    def _show_guides(self, taus: Floats, rows: list[Row], floor: float, order: int) -> None:
+    def _show_guides(self, drawn: list[_Drawn], floor: float, orders: set[int]) -> None:
         """Draw lines of integer slopes through one point above the curves, and end the axes where the data do."""
-        there = np.array([np.isfinite(row.error) & (row.error > 0) for row in rows])
-        errors = np.concatenate([row.error[known] for row, known in zip(rows, there, strict=True)])
+        errors = np.concatenate([one.row.error[one.there] for one in drawn])
         top, bottom = ROOM * float(errors.max(initial=floor)), min(float(errors.min(initial=1.0)), floor)
-        used = taus[there.any(axis=0)] if there.any() else taus
+        used = np.concatenate([one.taus[one.there] for one in drawn] if len(errors) else [one.taus for one in drawn])
         near, far = float(used.min()), float(used.max())
-        slopes = sorted({1, 2, order})
+        slopes = sorted({1, 2} | orders)
         starts = np.array([max(near, far * (bottom / top) ** (1 / slope)) for slope in slopes])
         heights = top * (starts / far) ** np.array(slopes)
         self.guides.data = {
@@ -211,6 +264,17 @@ class OrderView:
         named = starts * (far / starts) ** NAMED, heights * (top / heights) ** NAMED
         self.guide_names.data = {"x": named[0], "y": named[1], "text": [f"slope {slope}" for slope in slopes]}
         self.corners.data = {"x": [near, far], "y": [bottom, top]}
+
+
+class _Drawn:
+    """The drawn form of one curve: its look, and where it has a point."""
+
+    def __init__(self, one: Studied, k: int, several: bool) -> None:
+        look = LINES[k % len(LINES)]
+        self.taus, self.row, self.marker = one.taus, one.rows[k], look.marker
+        self.line = line_of(one.method) if several else look
+        self.label = one.method if several else self.row.label
+        self.there = np.isfinite(self.row.error) & (self.row.error > 0)
 
 
 def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:

@@ -27,7 +27,7 @@ class Outcome(NamedTuple):
 
 OUTCOMES: Mapping[int, Outcome] = {
     Status.COMPLETED: Outcome("correct sequence of crossings", SKY),  # and an end like that of the solution
-    WRONG_CROSSINGS: Outcome("wrong number of crossings", ORANGE),
+    WRONG_CROSSINGS: Outcome("wrong sequence of crossings", ORANGE),
     WENT_ON: Outcome("continues where the solution stops", OCHRE),
     Status.ESCAPED: Outcome("the numerical solution blows up", VERMILION),
     Status.UNSTABLE: Outcome("the scheme leaves the solution", "#7f1d1d"),

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from html import escape
 
 import core
-from pwsviz.figures.order import Row
+from pwsviz.figures.order import Studied
 from pwsviz.figures.style import LEGEND_GLYPH, line_of
-from pwsviz.results.results import STUDY_CROSSINGS, Summary
+from pwsviz.results.results import Summary
+from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
 
@@ -52,13 +53,22 @@ def swatch(method: str) -> str:
     )
 
 
-def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
-    """Return the slopes of an order study in words: the same as the plot shows, also for screen readers."""
-    slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
-    words = f"{study.method}: {slopes}. Measured against: {study.reference}."
-    if not any(math.isfinite(row.slope) for row in rows):
+def study_text(shown: Sequence[Studied], early: bool) -> str:
+    """Return the slopes of an order plot in words: the same as it shows, also for screen readers.
+
+    Parameters
+    ----------
+    shown
+        What the plot shows; slopes of several integrators stand in a table, and are left out.
+    early
+        Whether a trajectory ends too early to look at the usual crossings.
+    """
+    slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
+    words = f"{shown[0].method}: {slopes}. " if len(shown) == 1 else ""
+    words += f"Measured against: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
+    if not any(math.isfinite(row.slope) for one in shown for row in one.rows):
         words += " Too few errors are above round-off to fit a slope to."
-    if study.crossings != STUDY_CROSSINGS:
+    if early:
         usual = ", ".join(map(str, STUDY_CROSSINGS))
         words += f" The trajectory ends too early to look at crossings {usual} as usual."
     return words

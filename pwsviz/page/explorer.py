@@ -11,7 +11,7 @@ import panel_material_ui as pmui
 
 import core
 from pwsviz.editor.form import SystemEditor
-from pwsviz.export.tables import drawn_runs, portrait_tables
+from pwsviz.export.tables import drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
@@ -256,8 +256,11 @@ class Explorer(pn.viewable.Viewer):
     def _pieces(self) -> list[Piece]:
         """Return what can be exported: the run of the portrait, and the view beside it."""
         panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view].title
-        runs = drawn_runs(panel.shown.inputs, self.scene.selected, self.results.run) if panel.shown else list
-        pieces = [Piece("Phase portrait", portrait_tables(runs), panel.portrait.figure)]
+        shown, tables = panel.shown, portrait_tables(list)
+        if shown is not None:
+            runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
+            tables = {**portrait_tables(runs), **drawn_table(shown)}
+        pieces = [Piece("Phase portrait", tables, panel.portrait.figure)]
         if view.outcome is not None:
             pieces.append(Piece(title, view.tables(), view.picture(), view.how(view.outcome)))
         return pieces

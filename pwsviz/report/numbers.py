@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import core
-from pwsviz.figures.order import Row
+from pwsviz.figures.order import Studied
 from pwsviz.results.requests import RunInputs
 from pwsviz.results.results import Summary
 from pwsviz.text.tables import Numbers
@@ -44,22 +44,25 @@ def _step(inputs: RunInputs) -> str:
     return f"Step size τ = {inputs.tau:g}."
 
 
-def slope_numbers(study: core.OrderStudy, rows: Sequence[Row]) -> Numbers:
+def slope_numbers(shown: Sequence[Studied]) -> Numbers:
     """Return a row for each curve of an order plot."""
     cells = tuple(
-        (row.name, _digits(row.slope, ".3f"), _window(row.window), *(_digits(e, ".1e") for e in _ends(study, row)))
-        for row in rows
+        (
+            row.name if len(shown) == 1 else f"{one.method}, {row.name}",
+            _digits(row.slope, ".3f"),
+            _window(row.window),
+            *(_digits(float(row.error[k]), ".1e") for k in (one.taus.argmax(), one.taus.argmin())),
+        )
+        for one in shown
+        for row in one.rows
     )
-    sizes = f"{len(study.taus)} step sizes from {study.taus.max():.3g} to {study.taus.min():.2g}"
+    first, methods = shown[0], ", ".join(one.method for one in shown)
+    sizes = f"{len(first.taus)} step sizes from {first.taus.max():.3g} to {first.taus.min():.2g}"
     return Numbers(
         ("curve", "fitted slope", "fitted where τ is", "error at the largest τ", "at the smallest"),
         cells,
-        f"{study.method}, {sizes}; measured against: {study.reference}; round-off {study.floor:.0e}.",
+        f"{methods}, {sizes}; measured against: {first.reference}; round-off {first.floor:.0e}.",
     )
-
-
-def _ends(study: core.OrderStudy, row: Row) -> tuple[float, float]:
-    return float(row.error[study.taus.argmax()]), float(row.error[study.taus.argmin()])
 
 
 def _window(window: tuple[float, float]) -> str:

@@ -8,13 +8,12 @@ from typing import Any
 
 from bokeh.plotting import figure
 
-import core
 from pwsviz.export.about import about
 from pwsviz.export.files import Tables
-from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, portrait_tables
+from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.framing import extent
-from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Row, order_tables, state_rows, time_rows
+from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Rows, order_tables, state_rows, studied, time_rows
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.report.numbers import run_numbers, slope_numbers
@@ -84,7 +83,7 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     window = extent(pictures).scaled(2.0)
     view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, scene.axes))
     _make_static(view.figure, HEIGHT["portrait"])
-    tables = portrait_tables(drawn_runs(inputs, scene.selected, results.run))
+    tables = {**portrait_tables(drawn_runs(inputs, scene.selected, results.run)), **drawn_table(pictures)}
     return view.figure, _measured((*inputs.selected, *inputs.others), results), tables
 
 
@@ -101,16 +100,15 @@ def _measured(inputs: Sequence[RunInputs], results: Results) -> Numbers:
     return run_numbers({one: results.summary(one) for one in inputs})
 
 
-def _order(error: tuple[str, str], rows: Callable[[core.OrderStudy], list[Row]]) -> Callable[[Scene, Results], Drawn]:
+def _order(error: tuple[str, str], rows: Rows) -> Callable[[Scene, Results], Drawn]:
     def draw(scene: Scene, results: Results) -> Drawn:
-        study = results.study(study_inputs(scene))
-        view, curves, order = OrderView(*error), rows(study), core.METHODS[study.method].order
-        assert order is not None  # noqa: S101  (a study needs one)
-        view.show(study.taus, curves, study.floor, order)
-        slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in curves)
-        describe(view.figure, f"{error[0].capitalize()} of {study.method} against the step size: {slopes}.")
+        view, shown = OrderView(*error), studied(results.studies(study_inputs(scene)), rows)
+        view.show(shown)
+        slopes = ("; ".join(f"{row.name}, {row.slope_text}" for row in one.rows) for one in shown)
+        told = " ".join(f"Of {one.method}: {words}." for one, words in zip(shown, slopes, strict=True))
+        describe(view.figure, f"{error[0].capitalize()} against the step size. {told}")
         _make_static(view.figure, HEIGHT["plot"])
-        return view.figure, slope_numbers(study, curves), order_tables(study, curves)
+        return view.figure, slope_numbers(shown), order_tables(shown)
 
     return draw
 

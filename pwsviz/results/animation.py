@@ -12,6 +12,7 @@ from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, in_plane
 from pwsviz.results.orbits import RUNS_OFF
+from pwsviz.results.states import with_crossings
 
 FEW = 500
 """Steps below which states between them are shown, so that the marker moves smoothly along the curve."""
@@ -32,9 +33,9 @@ class Frames:
     method : str
         The integrator.
     t : (n,) array
-        Times, ascending.
+        Times, ascending; a jump takes three, all equal.
     places : (n, 2) array
-        Places in the plane at these times.
+        Places in the plane at these times; NaN between the two ends of a jump.
     steps : (m,) array
         Times of the steps among `t`.
     crossings : (k,) array
@@ -80,7 +81,7 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
     axes : (int, int)
         The variables that span the portrait.
     limit : int
-        Bound on the steps shown, at least 1; there is one more state than there are steps.
+        Bound on the steps shown, at least 1, and on the jumps; there is one more state than there are steps.
 
     Raises
     ------
@@ -89,19 +90,20 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
     """
     if limit < 1:
         raise ValueError(f"limit = {limit}: at least 1 is needed, one step from the first state to the last")
-    places = in_plane(run.x, axes)
-    there = np.flatnonzero(np.isfinite(places).all(axis=1))
+    there = np.flatnonzero(np.isfinite(in_plane(run.x, axes)).all(axis=1))
     every = max(1, -(-(len(there) - 1) // limit))
     kept = there[::every] if (len(there) - 1) % every == 0 else np.append(there[::every], there[-1])
-    steps, t, at = run.t[kept], run.t[kept], places[kept]
+    steps, t, x = run.t[kept], run.t[kept], run.x[kept]
     if len(steps) < min(FEW, limit):
         t = np.union1d(steps, np.linspace(steps.min(), steps.max(), limit))
         try:
-            at = in_plane(run.at(t), axes)
+            x = run.at(t)
         except ValueError:  # a part of a step may have no solution where the whole step has one
-            t, at = steps, places[kept]
+            t = steps
+    jumps = run.crossings[run.crossings.kind == "jump"]
+    t, x = with_crossings(jumps[:: -(-len(jumps) // limit) or 1], t, x)
     passed = run.crossings.passed.t
-    return Frames(run.method, t, np.ascontiguousarray(at), steps, passed[:MOST_CROSSINGS], len(passed))
+    return Frames(run.method, t, np.ascontiguousarray(in_plane(x, axes)), steps, passed[:MOST_CROSSINGS], len(passed))
 
 
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import core
 from pwsviz.scene.scene import Scene, Start
@@ -32,6 +33,11 @@ class InitialValueProblem:
         return self.declaration.with_parameters(**dict(self.values))
 
 
+def transition_of(locate: bool) -> str:
+    """Return the argument ``transition`` of `core.integrate` that locates crossings, or steps over them."""
+    return "mannshardt" if locate else "none"
+
+
 @dataclass(frozen=True)
 class Scheme:
     """How to integrate: a method, and what it does at crossings."""
@@ -54,7 +60,16 @@ class Scheme:
     @property
     def transition(self) -> str:
         """The argument ``transition`` of `core.integrate`."""
-        return "mannshardt" if self.locate else "none"
+        return transition_of(self.locate)
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of `core.integrate`, other than a tolerance, and of `core.order_study`."""
+        return {
+            "method": self.method,
+            "transition": self.transition,
+            "perturbation_order": self.perturbation_order,
+            "perturbation_scale": self.perturbation_scale,
+        }
 
 
 @dataclass(frozen=True)
@@ -93,11 +108,12 @@ class CostInputs:
     t_end: float
     methods: tuple[str, ...]
     peers: tuple[str, ...]
+    locate: bool = True
 
     @classmethod
     def of(cls, scene: Scene) -> CostInputs:
         """Read it from a scene."""
-        return cls(InitialValueProblem.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers))
+        return cls(InitialValueProblem.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers), scene.locate)
 
 
 @dataclass(frozen=True)
@@ -111,6 +127,7 @@ class StabilityInputs:
     coordinate: int
     tau: float | None = None
     """Step size of the scene; None for the map, which has many."""
+    locate: bool = True
 
     @classmethod
     def of(cls, scene: Scene) -> StabilityInputs:
@@ -118,7 +135,7 @@ class StabilityInputs:
         part = scene.stability_part
         coordinate = scene.stability_coordinate if part != "drift" else 0
         tau, end = scene.tau if part != "map" else None, min(scene.t_end, STABILITY_END)
-        return cls(InitialValueProblem.of(scene), end, tuple(scene.used), part, coordinate, tau)
+        return cls(InitialValueProblem.of(scene), end, tuple(scene.used), part, coordinate, tau, scene.locate)
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
@@ -133,9 +150,10 @@ def other_inputs(scene: Scene) -> tuple[RunInputs, ...]:
     return tuple(_run_inputs(scene, name, start) for start in others for name in scene.used)
 
 
-def study_inputs(scene: Scene) -> StudyInputs:
-    """Return the inputs of the order study of a scene."""
-    return StudyInputs(InitialValueProblem.of(scene), Scheme.of(scene, scene.order_method))
+def study_inputs(scene: Scene) -> tuple[StudyInputs, ...]:
+    """Return the inputs of the order study of each integrator that the scene studies."""
+    problem = InitialValueProblem.of(scene)
+    return tuple(StudyInputs(problem, Scheme.of(scene, method)) for method in scene.order_methods)
 
 
 def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:

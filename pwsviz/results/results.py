@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Hashable
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from threading import BoundedSemaphore
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,28 +23,16 @@ from pwsviz.results.requests import (
     CostInputs,
     InitialValueProblem,
     RunInputs,
-    Scheme,
     StabilityInputs,
     StudyInputs,
     other_inputs,
     run_inputs,
 )
 from pwsviz.results.states import StateCurves, state_curves
+from pwsviz.results.studies import studied_cost, studied_order, studied_stability
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
-
-STUDY_CROSSINGS = (10, 20, 30)
-"""Crossings at which the order is studied, as in the paper."""
-
-STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
-"""Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
-
-STUDY_HORIZON = 500.0
-"""Time up to which the order study looks for crossings."""
-
-STUDY_PROBE = 1e-2
-"""Step size of the run with which the order study and the comparison of run times look for crossings and the end."""
 
 STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
 """Long computations at the same time, over all sessions; one processor stays free for short ones, such as sliders."""
@@ -61,9 +48,6 @@ FEWEST_FRAMES = 300
 
 MOST_FRAMES = 2000
 """Most of them of one run."""
-
-BEFORE_THE_END = 0.9
-"""Part of the lifetime of a solution that ends early over which run times are compared."""
 
 
 @dataclass(frozen=True)
@@ -255,17 +239,44 @@ class Results:
 
     def study(self, inputs: StudyInputs, cancel: Cancel = never, report: Report = silent) -> core.OrderStudy:
         """Return an order study."""
-        return self._in_turn("study", inputs, cancel, partial(_study, inputs, cancel, report))
+        return self._in_turn("study", inputs, cancel, partial(studied_order, inputs, cancel, report))
+
+    def studies(
+        self, inputs: tuple[StudyInputs, ...], cancel: Cancel = never, report: Report = silent
+    ) -> tuple[core.OrderStudy, ...]:
+        """Return the order study of each integrator; those that cannot be studied are left out.
+
+        `report` is told of the step sizes of all, with the studies so far.
+
+        Raises
+        ------
+        ValueError
+            If none can be studied: why the first cannot.
+        """
+        found: list[core.OrderStudy] = []
+        reasons: list[ValueError] = []
+        for k, one in enumerate(inputs):
+
+            def tell(done: int, total: int, partial: core.OrderStudy, k: int = k) -> None:
+                report(k * total + done, len(inputs) * total, (*found, partial))
+
+            try:
+                found.append(self.study(one, cancel, tell))
+            except ValueError as why:
+                reasons.append(why)
+        if not found:
+            raise reasons[0]
+        return tuple(found)
 
     def cost(self, inputs: CostInputs, cancel: Cancel = never, report: Report = silent) -> core.WorkPrecision:
         """Return a study of run time against error."""
-        return self._in_turn("cost", inputs, cancel, lambda: _cost(inputs, self._pool, cancel, report))
+        return self._in_turn("cost", inputs, cancel, lambda: studied_cost(inputs, self._pool, cancel, report))
 
     def stability(
         self, inputs: StabilityInputs, cancel: Cancel = never, report: Report = silent
     ) -> core.StabilityStudy:
         """Return a stability study."""
-        return self._in_turn("stability", inputs, cancel, lambda: _stability(inputs, self._pool, cancel, report))
+        return self._in_turn("stability", inputs, cancel, lambda: studied_stability(inputs, self._pool, cancel, report))
 
     def _in_turn(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
         """Run a long computation, at most `STUDIES_AT_ONCE` at the same time."""
@@ -294,99 +305,11 @@ def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
         cancel=cancel,
         max_steps=MAX_STEPS,
         tolerance=inputs.scheme.tolerance,
-        **_scheme_arguments(inputs.scheme),
+        **inputs.scheme.arguments(),
     )
     if cancel():
         raise Cancelled
     return run
-
-
-def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
-    """Return the numbers of the crossings to study: those of the paper, or fewer if the trajectory has fewer.
-
-    They are counted on a run, since the reference solution might look for a next crossing forever.
-    """
-    run = core.integrate(
-        inputs.problem.build(),
-        (0.0, STUDY_HORIZON),
-        x0=inputs.problem.x0,
-        tau=STUDY_PROBE,
-        method=inputs.scheme.method,
-        record="crossings",
-        max_crossings=STUDY_CROSSINGS[-1] + 1,
-        cancel=cancel,
-    )
-    if cancel():
-        raise Cancelled
-    passed = len(run.crossings.passed)
-    if passed < 2:
-        found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
-        why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
-        raise ValueError(f"An order study needs two crossings at least; {found}.{why}")
-    last = passed - 1  # the segment after it is studied, too
-    return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
-
-
-def _study(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
-    return core.order_study(
-        inputs.problem.build(),
-        STUDY_TAUS,
-        x0=inputs.problem.x0,
-        crossings=_studied_crossings(inputs, cancel),
-        cancel=cancel,
-        progress=report,
-        **_scheme_arguments(inputs.scheme),
-    )
-
-
-def _cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) -> core.WorkPrecision:
-    system, start = inputs.problem.build(), inputs.problem.x0
-    probe = core.integrate(
-        system,
-        (0.0, inputs.t_end),
-        start,
-        STUDY_PROBE,
-        inputs.methods[0],
-        record="end",
-        cancel=cancel,
-        max_steps=MAX_STEPS,
-    )
-    there = probe.status in (core.Status.COMPLETED, core.Status.STEP_LIMIT)
-    return core.work_precision(
-        system,
-        (0.0, inputs.t_end if there else BEFORE_THE_END * float(probe.t[-1])),
-        x0=start,
-        methods=inputs.methods,
-        peers=inputs.peers,
-        executor=pool,
-        cancel=cancel,
-        progress=report,
-    )
-
-
-def _stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: Report) -> core.StabilityStudy:
-    parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
-    return core.stability_study(
-        inputs.problem.build(),
-        (0.0, inputs.t_end),
-        x0=inputs.problem.x0,
-        methods=inputs.methods,
-        coordinate=inputs.coordinate,
-        parts=parts,
-        tau=inputs.tau,
-        executor=pool,
-        cancel=cancel,
-        progress=report,
-    )
-
-
-def _scheme_arguments(scheme: Scheme) -> dict[str, Any]:
-    return {
-        "method": scheme.method,
-        "transition": scheme.transition,
-        "perturbation_order": scheme.perturbation_order,
-        "perturbation_scale": scheme.perturbation_scale,
-    }
 
 
 def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve:

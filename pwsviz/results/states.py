@@ -50,7 +50,7 @@ class StateCurves:
 
 def state_curves(run: core.Trajectory) -> StateCurves:
     """Return the curves of a run, drawn through its steps and, where these are long, between them."""
-    t, x = _with_crossings(run, *_samples(run))
+    t, x = with_crossings(run.crossings, *_samples(run))
     few = slice(None) if len(run.t) <= FEW_STEPS else slice(0)
     return StateCurves(
         method=run.method,
@@ -73,9 +73,8 @@ def _samples(run: core.Trajectory) -> tuple[Floats, Floats]:
         return run.t, run.x
 
 
-def _with_crossings(run: core.Trajectory, t: Floats, x: Floats) -> tuple[Floats, Floats]:
+def with_crossings(crossings: core.Crossings, t: Floats, x: Floats) -> tuple[Floats, Floats]:
     """Insert the states before and after each crossing, and between the two a gap where they differ."""
-    crossings = run.crossings
     jump = crossings.kind == "jump"
     gaps = np.full((np.count_nonzero(jump), x.shape[1]), np.nan)
     times = np.concatenate([crossings.t, crossings.t[jump], crossings.t, t])

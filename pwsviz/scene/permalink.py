@@ -38,7 +38,7 @@ the system, which sets the defaults of the other settings."""
 _WORDS = ("view", "study_method", "cost_across", "cost_up", "stability_part", "stability_shown")
 _LAST = (
     "selected", "axes", "window", "tolerance", "locate", "perturbation_order", "perturbation_scale", "peers", *_WORDS,
-    "stability_coordinate",
+    "stability_coordinate", "order_all",
 )  # fmt: skip
 _SETTINGS = (*_FIRST, "starts", "tau", "t_end", *_LAST)
 _LISTS = {"methods": core.METHODS, "peers": EXTERNAL_SOLVERS}
@@ -98,7 +98,7 @@ def _text(scene: Scene, key: str) -> str:
             return "auto" if value is None else ",".join(map(_decimal, value))
         case "stability_coordinate":
             return str(variables[value])
-        case "locate":
+        case "locate" | "order_all":
             return "on" if value else "off"
         case "methods" | "peers":
             return ",".join(value)
@@ -296,7 +296,7 @@ def _take(scene: Scene, key: str, text: str) -> None:
             value = _index(text, variables)
         case "selected":
             value = int(text) if re.fullmatch("[0-9]{1,3}", text) else text
-        case "locate":
+        case "locate" | "order_all":
             value = {"on": True, "off": False}.get(text, text)
         case "methods" | "peers":
             value = text.split(",") if text else []

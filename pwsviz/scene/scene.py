@@ -101,6 +101,7 @@ class Scene(param.Parameterized):
     study_method: Any = param.Selector(
         default="dmm2", objects=list(core.METHODS), doc="The integrator that a view of one integrator shows."
     )
+    order_all = param.Boolean(default=False, doc="Whether Order and Crossing time show all chosen integrators.")
     peers = param.ListSelector(default=["scipy"], objects=list(EXTERNAL_SOLVERS), doc="External solvers in Cost.")
     cost_across: Any = param.Selector(default="seconds", objects=list(COST_ACROSS))
     cost_up: Any = param.Selector(default="state", objects=list(COST_UP))
@@ -155,9 +156,10 @@ class Scene(param.Parameterized):
         return self.study_method if self.study_method in self.used else self.used[0]
 
     @property
-    def order_method(self) -> str:
-        """The integrator whose order is studied."""
-        return self.study_method if self.study_method in self.fixed_step else self.fixed_step[0]
+    def order_methods(self) -> list[str]:
+        """The integrators whose order is studied: all of `fixed_step`, or one of them."""
+        names = self.fixed_step
+        return names if self.order_all else [self.study_method if self.study_method in names else names[0]]
 
     def build(self) -> core.PiecewiseSystem:
         """Return the chosen system at the chosen parameter values."""
@@ -314,6 +316,7 @@ class Scene(param.Parameterized):
             "axes": lambda _, value: plane(value, len(self.declaration.variables)),
             "values": self._checked_values,
             "locate": lambda _, value: switch(value),
+            "order_all": lambda _, value: switch(value),
             "stability_coordinate": self._checked_coordinate,
             "system": self._checked_system,
             "view": lambda _, value: one_of(VIEWS, value),

@@ -219,10 +219,10 @@ class LongTab(Tab):
         self.progress.stop()
 
 
-def always_located(scene: Scene) -> str:
-    """Say that a study locates crossings where the page does not, or perturbs them; else nothing."""
+def about_crossings(scene: Scene) -> str:
+    """Say what a study does at crossings if that is unusual, or other than on the page."""
     if not scene.locate:
-        return "In this study crossings are always located, although the page steps over them."
+        return "The integrators step over the surface, as on the page: crossings are not located."
     if scene.perturbation_order is not None:
         return "In this study crossing times are never perturbed, although they are on the page."
     return ""

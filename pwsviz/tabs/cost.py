@@ -14,7 +14,7 @@ from pwsviz.export.script import cost_program
 from pwsviz.figures.cost import CostView, compared_with, cost_numbers, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
 from pwsviz.scene.scene import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS
-from pwsviz.tabs.base import LongTab, always_located
+from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
 from pwsviz.widgets.setting_buttons import choice
@@ -56,7 +56,12 @@ class CostTab(LongTab):
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         across, up = self.scene.cost_across, self.scene.cost_up
         self.view.show(outcome, across, up)
-        return f"{cost_text(outcome, across, up)} {always_located(self.scene)}".strip()
+        return f"{cost_text(outcome, across, up)} {self._about_crossings(outcome)}".strip()
+
+    def _about_crossings(self, outcome: core.WorkPrecision) -> str:
+        """Say what integrators and external solvers do at crossings, if that is unusual."""
+        stops = not self.scene.locate and any(curve.peer for curve in outcome.curves)
+        return about_crossings(self.scene) + (" External solvers stop on it all the same." if stops else "")
 
     def numbers(self, outcome: core.WorkPrecision) -> Sequence[Numbers]:
         """Return the cheapest integrators."""

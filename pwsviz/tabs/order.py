@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
 
 import core
 from pwsviz.export.files import Tables
 from pwsviz.export.script import order_program
-from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Row, order_tables, state_rows, time_rows
+from pwsviz.figures.order import (
+    STATE_ERROR,
+    TIME_ERROR,
+    OrderView,
+    Rows,
+    order_numbers,
+    order_tables,
+    state_rows,
+    studied,
+    time_rows,
+)
 from pwsviz.figures.summaries import study_text
 from pwsviz.results.requests import StudyInputs, study_inputs
+from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.tabs.base import LongTab
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.tables import Numbers
+from pwsviz.text.words import listed
 from pwsviz.widgets.setting_buttons import choice
+
+Studies = tuple[core.OrderStudy, ...]
+"""One of each integrator."""
 
 
 class OrderTab(LongTab):
@@ -28,47 +47,67 @@ class OrderTab(LongTab):
         Returns the curves of this plot from a study.
     """
 
-    def __init__(self, *given: Any, error: tuple[str, str], rows: Callable[[core.OrderStudy], list[Row]]) -> None:
+    def __init__(self, *given: Any, error: tuple[str, str], rows: Rows) -> None:
         super().__init__(*given)
         self.error, self._rows = error, rows
         self.view: OrderView | None = None
 
-    def inputs(self) -> StudyInputs:
-        """Return the system and one integrator."""
+    def inputs(self) -> tuple[StudyInputs, ...]:
+        """Return the system and one integrator, or each of the chosen ones."""
         return study_inputs(self.scene)
 
-    def compute(self, inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
+    def compute(self, inputs: tuple[StudyInputs, ...], cancel: Cancel, report: Report) -> Studies:
         """Measure the order."""
-        return self.results.study(inputs, cancel, report)
+        return self.results.studies(inputs, cancel, report)
 
     def build(self) -> list[Any]:
-        """Make the choice of the integrator, and the plot."""
-        self.view = OrderView(*self.error)
-        methods = choice(
-            self.scene, "study_method", lambda: {name: name for name in self.scene.fixed_step}, ("system", "methods")
-        )
-        return [methods, self.progress, self.plot(self.view.figure)]
+        """Make the choices of the integrators, and the plot."""
+        self.view, scene = OrderView(*self.error), self.scene
+        one = choice(scene, "study_method", lambda: {name: name for name in scene.fixed_step}, ("system", "methods"))
+        every = pmui.Checkbox(label="all chosen integrators", value=scene.order_all, size="small", margin=(6, 0))
+        every.param.watch(lambda event: scene.accept("order_all", bool(event.new)), "value")
 
-    def draw(self, outcome: core.OrderStudy) -> str:
-        """Draw a study and return its slopes in words."""
+        def offer(*_: Any) -> None:
+            every.param.update(value=scene.order_all, visible=len(scene.fixed_step) > 1)
+            one.visible = not scene.order_all
+
+        offer()
+        scene.param.watch(offer, ["order_all", "system", "methods"])
+        controls = pn.FlexBox(one, every, margin=0, sizing_mode="stretch_width")
+        return [controls, self.progress, self.plot(self.view.figure)]
+
+    def draw(self, outcome: Studies) -> str:
+        """Draw studies and return their slopes in words."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
-        rows, order = self._rows(outcome), core.METHODS[outcome.method].order
-        assert order is not None  # noqa: S101  (a study needs one)
-        self.view.show(outcome.taus, rows, float(outcome.floor), order)
-        words = study_text(outcome, rows)
+        shown = studied(outcome, self._rows)
+        self.view.show(shown)
+        words = study_text(shown, any(one.crossings != STUDY_CROSSINGS for one in outcome))
+        return " ".join([words, *self._left_out(outcome)])
+
+    def _left_out(self, outcome: Studies) -> Iterator[str]:
+        """Say which integrators are not shown, and why."""
+        there, wanted = [one.method for one in outcome], self.scene.order_methods
+        missing = [] if self.progress.busy else [name for name in wanted if name not in there]
+        if missing:
+            yield f"Not shown, as their trajectories have too few crossings: {listed(missing)}."
         chosen = self.scene.selected_method
-        if chosen != outcome.method and core.METHODS[chosen].adaptive:
-            words += f" {chosen} chooses its own steps and has no order; {outcome.method} is shown in its place."
-        return words
+        if chosen not in there and core.METHODS[chosen].adaptive:
+            yield f"{chosen} chooses its own steps and has no order; {listed(there)} is shown in its place."
+
+    def numbers(self, outcome: Studies) -> Sequence[Numbers]:
+        """Return the slopes of several integrators."""
+        return order_numbers(studied(outcome, self._rows))
 
     def tables(self) -> Tables:
         """Return the errors over the step sizes, and the fits."""
-        return order_tables(self.outcome, self._rows(self.outcome)) if self.outcome is not None else {}
+        return order_tables(studied(self.outcome, self._rows)) if self.outcome is not None else {}
 
-    def how(self, outcome: core.OrderStudy) -> str:
-        """Return the integrator and what it is compared with."""
-        taus = f"{len(outcome.taus)} step sizes from {outcome.taus.min():.2g} to {outcome.taus.max():.3g}"
-        return f"integrated by {outcome.method} with {taus}; compared with: {outcome.reference}"
+    def how(self, outcome: Studies) -> str:
+        """Return the integrators and what they are compared with."""
+        first = outcome[0]
+        taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
+        methods = listed([one.method for one in outcome])
+        return f"integrated by {methods} with {taus}; compared with: {first.reference}"
 
     def program(self) -> str:
         """Return the lines that repeat the study."""

@@ -14,7 +14,7 @@ from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.scene import STABILITY_PARTS, STABILITY_SHOWN
-from pwsviz.tabs.base import LongTab, always_located
+from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import complaint
@@ -76,7 +76,7 @@ class StabilityTab(LongTab):
         scene = self.scene
         self.view.show(outcome, scene.stability_part, scene.selected_method, scene.stability_shown)
         self.view.mark(scene.tau, scene.x0[outcome.coordinate])
-        return f"{stability_text(outcome, scene.stability_part)} {always_located(scene)}".strip()
+        return f"{stability_text(outcome, scene.stability_part)} {about_crossings(scene)}".strip()
 
     def numbers(self, outcome: core.StabilityStudy) -> Sequence[Numbers]:
         """Return the figures of the part shown."""

@@ -12,12 +12,12 @@ import numpy as np
 
 from core.integrate import integrate
 from core.integration.trajectory import Status
+from core.interface.cancelling import Cancel, raise_if
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import Plan
-from core.studies.tasks import Cancel, as_completed
-from core.system import PiecewiseSystem
+from core.studies.tasks import GivenUp, as_completed
 
 __all__ = ["Drift", "count", "run"]
 
@@ -89,10 +89,11 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     counts = [len(mode.conserved) for mode in plan.system.laws.modes.values()]
     at = [_Piece(plan.x0, np.zeros(max(counts)), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
     for number, (start, end) in enumerate(pairwise(edges)):
+        given_up = GivenUp()
         going = [k for k in range(n) if at[k].status is Status.COMPLETED]
         span = (plan.t_span[0] + start * plan.tau, plan.t_span[0] + end * plan.tau)
-        tasks = [(plan.system, plan.methods[k], span, at[k].x, plan.tau, end - start, at[k].offset) for k in going]
-        for which, piece in as_completed(_piece, tasks, executor, cancel):
+        tasks = [(plan, plan.methods[k], span, at[k].x, end - start, at[k].offset, given_up) for k in going]
+        for which, piece in as_completed(_piece, tasks, executor, cancel, given_up):
             at[going[which]] = piece
             last = end == plan.steps
             found = _joined(found, going[which], number, piece, last)
@@ -127,12 +128,16 @@ def _with(items: tuple[Item, ...], k: int, item: Item) -> tuple[Item, ...]:
 
 
 def _piece(
-    system: PiecewiseSystem, method: str, span: tuple[float, float], x0: tuple[float, ...], tau: float, steps: int,
-    offset: Floats,
+    plan: Plan, method: str, span: tuple[float, float], x0: tuple[float, ...], steps: int, offset: Floats,
+    cancel: Cancel,
 ) -> _Piece:  # fmt: skip
     """Run one piece, from a state at which ψ has changed by `offset` (m,) already."""
     most = _ADAPTIVE * steps + _FIRST if METHODS[method].adaptive else steps + _FIRST
-    part = integrate(system, span, x0, tau, method, max_steps=most, max_crossings=most)
+    part = integrate(
+        plan.system, span, x0, plan.tau, method, max_steps=most, max_crossings=most, transition=plan.transition,
+        cancel=cancel,
+    )  # fmt: skip
+    raise_if(cancel)
     x, change = tuple(map(float, part.x[-1])), offset + part.accumulated_error()
     end = np.where(np.isnan(change[-1]), offset, change[-1])
     error = _column_errors(part.t, span, change)

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integrate import integrate
+from core.interface.cancelling import Cancel, Cancelled, raise_if
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.reference import Solution
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
 from core.studies.stability.verdict import start_at, worst_error
-from core.studies.tasks import Cancel, as_completed
-from core.system import PiecewiseSystem
+from core.studies.tasks import GivenUp, as_completed
 
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
 
@@ -84,21 +84,19 @@ def count(plan: Plan) -> int:
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[Grazing]:
     """Yield the results so far after the search for a tangency, and after each start near it."""
-    tangency = find_tangency(plan, cancel)
-    if cancel is not None and cancel():
+    try:
+        tangency = find_tangency(plan, cancel)
+    except Cancelled:
         return
     found = _empty(plan, tangency)
     yield found
     if tangency is None:
         return
     places = [(side, n) for n in range(len(_DELTAS)) for side in (0, 1)]
+    given_up = GivenUp()
     horizons = tangency.time + _HORIZONS * (tangency.horizon - tangency.time)
-    tasks = [
-        (plan.system, start_at(plan.x0, plan.coordinate, found.starts[place]), plan.t_span[0], horizons,
-         plan.methods, plan.tau)
-        for place in places
-    ]  # fmt: skip
-    for k, (horizon, expected, rows) in as_completed(_runs_from, tasks, executor, cancel):
+    tasks = [(plan, start_at(plan.x0, plan.coordinate, found.starts[place]), horizons, given_up) for place in places]
+    for k, (horizon, expected, rows) in as_completed(_runs_from, tasks, executor, cancel, given_up):
         side, n = places[k]
         found.horizon[side, n], found.expected[side, n] = horizon, expected
         found.crossings[:, side, n], found.error[:, side, n], found.status[:, side, n] = zip(*rows, strict=True)
@@ -127,15 +125,20 @@ def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
 
 
 def _runs_from(
-    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, horizons: Floats, methods: tuple[str, ...], tau: float
+    plan: Plan, x0: tuple[float, ...], horizons: Floats, cancel: Cancel
 ) -> tuple[float, int, list[tuple[int, float, int]]]:
     """End time of the runs from a start, the solution's crossings, and (crossings, error, status) per method."""
-    times, solution = exact_times(system, x0, t0, float(horizons.max()))
+    t0 = plan.t_span[0]
+    times, solution = exact_times(plan.system, x0, t0, float(horizons.max()), cancel)
     clear = [float(np.abs(times - t).min(initial=np.inf)) for t in horizons]
     horizon = float(horizons[int(np.argmax(clear))])
     rows = []
-    for method in methods:
-        one = integrate(system, (t0, horizon), x0, tau, method, max_steps=MAX_STEPS, max_crossings=MAX_STEPS)
+    for method in plan.methods:
+        one = integrate(
+            plan.system, (t0, horizon), x0, plan.tau, method, max_steps=MAX_STEPS, max_crossings=MAX_STEPS,
+            transition=plan.transition, cancel=cancel,
+        )  # fmt: skip
+        raise_if(cancel)
         rows.append((len(one.crossings.passed), worst_error(one), int(one.status)))
     expected = int(np.count_nonzero(times <= horizon)) if _reaches(solution, horizon) else UNKNOWN
     return horizon, expected, rows

@@ -1,4 +1,4 @@
-"""The largest step size with which a run agrees with the solution in ending and number of crossings."""
+"""The largest step size with which a run agrees with the solution in ending and sequence of crossings."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.trajectory import Status
+from core.interface.cancelling import Cancel
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
-from core.studies.tasks import Cancel, as_completed
-from core.system import PiecewiseSystem
+from core.studies.tasks import GivenUp, as_completed
 
 __all__ = ["LargestTau", "count", "run"]
 
@@ -31,8 +31,8 @@ _BRACKET = 1.01
 class LargestTau(Brief):
     """The largest step size that works, per method; all smaller ones that were tried work, too.
 
-    A step size works if the run ends as the solution does, with as many crossings, and a conservative method conserves
-    ψ.
+    A step size works if the run ends as the solution does, with the same sequence of crossings, and a conservative
+    method conserves ψ.
     """
 
     taus: Floats
@@ -60,14 +60,14 @@ def count(plan: Plan) -> int:
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[LargestTau]:
     """Yield the results so far after each method."""
-    expected = expected_of(plan.system, plan.x0, plan.t_span)
-    n = len(plan.methods)
+    expected = expected_of(plan.system, plan.x0, plan.t_span, cancel)
+    n, given_up = len(plan.methods), GivenUp()
     found = LargestTau(
         plan.taus, np.full(n, np.nan), np.full(n, np.nan), ("",) * n, np.zeros(n, dtype=bool),
-        expected.status, expected.crossings, expected.horizon,
+        expected.status, len(expected.crossings), expected.horizon,
     )  # fmt: skip
-    tasks = [(plan.system, plan.x0, plan.t_span[0], expected, name, plan.taus) for name in plan.methods]
-    for k, (tau, beyond, reason) in as_completed(_largest, tasks, executor, cancel):
+    tasks = [(plan, expected, name, given_up) for name in plan.methods]
+    for k, (tau, beyond, reason) in as_completed(_largest, tasks, executor, cancel, given_up):
         at = np.arange(n) == k
         found = replace(
             found,
@@ -79,13 +79,12 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         yield found
 
 
-def _largest(
-    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, taus: Floats
-) -> tuple[float, float, str]:
+def _largest(plan: Plan, expected: Expected, method: str, cancel: Cancel) -> tuple[float, float, str]:
     """The largest step size that works, the smallest that fails, and why."""
 
     def trouble(tau: float) -> str:
-        verdict = judge(system, x0, t0, expected, method, tau, MAX_STEPS)
+        start = (plan.x0, plan.t_span[0])
+        verdict = judge(plan.system, *start, expected, method, tau, MAX_STEPS, plan.transition, cancel)
         if verdict.outcome != expected.status:
             return verdict.message
         if METHODS[method].conservative and verdict.error > _KEPT * expected.size:
@@ -95,7 +94,7 @@ def _largest(
     if expected.status not in ENDINGS:
         return np.nan, np.nan, f"the reference itself gives up: {expected.status.reason}"
     works, beyond, reason = np.nan, np.nan, ""
-    for tau in taus:
+    for tau in plan.taus:
         reason = trouble(tau)
         if reason:
             beyond = float(tau)

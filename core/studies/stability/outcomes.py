@@ -9,12 +9,12 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.interface.cancelling import Cancel
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, NO_START, Verdict, expected_of, judge, start_at
-from core.studies.tasks import Cancel, as_completed
-from core.system import PiecewiseSystem
+from core.studies.tasks import GivenUp, as_completed
 
 __all__ = ["OutcomeMap", "count", "run"]
 
@@ -42,7 +42,7 @@ class OutcomeMap(Brief):
 
     @property
     def works(self) -> NDArray[np.bool_]:
-        """(methods, m, n) whether a run ends as the solution does, with as many crossings."""
+        """(methods, m, n) whether a run ends as the solution does, with the same sequence of crossings."""
         works: NDArray[np.bool_] = (self.outcome == self.expected) & np.isin(self.expected, ENDINGS)
         return works
 
@@ -59,12 +59,13 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         plan.taus, plan.values, np.zeros(shape, dtype=np.int64), np.full(shape, np.nan),
         np.zeros(shape, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64),
     )  # fmt: skip
+    given_up = GivenUp()
     columns = [(which, row) for row in range(n) for which in range(len(plan.methods))]
     tasks = [
-        (plan.system, start_at(plan.x0, plan.coordinate, plan.values[row]), plan.t_span, plan.methods[which], plan.taus)
+        (plan, start_at(plan.x0, plan.coordinate, plan.values[row]), plan.methods[which], given_up)
         for which, row in columns
     ]
-    for k, (status, crossings, verdicts) in as_completed(_column, tasks, executor, cancel):
+    for k, (status, crossings, verdicts) in as_completed(_column, tasks, executor, cancel, given_up):
         which, row = columns[k]
         found.expected[row], found.expected_crossings[row] = status, crossings
         found.outcome[which, :, row] = [verdict.outcome for verdict in verdicts]
@@ -73,13 +74,14 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         yield replace(found, **{f.name: getattr(found, f.name).copy() for f in fields(found)})
 
 
-def _column(
-    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], method: str, taus: Floats
-) -> tuple[int, int, list[Verdict]]:
+def _column(plan: Plan, x0: tuple[float, ...], method: str, cancel: Cancel) -> tuple[int, int, list[Verdict]]:
     """How the solution from one start ends, its crossings, and a verdict for each step size."""
     try:
-        expected = expected_of(system, x0, t_span)
+        expected = expected_of(plan.system, x0, plan.t_span, cancel)
     except ValueError as why:  # f or g is undefined there
-        return NO_START, 0, [Verdict(NO_START, 0, np.nan, str(why))] * len(taus)
-    verdicts = [judge(system, x0, t_span[0], expected, method, float(tau), MAX_STEPS) for tau in taus]
-    return int(expected.status), expected.crossings, verdicts
+        return NO_START, 0, [Verdict(NO_START, 0, np.nan, str(why))] * len(plan.taus)
+    verdicts = [
+        judge(plan.system, x0, plan.t_span[0], expected, method, float(tau), MAX_STEPS, plan.transition, cancel)
+        for tau in plan.taus
+    ]
+    return int(expected.status), len(expected.crossings), verdicts

@@ -10,6 +10,7 @@ import numpy as np
 
 from core.integrate import checked_method, checked_settings, checked_start
 from core.interface.arguments import count, listed, number
+from core.interface.cancelling import Cancel
 from core.kernels.arrays import Floats
 from core.methods import Method
 from core.studies.stability.verdict import reference_run
@@ -60,12 +61,14 @@ class Plan:
     """Step size of the long run and of the runs near a tangency."""
     steps: int
     """Number of steps of the long run."""
+    transition: str
+    """As in `integrate`."""
 
 
 def checked_plan(
     system: PiecewiseSystem, t_span: tuple[float, float] | None, x0: Start | None,
     methods: Sequence[str | Method] | str | Method, taus: Iterable[float] | None, coordinate: int | str,
-    values: Iterable[float] | None, tau: float | None, steps: int,
+    values: Iterable[float] | None, tau: float | None, steps: int, transition: str, cancel: Cancel | None,
 ) -> Plan:  # fmt: skip
     """Return the plan of a study; ValueError if an argument makes no sense."""
     span = _span(_T_SPAN if t_span is None else t_span)
@@ -74,10 +77,11 @@ def checked_plan(
     ladder = np.geomspace(length / _FINEST, length / _COARSEST, _TAUS) if taus is None else _increasing(taus, "taus")
     chosen = [checked_method(system, name) for name in names]
     for one in (*ladder, length / _DEFAULT_STEPS if tau is None else tau):
-        step = checked_settings(chosen[0], one).tau
+        step = checked_settings(chosen[0], one, transition=transition).tau
     index = _coordinate(system, coordinate)
-    wanted = _default_values(system, start, span, index) if values is None else _increasing(values, "values")
-    return Plan(system, span, start, names, ladder, index, wanted, step, count(steps, "steps", _MOST_STEPS))
+    wanted = _default_values(system, start, span, index, cancel) if values is None else _increasing(values, "values")
+    most = count(steps, "steps", _MOST_STEPS)
+    return Plan(system, span, start, names, ladder, index, wanted, step, most, transition)
 
 
 def _span(t_span: Any) -> tuple[float, float]:
@@ -120,10 +124,11 @@ def _coordinate(system: PiecewiseSystem, coordinate: int | str) -> int:
 
 
 def _default_values(
-    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], coordinate: int
-) -> Floats:
+    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], coordinate: int,
+    cancel: Cancel | None,
+) -> Floats:  # fmt: skip
     """Default values: the range of the coordinate along the trajectory from x₀, and a margin, as in its portrait."""
-    seen = reference_run(system, x0, t_span, record="steps").x[:, coordinate]
+    seen = reference_run(system, x0, t_span, record="steps", cancel=cancel).x[:, coordinate]
     away = np.abs(seen - x0[coordinate])
     seen = seen[away <= _FAR * max(float(np.median(away)), float(away.max()) / 1e6)]
     low, high = float(seen.min()), float(seen.max())

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from core.interface.arguments import listed
+from core.interface.cancelling import Cancel
 from core.methods import Method
 from core.studies.stability import drift, grazing, largest, outcomes
 from core.studies.stability.drift import Drift
@@ -16,7 +17,6 @@ from core.studies.stability.largest import LargestTau
 from core.studies.stability.outcomes import OutcomeMap
 from core.studies.stability.plan import Plan, checked_plan
 from core.studies.stability.verdict import REFERENCE
-from core.studies.tasks import Cancel
 from core.system import Start
 from core.systems import System, system_of
 
@@ -52,7 +52,7 @@ class StabilityStudy:
     coordinate_name: str
     """Its name."""
     reference: str
-    """The reference for endings and numbers of crossings; for runs near a tangency it is `reference_solution`."""
+    """The reference for endings and crossings; for runs near a tangency it is `reference_solution`."""
     largest_tau: LargestTau | None = None
     map: OutcomeMap | None = None
     drift: Drift | None = None
@@ -79,6 +79,7 @@ def stability_study(
     *,
     tau: float | None = None,
     steps: int = 1_000_000,
+    transition: str = "mannshardt",
     executor: Executor | None = None,
     progress: Callable[[int, int, StabilityStudy], object] | None = None,
     cancel: Cancel | None = None,
@@ -112,6 +113,8 @@ def stability_study(
         Step size of the long run and of the runs near a tangency; 1/1000 of the time span where not given.
     steps
         Number of steps of the long run; all methods run to the same time, tau · steps.
+    transition
+        As in `integrate`, for all runs but the reference.
     executor
         Where tasks run; threads of its own where not given. See `as_completed`.
     progress
@@ -125,7 +128,7 @@ def stability_study(
         On arguments that make no sense, naming the value and what would do.
     """
     system, wanted = system_of(system), _checked_parts(parts)
-    plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps)
+    plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps, transition, cancel)
     name = system.variables[plan.coordinate]
     study = StabilityStudy(system.name, plan.methods, plan.t_span, plan.x0, plan.coordinate, name, REFERENCE)
     total, before = sum(_PARTS[part].count(plan) for part in wanted), 0

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.trajectory import Trajectory
+from core.interface.cancelling import Cancel, raise_if
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
 from core.studies.stability.verdict import ENDINGS, reference_run, start_at
-from core.studies.tasks import Cancel
 from core.system import PiecewiseSystem
 
 __all__ = ["Tangency", "exact_times", "find_tangency"]
@@ -59,19 +59,14 @@ def find_tangency(plan: Plan, cancel: Cancel | None) -> Tangency | None:
 
     A tangency separates trajectories that differ in their crossings. Where those of neighbouring values differ,
     bisection finds the value at which they change. This is a tangency if the trajectory meets the surface nearly
-    tangentially there, and not if its start or its end, or an equilibrium, lies on the surface.
+    tangentially there, and not if its start or its end, or an equilibrium, lies on the surface. Once `cancel` returns
+    True, `Cancelled` is raised.
     """
-    runs = []
-    for value in plan.values:
-        if cancel is not None and cancel():
-            return None
-        runs.append(_run(plan, value))
+    runs = [_run(plan, value, cancel) for value in plan.values]
     here = plan.x0[plan.coordinate]
     gaps = [(a, b) for a, b in pairwise(range(len(runs))) if _differ(runs[a], runs[b])]
     for a, b in sorted(gaps, key=lambda gap: abs(plan.values[gap[0]] + plan.values[gap[1]] - 2 * here)):
         tangency = _in_gap(plan, float(plan.values[a]), float(plan.values[b]), cancel)
-        if cancel is not None and cancel():
-            return None
         if tangency is not None:
             return _refined(plan, tangency, cancel)
     return None
@@ -79,25 +74,26 @@ def find_tangency(plan: Plan, cancel: Cancel | None) -> Tangency | None:
 
 def _in_gap(plan: Plan, low: float, high: float, cancel: Cancel | None) -> Tangency | None:
     """Return the first tangency among the first few changes between two values, or None."""
-    at_high = _run(plan, high)
+    at_high = _run(plan, high, cancel)
     for _ in range(_CHANGES):
-        at_low = _run(plan, low)
+        at_low = _run(plan, low, cancel)
         if not _differ(at_low, at_high):
             return None
         before, after = _bisect(plan, low, high, at_low, _NEARBY, cancel)
-        if _tangency(plan, (before + after) / 2) is not None:  # tested before the bracket is narrowed further
+        if _tangency(plan, (before + after) / 2, cancel) is not None:  # tested before the bracket is narrowed further
             before, after = _bisect(plan, before, after, at_low, _EPS, cancel)
-            return _tangency(plan, (before + after) / 2)
+            return _tangency(plan, (before + after) / 2, cancel)
         low = after
     return None
 
 
-def _run(plan: Plan, value: float) -> Trajectory | None:
+def _run(plan: Plan, value: float, cancel: Cancel | None) -> Trajectory | None:
     """Return the reference run from a value of the coordinate; None where it cannot start, or does not finish."""
     try:
-        run = reference_run(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span)
+        run = reference_run(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span, cancel=cancel)
     except ValueError:  # f or g is undefined there
         return None
+    raise_if(cancel)
     return run if run.status in ENDINGS else None
 
 
@@ -110,9 +106,9 @@ def _bisect(
     plan: Plan, low: float, high: float, at_low: Trajectory | None, precision: float, cancel: Cancel | None
 ) -> tuple[float, float]:
     """Narrow the bracket of the value at which crossings or ending of the trajectory change."""
-    while high - low > precision * _size(plan, low) and not (cancel is not None and cancel()):
+    while high - low > precision * _size(plan, low):
         middle = low + (high - low) / 2
-        if _differ(_run(plan, middle), at_low):
+        if _differ(_run(plan, middle, cancel), at_low):
             high = middle
         else:
             low = middle
@@ -124,10 +120,10 @@ def _size(plan: Plan, value: float) -> float:
     return max(abs(value), float(np.ptp(plan.values)) / 2)
 
 
-def _tangency(plan: Plan, value: float) -> Tangency | None:
+def _tangency(plan: Plan, value: float, cancel: Cancel | None) -> Tangency | None:
     """The tangency at a value, or None if the change there is of another kind."""
     size = _size(plan, value)
-    below, above = (_run(plan, value + side * _NEARBY * size) for side in (-1, 1))
+    below, above = (_run(plan, value + side * _NEARBY * size, cancel) for side in (-1, 1))
     if below is None or above is None:
         return None
     more, less = (above, below) if len(above.crossings) >= len(below.crossings) else (below, above)
@@ -172,10 +168,12 @@ def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
     """Return the tangency of the exact solution, where known: that of the integrator has its round-off."""
 
     def crossings(value: float) -> int:
-        return len(exact_times(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0], horizon)[0])
+        return len(
+            exact_times(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0], horizon, cancel)[0]
+        )
 
     horizon = tangency.horizon
-    if not _is_exact(plan, tangency.value):
+    if not _is_exact(plan, tangency.value, cancel):
         return tangency
     reach = _NARROW * tangency.size
     while reach < _WIDE * tangency.size:
@@ -186,26 +184,27 @@ def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
         reach *= 10
     else:
         return tangency
-    while low < (middle := low + (high - low) / 2) < high and not (cancel is not None and cancel()):
+    while low < (middle := low + (high - low) / 2) < high:
         low, high = (middle, high) if crossings(middle) == at_low else (low, middle)
     return Tangency(middle, tangency.time, tangency.state, horizon, tangency.size)
 
 
-def _is_exact(plan: Plan, value: float) -> bool:
+def _is_exact(plan: Plan, value: float, cancel: Cancel | None) -> bool:
+    start = start_at(plan.x0, plan.coordinate, value)
     try:
-        return reference_solution(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0]).exact
+        return reference_solution(plan.system, start, plan.t_span[0], cancel=cancel).exact
     except ValueError:  # the start is on the surface
         return False
 
 
 def exact_times(
-    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, until: float
+    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, until: float, cancel: Cancel | None
 ) -> tuple[NDArray[np.float64], Solution | None]:
     """Times of the crossings of the reference solution up to `until`, or to its end, and the solution."""
     times: list[float] = []
     solution = None
     try:
-        solution = reference_solution(system, x0, t0)
+        solution = reference_solution(system, x0, t0, cancel=cancel)
         while not times or times[-1] <= until:
             times.append(solution.crossing(len(times) + 1)[0])
     except ValueError:  # no further crossing, or no start

@@ -8,6 +8,8 @@ import numpy as np
 
 from core.integrate import integrate
 from core.integration.trajectory import Status, Trajectory
+from core.interface.cancelling import Cancel, raise_if
+from core.studies.sequence import CrossingSequence
 from core.system import PiecewiseSystem
 
 __all__ = [
@@ -30,7 +32,7 @@ __all__ = [
 #: Tolerance of the reference.
 _TOLERANCE = 1e-15
 REFERENCE = f"Taylor method at tolerance {_TOLERANCE:g}"
-"""The reference for the number of crossings and the ending of a solution: equally accurate for every system, and a run
+"""The reference for the crossings and the ending of a solution: equally accurate for every system, and a run
 takes a fifth of a millisecond. Tests compare its crossings with exact solutions."""
 
 #: Most steps of the reference.
@@ -42,7 +44,7 @@ _CLEAR = 0.25
 
 #: Outcome of a run that is not computed yet. Other outcomes are the values of `Status`, and the following.
 NOT_YET = 0
-#: Outcome: the run ends as the solution does, with another number of crossings.
+#: Outcome: the run ends as the solution does, with another sequence of crossings.
 WRONG_CROSSINGS = 101
 #: Outcome: the run reaches the end time, the solution does not.
 WENT_ON = 102
@@ -50,7 +52,7 @@ WENT_ON = 102
 NO_START = 103
 _OTHER_WORDS = {
     NOT_YET: "not computed yet",
-    WRONG_CROSSINGS: "wrong number of crossings",
+    WRONG_CROSSINGS: "wrong sequence of crossings",
     WENT_ON: "goes on where the solution stops",
     NO_START: "no start there",
 }
@@ -70,12 +72,12 @@ def outcome_words(code: int) -> str:
 
 @dataclass(frozen=True)
 class Expected:
-    """Ending and number of crossings of the solution from one start."""
+    """Ending and crossings of the solution from one start."""
 
     status: Status
     """How it ends: COMPLETED if it reaches the end time."""
-    crossings: int
-    """Number of its crossings up to `horizon`."""
+    crossings: CrossingSequence
+    """Its crossings up to `horizon`."""
     horizon: float
     """End time of runs: about that of the study, but far enough from crossings that small errors do not count."""
     size: float
@@ -100,50 +102,55 @@ def start_at(x0: tuple[float, ...], coordinate: int, value: float) -> tuple[floa
 
 
 def reference_run(
-    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], record: str = "crossings"
+    system: PiecewiseSystem,
+    x0: tuple[float, ...],
+    t_span: tuple[float, float],
+    record: str = "crossings",
+    cancel: Cancel | None = None,
 ) -> Trajectory:
     """Run the reference; ValueError where it cannot start."""
     return integrate(
-        system, t_span, x0, method="taylor", tolerance=_TOLERANCE, record=record, max_steps=_REFERENCE_STEPS
-    )
+        system, t_span, x0, method="taylor", tolerance=_TOLERANCE, record=record, max_steps=_REFERENCE_STEPS,
+        cancel=cancel,
+    )  # fmt: skip
 
 
-def expected_of(system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float]) -> Expected:
+def expected_of(
+    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], cancel: Cancel | None = None
+) -> Expected:
     """Return what to expect of a run from x0; ValueError where it cannot start."""
     t0, t1 = t_span
     beyond = t1 + _BEYOND * (t1 - t0)
-    run = reference_run(system, x0, (t0, beyond))
+    run = reference_run(system, x0, (t0, beyond), cancel=cancel)
     t, size = run.crossings.t, run.psi_size()
     if run.status is not Status.COMPLETED and run.t[-1] <= t1:
-        return Expected(run.status, len(run.crossings.passed), beyond, size)
+        return Expected(run.status, CrossingSequence.of(run.crossings), beyond, size)
     before, after = t[t <= t1], t[t > t1]
     start = float(before[-1]) if len(before) else t0
     end = float(after[0]) if len(after) else float(run.t[-1])
     clear = _CLEAR * (end - start)
     low, high = start + clear if len(before) else t0, end - clear if end < beyond else beyond
-    return Expected(Status.COMPLETED, len(before), min(max(t1, low), high), size)
+    passed = CrossingSequence.of(run.crossings[t <= t1])
+    return Expected(Status.COMPLETED, passed, min(max(t1, low), high), size)
 
 
 def judge(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, tau: float,
-    max_steps: int,
+    max_steps: int, transition: str = "mannshardt", cancel: Cancel | None = None,
 ) -> Verdict:  # fmt: skip
-    """Run a method, and compare ending and number of crossings with the solution."""
-    run = integrate(system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps)
-    outcome, passed = int(run.status), len(run.crossings.passed)
+    """Run a method, and compare ending and crossings with the solution; raise `Cancelled` if told to stop."""
+    run = integrate(
+        system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps,
+        transition=transition, cancel=cancel,
+    )  # fmt: skip
+    raise_if(cancel)
+    outcome, message, passed = int(run.status), run.status.reason, CrossingSequence.of(run.crossings)
     if run.status is not expected.status:
-        outcome = WENT_ON if run.status is Status.COMPLETED else outcome
-    elif run.status in _COUNTED and passed != expected.crossings:
-        outcome = WRONG_CROSSINGS
-    return Verdict(outcome, passed, worst_error(run), _message(run.status, outcome, passed, expected))
-
-
-def _message(status: Status, outcome: int, passed: int, expected: Expected) -> str:
-    if outcome == WRONG_CROSSINGS:
-        return f"{passed} crossing{'s' * (passed != 1)} instead of {expected.crossings}"
-    if outcome == WENT_ON:
-        return f"it goes on where the solution stops because {expected.status.reason}"
-    return status.reason
+        if run.status is Status.COMPLETED:
+            outcome, message = WENT_ON, f"it goes on where the solution stops because {expected.status.reason}"
+    elif run.status in _COUNTED and (difference := passed.difference(expected.crossings)):
+        outcome, message = WRONG_CROSSINGS, difference
+    return Verdict(outcome, len(passed), worst_error(run), message)
 
 
 def worst_error(run: Trajectory) -> float:

@@ -110,9 +110,30 @@ def test_another_number_of_crossings_leaves_the_last_one_without_an_error():
     study = measured({"rk2": (0.9, 1e-2)})
     (one,) = study.curves
     assert one.crossings[0] != 8 == one.crossings[1]
-    assert one.status[0] == f"{one.crossings[0]:.0f} crossings, where the solution has 8"
+    assert one.status[0] == f"{one.crossings[0]:.0f} crossings instead of 8"
     assert np.isnan(one.time_error).tolist() == [True, False]
     assert np.isfinite(one.state_error).all()
+
+
+def test_as_many_crossings_at_other_times_are_those_of_another_trajectory():
+    # dmm2 turns at 2 atan(ωτ/2)/τ in place of ω: at the coarse step it is half a turn late after some.
+    taus = tuple(np.linspace(0.3, 0.9, 25))
+    study = measured({"dmm2": (*taus, 1e-2)}, HARMONIC, (0.0, 30.0))
+    (one,) = study.curves
+    swapped = (one.crossings == study.crossings) & ~one.correct_sequence
+    assert swapped.any()
+    assert one.correct_sequence[-1]
+    assert np.isnan(one.time_error[swapped]).all()
+    assert re.fullmatch(r"crossing \d+ is at t = .* instead of .*, nearer to another one", one.status[swapped.argmax()])
+
+
+def test_without_a_transition_the_methods_lose_their_order_and_external_solvers_do_not():
+    ladder = {"rk4": (0.02, 0.01), "scipy": (1e-9,)}
+    located, stepped = (measured(ladder, transition=how) for how in ("mannshardt", "none"))
+    assert (curve(stepped, "rk4").state_error > 1e3 * curve(located, "rk4").state_error).all()
+    assert np.array_equal(curve(stepped, "scipy").state_error, curve(located, "scipy").state_error)
+    with pytest.raises(ValueError, match="transition = 'some'"):
+        measured(ladder, transition="some")
 
 
 def test_a_peer_that_is_not_installed_is_a_gap(monkeypatch):

@@ -59,10 +59,9 @@ def test_the_limit_separates_step_sizes_that_work_from_one_that_does_not():
     times = np.array([exact.crossing(k)[0] for k in range(1, 25)])
     assert np.count_nonzero(times <= study.horizon) == study.expected_crossings
     for method, tau, beyond in zip(("dmm2", "rk4"), study.tau, study.beyond, strict=True):
-        counts = [
-            core.integrate(ELLIPTIC, (0, study.horizon), tau=t, method=method).crossing_count for t in (tau, beyond)
-        ]
-        assert counts[0] == study.expected_crossings != counts[1]
+        runs = [core.integrate(ELLIPTIC, (0, study.horizon), tau=t, method=method) for t in (tau, beyond)]
+        nearest = [np.abs(run.crossings.t[:, None] - times).argmin(axis=1).tolist() for run in runs]
+        assert nearest[0] == list(range(study.expected_crossings)) != nearest[1]
 
 
 def test_a_solution_that_stops_is_expected_to_stop():
@@ -113,6 +112,26 @@ def test_errors_of_the_map_add_up_over_crossings():
     )
     growth = np.expm1(50 / found.map.taus * np.log1p(found.map.taus**4 / 4))
     assert found.map.error[0] == pytest.approx(0.5 * growth[:, None] * found.map.values**2, rel=0.07)
+
+
+def test_as_many_crossings_at_other_times_are_another_sequence():
+    # The implicit midpoint rule turns by 2 atan(τ/2) a step. Where its last crossing, later than t = 55, is more than
+    # half the time between two late, it may yet be the last before the end.
+    system, taus = oscillator("y", (1.0, 0.5)), np.geomspace(0.05, 1.5, 25)
+    found = stability_study(system, (0, 60), methods=("dmm2",), taus=taus, values=(1.0, 2.0), parts="map").map
+    late = 55 * (taus / 2 / np.arctan(taus / 2) - 1) > np.pi / 2
+    assert ((found.crossings[0] == found.expected_crossings) & late[:, None]).any()
+    assert (found.outcome[0][late] == WRONG_CROSSINGS).all()
+
+
+def test_without_a_transition_every_part_steps_over_the_surface():
+    options = {"methods": ("rk4",), "steps": 500, "tau": 0.05, "taus": (0.02, 0.2), "values": np.linspace(-2.2, 0.2, 7)}
+    located, stepped = (stability_study(ELLIPTIC, transition=how, **options) for how in ("mannshardt", "none"))
+    assert (located.largest_tau.reason, stepped.largest_tau.reason) == (("",), ("20 crossings instead of 21",))
+    for part in ("map", "drift", "grazing"):
+        there, here = getattr(located, part).error, getattr(stepped, part).error
+        assert np.isfinite(here).any()
+        assert not np.array_equal(there, here, equal_nan=True)
 
 
 def test_where_nothing_is_defined_the_map_says_so():

@@ -131,11 +131,20 @@ def test_the_order_study_is_that_of_the_page(monkeypatch, capsys):
                 executed(scene, monkeypatch)
             continue
         (studies,) = executed(scene, monkeypatch, "order_study")
-        page = Results().study(study_inputs(scene))
+        (page,) = Results().studies(study_inputs(scene))
         for name in ("taus", "times", "time_error", "state_error", "time_slope", "state_slope"):
             assert np.array_equal(getattr(studies[0], name), getattr(page, name), equal_nan=True), name
         assert (studies[0].crossings, studies[0].method) == (page.crossings, page.method)
         assert page.reference in capsys.readouterr().out
+
+
+def test_the_order_studies_of_several_integrators_are_those_of_the_page(monkeypatch):
+    scene = Scene(view="order", methods=["dmm2", "rk2"], order_all=True)
+    scene.accept("t_end", 1.0)
+    (studies,) = executed(scene, monkeypatch, "order_study")
+    for one, page in zip(studies, Results().studies(study_inputs(scene)), strict=True):
+        assert one.method == page.method
+        assert np.array_equal(one.state_error, page.state_error, equal_nan=True)
 
 
 def own_system(name="mine", doc="", unit="", **more):
@@ -188,6 +197,12 @@ class Asked(Exception):  # noqa: N818  (no error)
     [
         ({"view": "cost"}, "work_precision", {"methods": ("dmm2", "rk2")}),
         ({"view": "cost", "peers": []}, "work_precision", {"methods": ("dmm2", "rk2"), "peers": ()}),
+        ({"view": "cost", "locate": False}, "work_precision", {"methods": ("dmm2", "rk2"), "transition": "none"}),
+        (
+            {"view": "stability", "stability_part": "map", "locate": False},
+            "stability_study",
+            {"methods": ("dmm2", "rk2"), "parts": ("largest_tau", "map"), "transition": "none"},
+        ),
         ({"view": "stability"}, "stability_study", {"methods": ("dmm2", "rk2"), "parts": ("largest_tau", "map")}),
         (
             {"view": "stability", "stability_part": "grazing", "stability_coordinate": 1},

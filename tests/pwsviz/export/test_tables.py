@@ -8,7 +8,7 @@ import pytest
 import core
 from pwsviz.export import tables
 from pwsviz.export.files import npz_bytes
-from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, portrait_tables
+from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, drawn_table, portrait_tables
 from pwsviz.results.requests import other_inputs, run_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
@@ -53,6 +53,23 @@ def test_the_conserved_quantity_has_the_drift_of_every_integrator_and_no_states(
     rows = rows_of(found["curves"], 2, "rk2")
     assert np.array_equal(found["curves"]["change_of_psi"][rows], run.change_of_psi())
     assert set(found["crossings"]) == {"start", "integrator", "number", "t", "side_entered", "kind"}
+
+
+def test_the_curves_are_there_as_drawn_between_long_steps_and_with_gaps_at_jumps():
+    scene = Scene(system="bouncing_ball", methods=["rk4", "dmm2"], tau=0.3, t_end=2.0)
+    scene.place((0.5, 0.0))
+    inputs, results = PortraitInputs.of(scene), Results()
+    pictures = results.pictures(inputs)
+    found = drawn_table(pictures)["drawn"]()
+    variables = scene.declaration.variables
+    for number, orbits in ((2, pictures.orbits), (1, pictures.others)):
+        for orbit in orbits:
+            rows = rows_of(found, number, orbit.method)
+            points = np.column_stack([found[v][rows] for v in variables])
+            assert np.array_equal(points, orbit.path, equal_nan=True)
+            assert np.isnan(points).any(axis=1).sum() >= 2
+            assert len(points) > 3 * 2.0 / 0.3
+    assert found["start"].tolist() == sorted(found["start"])
 
 
 def test_of_very_many_steps_some_are_kept_and_the_last(monkeypatch):

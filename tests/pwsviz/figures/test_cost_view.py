@@ -29,6 +29,7 @@ def curve(name, seconds, state, **changes):
         "crossings": np.full(m, 8.0),
         "status": (DONE,) * m,
         "compile_seconds": 0.25,
+        "correct_sequence": np.full(m, True),
     }
     return CostCurve(**{**given, **changes})
 
@@ -146,7 +147,7 @@ def test_the_table_names_the_cheapest_of_ours_and_of_the_external_solvers():
 
 
 def test_a_run_with_other_crossings_never_wins_and_is_drawn_hollow():
-    wrong = curve("rk2", [1e-9, 1e-2], [1e-12, 1e-3], crossings=np.array([7.0, 8.0]))
+    wrong = curve("rk2", [1e-9, 1e-2], [1e-12, 1e-3], correct_sequence=np.array([False, True]))
     table = cost_numbers(study(DMM2, wrong), "seconds", "state")
     assert [row[1] for row in table.rows] == ["dmm2, τ = 0.0316", "dmm2, τ = 0.01", "–"]
     view = CostView()
@@ -170,12 +171,12 @@ def test_words_say_what_is_missing_and_why():
         "rk4", [1e-3] + [math.nan] * 2, [1e-3] + [math.nan] * 2, status=(DONE, "takes too long", "takes too long")
     )
     gone = curve("heyoka", [math.nan], [math.nan], status=("heyoka is not installed",))
-    off = curve("rk2", [1e-3], [1.0], status=("7 crossings, where the solution has 8",))
+    off = curve("rk2", [1e-3], [1.0], status=("7 crossings instead of 8",), correct_sequence=np.array([False]))
     rest = curve("dmm4", [math.nan] * 2, [math.nan] * 2, status=(WAITING, CANCELLED))
     words = cost_text(study(late, gone, off, rest), "seconds", "state")
     assert "rk4, τ = 0.0316 and 1 other setting: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
-    assert "rk2: not the 8 crossings of the solution (drawn hollow)." in words
+    assert "rk2: not the sequence of 8 crossings of the solution (drawn hollow)." in words
     assert "1 setting not measured yet." in words
     assert "1 setting cancelled." in words
 

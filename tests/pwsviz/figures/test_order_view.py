@@ -3,29 +3,42 @@
 import numpy as np
 import pytest
 
-from pwsviz.figures.order import OrderView, Row, fitted_line, order_tables, state_rows, time_rows
+import core
+from pwsviz.figures.order import (
+    OrderView,
+    Row,
+    Studied,
+    fitted_line,
+    order_numbers,
+    order_tables,
+    state_rows,
+    studied,
+    time_rows,
+)
+from pwsviz.figures.style import line_of
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 
 
 def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
-    study = Results().study(study_inputs(Scene()))
-    for rows, count in ((state_rows(study), 4), (time_rows(study), 3)):
+    studies = Results().studies(study_inputs(Scene()))
+    for rows, count in ((state_rows, 4), (time_rows, 3)):
         view = OrderView("error")
-        view.show(study.taus, rows, study.floor, 2)
+        view.show(studied(studies, rows))
         assert len(view.curves.data["xs"]) == len(view.fits.data["xs"]) == count
-        assert view.floor.ticker.ticks == [study.floor]
+        assert view.floor.ticker.ticks == [studies[0].floor]
         assert all("slope 2.0" in label or "slope 1.9" in label for label in view.curves.data["label"])
 
 
 def test_the_tables_hold_every_curve_and_fit_that_is_drawn():
-    study = Results().study(study_inputs(Scene(methods=["rk2"])))
-    for rows, errors, slopes in (
-        (state_rows(study), study.state_error, study.state_slope),
-        (time_rows(study), study.time_error, study.time_slope),
+    (study,) = Results().studies(study_inputs(Scene(methods=["rk2"])))
+    for curves, errors, slopes in (
+        (state_rows, study.state_error, study.state_slope),
+        (time_rows, study.time_error, study.time_slope),
     ):
-        tables = {name: table() for name, table in order_tables(study, rows).items()}
+        rows = curves(study)
+        tables = {name: table() for name, table in order_tables(studied([study], curves)).items()}
         assert tables["errors"]["error"].tolist() == pytest.approx(errors.ravel().tolist(), nan_ok=True, rel=0)
         assert tables["errors"]["tau"].reshape(len(rows), -1).tolist() == [study.taus.tolist()] * len(rows)
         assert tables["fits"]["slope"].tolist() == slopes.tolist()
@@ -33,11 +46,55 @@ def test_the_tables_hold_every_curve_and_fit_that_is_drawn():
         assert set(tables["errors"]["integrator"]) == {"rk2"}
 
 
+def one_curve(taus, row, floor):
+    return Studied("rk2", 2, taus, [row], floor, "exact")
+
+
+def test_several_integrators_have_their_own_looks_and_their_slopes_in_a_table():
+    scene = Scene(methods=["dmm2", "rk4", "taylor"], order_all=True)
+    results, told = Results(), []
+    results.studies(study_inputs(Scene(methods=["rk4"])))
+    studies = results.studies(study_inputs(scene), report=lambda *news: told.append(news))
+    assert results.computed["study"] == 2, "what is studied already is not studied again"
+    assert [(done, total) for done, total, _ in told] == [(k, 42) for k in range(1, 22)], "dmm2 comes first"
+    assert [one.method for one in studies] == ["dmm2", "rk4"], "taylor has no order"
+    view, shown = OrderView("error"), studied(studies, time_rows)
+    view.show(shown)
+    assert view.curves.data["label"] == ["dmm2"] * 3 + ["rk4"] * 3
+    assert view.curves.data["colour"] == [line_of(name).colour for name in ["dmm2"] * 3 + ["rk4"] * 3]
+    assert len(set(view.points.data["marker"])) == len(set(view.points.data["label"])) == 3
+    assert view.guide_names.data["text"] == ["slope 1", "slope 2", "slope 4"]
+    (table,) = order_numbers(shown)
+    assert [row[:2] for row in table.rows] == [("dmm2", "2"), ("rk4", "4")]
+    assert [float(row[2]) for row in table.rows] == pytest.approx([2, 4], abs=0.15)
+    errors = order_tables(shown)["errors"]()
+    assert list(dict.fromkeys(errors["integrator"])) == ["dmm2", "rk4"]
+    assert len(errors["error"]) == 6 * len(studies[0].taus)
+    view.show(shown[:1])
+    assert view.curves.data["label"][0].startswith("crossing 10: slope")
+    assert order_numbers(shown[:1]) == []
+
+
+def test_an_integrator_that_cannot_be_studied_leaves_the_others(monkeypatch):
+    whole = core.order_study
+
+    def study(*args, **options):
+        if options["method"] == "rk2":
+            raise ValueError("too few")
+        return whole(*args, **options)
+
+    monkeypatch.setattr(core, "order_study", study)
+    scene = Scene(methods=["dmm2", "rk2"], order_all=True)
+    assert [one.method for one in Results().studies(study_inputs(scene))] == ["dmm2"]
+    with pytest.raises(ValueError, match="too few"):
+        Results().studies(study_inputs(Scene(methods=["rk2"])))
+
+
 def test_the_axes_end_where_the_data_do():
     taus = np.geomspace(1e-4, 1e-1, 10)
     error = np.where(taus < 1e-3, np.nan, taus**2)
     view = OrderView("error", "|t|")
-    view.show(taus, [Row("x", "x", error, 2.0, (1e-3, 1e-1))], 1e-7, 2)
+    view.show([one_curve(taus, Row("x", "x", error, 2.0, (1e-3, 1e-1)), 1e-7)])
     assert view.corners.data["x"] == [taus[taus >= 1e-3].min(), taus.max()]
     assert all(guide.min() >= view.corners.data["x"][0] for guide in view.guides.data["xs"])
     assert view.figure.yaxis[0].axis_label == "error, |t|"
@@ -47,7 +104,7 @@ def test_missing_errors_leave_gaps_and_no_fit():
     taus = np.array([0.1, 0.05, 0.025])
     row = Row("late", "late", np.array([np.nan, np.nan, 1e-3]), np.nan, (np.nan, np.nan))
     view = OrderView("error")
-    view.show(taus, [row], 1e-14, 2)
+    view.show([one_curve(taus, row, 1e-14)])
     assert np.isfinite(view.curves.data["ys"][0]).tolist() == [False, False, True]
     assert len(view.points.data["x"]) == 1
     assert view.fits.data["xs"] == []

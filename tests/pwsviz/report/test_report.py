@@ -15,7 +15,7 @@ from pwsviz.__main__ import main
 from pwsviz.bench import Table
 from pwsviz.report import PAGE, figures_of_paper, write_report
 from pwsviz.report import write as writing
-from pwsviz.results.results import STUDY_TAUS
+from pwsviz.results.studies import STUDY_TAUS
 from pwsviz.scene.presets import PRESETS
 
 ROOT = Path(__file__).parents[3]

@@ -79,3 +79,18 @@ def test_landmarks_tell_every_crossing_also_where_one_hides_another(run):
 def test_landmarks_name_jumps():
     ball = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 1.0), tau=1e-2)
     assert landmarks(ball, (0, 1)).kinds[0] == "jump"
+
+
+@pytest.mark.parametrize("tau", [0.3, 1e-2, 1e-4])
+def test_a_jump_is_a_gap_between_its_two_ends(tau):
+    ball = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 1.2), tau=tau, method="rk4")
+    shown = frames(ball, (0, 1))
+    gaps = np.flatnonzero(np.isnan(shown.places[:, 0]))
+    assert len(gaps) == len(ball.crossings) == 3
+    for met, ends in ((ball.crossings.x, gaps - 1), (ball.crossings.x_after, gaps + 1)):
+        assert np.array_equal(shown.places[ends], met)
+        assert np.array_equal(shown.t[ends], ball.crossings.t)
+    at_impact = np.searchsorted(shown.t, ball.crossings.t, side="right") - 1
+    assert np.isfinite(shown.places[at_impact]).all(), "the marker has a place at every time"
+    speeds = np.abs(np.diff(shown.places[:, 1]))
+    assert speeds[np.isfinite(speeds)].max() < 0.3, "no line leads across a jump"

@@ -6,7 +6,7 @@ import pytest
 import core
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION
-from pwsviz.results.requests import Scheme, run_inputs, study_inputs
+from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancelled
@@ -66,6 +66,21 @@ def test_another_projection_costs_no_run(results):
     assert np.array_equal(flat.path[0], run.x[0, :2])
     assert np.array_equal(tilted.path[0], run.x[0, 2:])
     assert np.array_equal(tilted.crossings[0], run.crossings.x[0, 2:])
+
+
+@pytest.mark.parametrize(
+    ("inputs", "name"),
+    [(CostInputs, "work_precision"), (StabilityInputs, "stability_study")],
+    ids=["cost", "stability"],
+)
+def test_cost_and_stability_step_over_the_surface_where_the_page_does(inputs, name, monkeypatch):
+    asked = []
+    monkeypatch.setattr(core, name, lambda *_, transition, **__: asked.append(transition))
+    for locate in (True, False):
+        getattr(Results(), {"work_precision": "cost", "stability_study": "stability"}[name])(
+            inputs.of(Scene(locate=locate))
+        )
+    assert asked == ["mannshardt", "none"]
 
 
 def test_the_order_study_does_not_depend_on_step_size_and_end_time():
@@ -204,9 +219,9 @@ def test_level_sets_stay_on_their_side(results):
 
 
 def test_the_study_measures_slope_two(results):
-    study = results.study(study_inputs(Scene()))
+    study = results.study(*study_inputs(Scene()))
     assert np.abs(study.state_slope - 2).max() < 0.1
-    assert results.study(study_inputs(Scene(tau=1e-3))) is study
+    assert results.study(*study_inputs(Scene(tau=1e-3))) is study
 
 
 @pytest.mark.parametrize(
@@ -229,7 +244,7 @@ def test_what_is_lost_at_crossings_counts_as_much_as_what_is_lost_between(how, l
     [("elliptic_curve", (10, 20, 30)), ("coulomb_friction", (1, 2)), ("relay_feedback", (2, 4, 6))],
 )
 def test_a_study_looks_at_the_crossings_there_are(results, system, crossings):
-    study = results.study(study_inputs(Scene(system=system)))
+    study = results.study(*study_inputs(Scene(system=system)))
     assert study.crossings == crossings
     assert np.isfinite(study.state_error).mean() > 0.8
 
@@ -237,7 +252,7 @@ def test_a_study_looks_at_the_crossings_there_are(results, system, crossings):
 @pytest.mark.parametrize(("system", "found"), [("type_upward", "one"), ("type_repelling", "none")])
 def test_a_study_without_crossings_is_refused_at_once(results, system, found):
     with pytest.raises(ValueError, match=f"needs two crossings at least; this trajectory has {found}"):
-        results.study(study_inputs(Scene(system=system)))
+        results.study(*study_inputs(Scene(system=system)))
 
 
 @pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))

@@ -36,6 +36,7 @@ CHOICES = {
     "perturbation_scale": st.floats(-10.0, 10.0),
     "perturbation_order": st.sampled_from(PERTURBATION_ORDERS),
     "locate": st.booleans(),
+    "order_all": st.booleans(),
     "view": st.sampled_from(list(VIEWS)),
     "peers": st.lists(st.sampled_from(list(EXTERNAL_SOLVERS)), unique=True),
     "study_method": st.sampled_from(list(core.METHODS)),

@@ -119,9 +119,9 @@ def test_methods_keep_the_order_of_the_table():
 def test_the_order_study_follows_when_its_method_is_dropped():
     scene = Scene()
     scene.accept("methods", ["rk4"])
-    assert scene.selected_method == scene.order_method == "rk4"
+    assert (scene.selected_method, scene.order_methods) == ("rk4", ["rk4"])
     scene.accept("methods", ["dmm2", "rk4"])
-    assert scene.order_method == "dmm2", "what the person chose comes back"
+    assert scene.order_methods == ["dmm2"], "what the person chose comes back"
 
 
 def test_integrators_rest_where_they_cannot_be_used_and_come_back():
@@ -149,7 +149,7 @@ def test_the_order_study_offers_methods_that_have_an_order():
     assert scene.fixed_step == ["rk4"]
     scene.accept("methods", ["taylor"])
     assert scene.fixed_step == ["dmm2"]
-    assert scene.order_method == "dmm2"
+    assert scene.order_methods == ["dmm2"]
     assert scene.selected_method == "taylor"
 
 

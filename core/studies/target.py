@@ -1,0 +1,91 @@
+"""What runs of a work-precision study are compared with: the solution at the end time, and its crossings until then."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.integration.conserved_error import psi_size
+from core.kernels.arrays import Floats
+from core.reference import Solution
+from core.studies.sequence import CrossingSequence
+from core.system import PiecewiseSystem
+
+__all__ = ["Target", "target_of"]
+
+#: Number of crossings to the default end time.
+_CROSSINGS = 10
+#: Default time span of a solution without crossings.
+_LENGTH = 10.0
+#: Round-off of run and reference together, relative to the size of the state: 16 eps.
+_ROUND_OFF = 16.0 * 2.0**-52
+#: Error of a reference, as part of its own estimate, which is the error of the worse of two solutions.
+_OF_ESTIMATE = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """The reference solution at the end time."""
+
+    t0: float
+    end: float
+    x: Floats
+    crossings: CrossingSequence
+    reference: str
+    """Name of the reference solution."""
+    floor: Mapping[str, float]
+    """Errors that are round-off of run and reference, of "state", "time" and "invariant"."""
+
+    @classmethod
+    def unknown(cls, x0: tuple[float, ...], span: tuple[float, float | None]) -> Target:
+        """Return what stands for a solution whose computation was cancelled."""
+        end = span[0] + _LENGTH if span[1] is None else span[1]
+        nothing = CrossingSequence(np.empty(0), np.empty(0, dtype=np.int64))
+        floor = dict.fromkeys(("state", "time", "invariant"), math.nan)
+        return cls(span[0], end, np.full(len(x0), np.nan), nothing, "not computed", floor)
+
+
+def target_of(
+    system: PiecewiseSystem, exact: Solution, x0: tuple[float, ...], span: tuple[float, float | None]
+) -> Target:
+    """Return the solution at the end time; ValueError where it ends before."""
+    t0, end = span
+    if end is None:
+        end = _default_end(exact, t0)
+    try:
+        x = exact.state(end)
+    except ValueError as why:
+        raise ValueError(f"t_span ends at {end:g}, after the solution: {why}; take an earlier end") from None
+    times = _crossing_times(exact, end)
+    crossings = CrossingSequence(np.array(times), np.array([exact.side(t) for t in times], dtype=np.int64))
+    size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
+    estimate = _OF_ESTIMATE * exact.error
+    floor = {
+        "state": max(_ROUND_OFF * size, estimate),
+        "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),
+        "invariant": _ROUND_OFF * max(float(psi_size(system, exact.side(t), t, y)) for t, y in ((t0, x0), (end, x))),
+    }
+    return Target(t0, end, x, crossings, exact.name, floor)
+
+
+def _default_end(exact: Solution, t0: float) -> float:
+    """Default end time: after ten crossings, or as many as there are, halfway between two of them."""
+    times = [t0, *_crossing_times(exact, math.inf, _CROSSINGS + 1)]
+    return (times[-2] + times[-1]) / 2 if len(times) > 1 else t0 + _LENGTH
+
+
+def _crossing_times(exact: Solution, end: float, most: float = math.inf) -> list[float]:
+    """Times of the crossings up to `end`; ValueError is how a solution says that it has no more."""
+    times: list[float] = []
+    while len(times) < most:
+        try:
+            t, _ = exact.crossing(len(times) + 1)
+        except ValueError:
+            break
+        if t > end:
+            break
+        times.append(t)
+    return times

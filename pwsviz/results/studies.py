@@ -1,0 +1,116 @@
+"""The studies that views ask `core` for, with the settings of the page."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+
+import numpy as np
+
+import core
+from pwsviz.results.requests import CostInputs, StabilityInputs, StudyInputs, transition_of
+from pwsviz.scene.validation import MAX_STEPS
+from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
+
+__all__ = [
+    "STUDY_CROSSINGS", "STUDY_HORIZON", "STUDY_PROBE", "STUDY_TAUS", "studied_cost", "studied_order",
+    "studied_stability",
+]  # fmt: skip
+
+STUDY_CROSSINGS = (10, 20, 30)
+"""Crossings at which the order is studied, as in the paper."""
+
+STUDY_TAUS = tuple(float(tau) for tau in 2.0 ** -np.arange(3.0, 13.5, 0.5))
+"""Step sizes of the order study: twenty-one, from 1/8 down to 1/8192."""
+
+STUDY_HORIZON = 500.0
+"""Time up to which the order study looks for crossings."""
+
+STUDY_PROBE = 1e-2
+"""Step size of the run with which the order study and the comparison of run times look for crossings and the end."""
+
+BEFORE_THE_END = 0.9
+"""Part of the lifetime of a solution that ends early over which run times are compared."""
+
+
+def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
+    """Return the numbers of the crossings to study: those of the paper, or fewer if the trajectory has fewer.
+
+    They are counted on a run, since the reference solution might look for a next crossing forever.
+    """
+    run = core.integrate(
+        inputs.problem.build(),
+        (0.0, STUDY_HORIZON),
+        x0=inputs.problem.x0,
+        tau=STUDY_PROBE,
+        method=inputs.scheme.method,
+        record="crossings",
+        max_crossings=STUDY_CROSSINGS[-1] + 1,
+        cancel=cancel,
+    )
+    if cancel():
+        raise Cancelled
+    passed = len(run.crossings.passed)
+    if passed < 2:
+        found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
+        why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
+        raise ValueError(f"An order study needs two crossings at least; {found}.{why}")
+    last = passed - 1  # the segment after it is studied, too
+    return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
+
+
+def studied_order(inputs: StudyInputs, cancel: Cancel, report: Report) -> core.OrderStudy:
+    """Study the order of an integrator."""
+    return core.order_study(
+        inputs.problem.build(),
+        STUDY_TAUS,
+        x0=inputs.problem.x0,
+        crossings=_studied_crossings(inputs, cancel),
+        cancel=cancel,
+        progress=report,
+        **inputs.scheme.arguments(),
+    )
+
+
+def studied_cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Report) -> core.WorkPrecision:
+    """Compare run times and errors, up to the end time or to where a solution that ends before is near its end."""
+    system, start = inputs.problem.build(), inputs.problem.x0
+    probe = core.integrate(
+        system,
+        (0.0, inputs.t_end),
+        start,
+        STUDY_PROBE,
+        inputs.methods[0],
+        record="end",
+        cancel=cancel,
+        max_steps=MAX_STEPS,
+    )
+    there = probe.status in (core.Status.COMPLETED, core.Status.STEP_LIMIT)
+    return core.work_precision(
+        system,
+        (0.0, inputs.t_end if there else BEFORE_THE_END * float(probe.t[-1])),
+        x0=start,
+        methods=inputs.methods,
+        peers=inputs.peers,
+        transition=transition_of(inputs.locate),
+        executor=pool,
+        cancel=cancel,
+        progress=report,
+    )
+
+
+def studied_stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, report: Report) -> core.StabilityStudy:
+    """Compute one part of a stability study; that of the map includes the largest step sizes."""
+    parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
+    return core.stability_study(
+        inputs.problem.build(),
+        (0.0, inputs.t_end),
+        x0=inputs.problem.x0,
+        methods=inputs.methods,
+        coordinate=inputs.coordinate,
+        parts=parts,
+        tau=inputs.tau,
+        transition=transition_of(inputs.locate),
+        executor=pool,
+        cancel=cancel,
+        progress=report,
+    )
