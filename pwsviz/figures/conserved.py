@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.annotations import Span
 
 from pwsviz.figures.marks import kind_columns
@@ -23,12 +23,14 @@ from pwsviz.figures.style import (
     mark_levels,
     plain_figure,
     show_methods,
+    tips,
     unseen,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.animation import ROUND_OFF, Landmarks
 from pwsviz.results.results import ErrorCurve
+from pwsviz.text.numbers import printed
 from pwsviz.text.words import rounded_up
 
 FLOOR = MACHINE_EPSILON / 8
@@ -99,16 +101,12 @@ class ConservedView:
         self.methods, self.keys = legend_lines(plot)
         self.curves = ColumnDataSource({name: [] for name in columns})
         self.lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
-        plot.add_tools(
-            HoverTool(
-                renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
-                tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("|Δψ|", "$snap_y{%.2e}")],
-                formatters={"$snap_x": "printf", "$snap_y": "printf"},
-            )
-        )  # fmt: skip
+        rows = [("integrator", "@method"), ("time", "$snap_x{6}"), ("|Δψ|", "$snap_y{3}")]
+        here: dict[str, Any] = {"line_policy": "nearest", "attachment": "horizontal", "visible": False}
+        plot.add_tools(tips(rows, renderers=[self.lines], **here))
         self.exits = ColumnDataSource({name: [] for name in ("t", "y", "colour", "words")})
         exits = plot.scatter("t", "y", source=self.exits, marker="triangle", color="colour", size=12)
-        plot.add_tools(HoverTool(renderers=[exits], tooltips=[("", "@words")]))
+        plot.add_tools(tips([("", "@words")], renderers=[exits]))
         self.corners = fit_to_corners(plot, [0.0, 1.0], [FLOOR / 2, 1e-2])
 
     def _tick_glyphs(self) -> None:
@@ -120,10 +118,8 @@ class ConservedView:
             line_width=1.8,
         )  # fmt: skip
         reach = plot.scatter("t", "foot", source=self.instants, size=18, alpha=0.0)
-        self.hover = HoverTool(
-            renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},
-            tooltips=[("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")],
-        )  # fmt: skip
+        rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
+        self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
         plot.add_tools(self.hover)
         self.now = Span(dimension="height", line_color=PURPLE, line_width=2, line_dash="dashed", visible=False)
         plot.add_layout(self.now)
@@ -248,8 +244,7 @@ def _relative(error: float, size: float) -> str:
     """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
-    about = f"{float(f'{size:.0e}'):g}".replace("e+0", "e").replace("e-0", "e-")
-    return f" ({rounded_up(error / size)} of the size of ψ, about {about})"
+    return printed(f" ({rounded_up(error / size)} of the size of ψ, about {size:.0e})")
 
 
 def _largest(error: Floats) -> str:

@@ -13,6 +13,7 @@ import core
 from core.diagnostics import stand_in
 from core.kernels import Floats
 from pwsviz.text.mathml import name_markup
+from pwsviz.text.numbers import printed
 
 __all__ = ["constants_markup", "table"]
 
@@ -122,7 +123,7 @@ def _readable(warning: str) -> str:
         ("alpha_hat^2/M_hat", "α̂²/M̂"), ("alpha^2/M", "α²/M"), ("tau_-^*", "τ₋*"), ("tau_+^*", "τ₊*"), ("tau", "τ"),
     ):  # fmt: skip
         warning = warning.replace(plain, symbol)
-    return warning
+    return printed(warning)
 
 
 def _stand_in(method: str) -> str:
@@ -141,7 +142,7 @@ def _stand_in(method: str) -> str:
 def _shown(value: float) -> str:
     if math.isnan(value):
         return "not known"
-    return "∞" if math.isinf(value) else f"{value:.3g}"
+    return "∞" if math.isinf(value) else printed(f"{value:.3g}")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
@@ -150,5 +151,5 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "")
     body = "".join(
         f'<tr><th scope="row">{row[0]}</th>{"".join(f"<td>{cell}</td>" for cell in row[1:])}</tr>' for row in rows
     )
-    name = f"<caption>{escape(caption)}</caption>" if caption else ""
+    name = f"<caption>{escape(printed(caption))}</caption>" if caption else ""
     return f"<table>{name}<thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"

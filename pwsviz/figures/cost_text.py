@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 import core
 from core.studies import CANCELLED, DONE, WAITING, CostCurve
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import duration, listed, plural
 
@@ -73,7 +74,7 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
 
 def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> tuple[str, ...]:
     """Return the row of one target: the error, then integrator and cost, of ours and of an external solver."""
-    cells = [f"{target:.0e}".replace("e-0", "e-")]
+    cells = [printed(f"{target:.0e}")]
     for peer in (False, True):
         found = [_reach(study, curve, target, across, up) for curve in study.curves if curve.peer is peer]
         best = min(filter(None, found), key=lambda one: one[0], default=None)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 import core
 from pwsviz.figures.style import GREEN, GREY, ORANGE, SKY, Line, fit_to_corners, legend_below, mark_levels, plain_figure
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.numbers import printed
 
 LINES = (
     Line(GREY, (), "circle", 1.6),
@@ -54,7 +55,7 @@ class Row:
     @property
     def slope_text(self) -> str:
         """The fitted slope in words."""
-        return f"slope {self.slope:.2f}" if np.isfinite(self.slope) else "no slope"
+        return printed(f"slope {self.slope:.2f}") if np.isfinite(self.slope) else "no slope"
 
 
 def state_rows(study: core.OrderStudy) -> list[Row]:

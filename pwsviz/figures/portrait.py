@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
-from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, ResetTool
+from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, ResetTool
 from bokeh.plotting import figure
 
 import core
@@ -34,6 +34,7 @@ from pwsviz.figures.style import (
     ranges,
     refit,
     show_methods,
+    tips,
     unseen,
 )
 from pwsviz.figures.touch import attach_touch
@@ -169,14 +170,11 @@ class PortraitView:
             line_width=2,
         )  # fmt: skip
         reach = plot.scatter("x", "y", source=self.crossings, size=16, alpha=0.0)  # easier to hit than the mark
-        self.hover = HoverTool(
-            renderers=[reach],
-            tooltips=[
-                ("crossing", "@number"), ("time", "@time{%.9g}"), ("kind", "@kind"), ("integrator", "@method"),
-                ("start", "@start"),
-            ],
-            formatters={"@time": "printf"}, attachment="above", visible=False, limit=3,
-        )  # fmt: skip
+        rows = [
+            ("crossing", "@number"), ("time", "@time{9}"), ("kind", "@kind"), ("integrator", "@method"),
+            ("start", "@start"),
+        ]  # fmt: skip
+        self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
         plot.add_tools(self.hover)
         self._end_glyphs()
         self.pointed = ColumnDataSource({"x": [], "y": []})
@@ -191,14 +189,8 @@ class PortraitView:
             "x", "y", source=self.ends, marker="marker", size=END_SIZE, fill_color="white", line_color="colour",
             line_width=2,
         )  # fmt: skip
-        plot.add_tools(
-            HoverTool(
-                renderers=[self.stops], attachment="above", visible=False, limit=3, formatters={"@time": "printf"},
-                tooltips=[
-                    ("stops at time", "@time{%.9g}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start"),
-                ],
-            )
-        )  # fmt: skip
+        rows = [("stops at time", "@time{9}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start")]
+        plot.add_tools(tips(rows, renderers=[self.stops], attachment="above", visible=False, limit=3))
 
     def _start_glyphs(self) -> None:
         plot = self.figure

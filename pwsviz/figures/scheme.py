@@ -15,6 +15,7 @@ from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projec
 from core.symbolic import TIME, DividedDifference, Laws, Mode
 from pwsviz.figures.constants import constants_markup, table
 from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, name_markup, names_of
+from pwsviz.text.numbers import printed
 
 __all__ = ["SCHEME_STYLE", "scheme_markup"]
 
@@ -117,7 +118,7 @@ class _Sheet:
         self._parts.append(f'<div class="formula">{typeset}</div>')
 
     def say(self, words: str) -> None:
-        self._parts.append(f"<p>{escape(words)}</p>")
+        self._parts.append(f"<p>{escape(printed(words))}</p>")
 
     def head(self, words: str) -> None:
         self._parts.append(f"<h4>{escape(words)}</h4>")
@@ -283,10 +284,10 @@ def _write_composition(sheet: _Sheet, weights: Sequence[float]) -> None:
     count = len(weights)
     sheet.say(f"A step is {count} steps Φ of dmm2 one after another, of lengths γᵢτ:")
     sheet.formula(rf"x_{{k+1}} = ( \Phi_{{{count}}} \circ \cdots \circ \Phi_{{1}} ) ( x_{{k}} )")
-    pairs = [(f"{i + 1}, {count - i}", f"{weights[i]:.16g}") for i in range(count // 2)]
+    pairs = [(f"{i + 1}, {count - i}", printed(f"{weights[i]:.16g}")) for i in range(count // 2)]
     sheet.table(
         ["i", "<math><msub><mi>γ</mi><mi>i</mi></msub></math>"],
-        [*pairs, (f"{count // 2 + 1}", f"{weights[count // 2]:.16g}")],
+        [*pairs, (f"{count // 2 + 1}", printed(f"{weights[count // 2]:.16g}"))],
     )
 
 
@@ -331,7 +332,7 @@ def _parameter_table(system: core.PiecewiseSystem) -> str:
     rows = [
         [
             f"<math>{markup(Symbol(p.name), names)}</math>",
-            f'<span class="number">{system.values[p.name]:.12g}</span>',
+            f'<span class="number">{printed(f"{system.values[p.name]:.12g}")}</span>',
             escape(p.doc),
         ]
         for p in system.parameters

@@ -7,6 +7,7 @@ import numpy as np
 import core
 from core.studies import NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import plural, rounded_up
 
@@ -19,7 +20,7 @@ UNKNOWN = "–"
 def side_words(study: core.StabilityStudy, side: int) -> str:
     """Return one side of the tangency, such as “x < −1.55”."""
     value = np.nan if study.grazing is None else study.grazing.value
-    return f"{study.coordinate_name} {'<>'[side]} {value:.6g}".replace("-", "−")
+    return printed(f"{study.coordinate_name} {'<>'[side]} {value:.6g}")
 
 
 # Words ---------------------------------------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from pwsviz.figures.style import (
     legend_below,
     line_of,
     plain_figure,
+    tips,
     unseen,
 )
 from pwsviz.geometry.polyline_reduction import Floats
@@ -96,16 +97,10 @@ class Panel:
         look: dict[str, Any] = {"fill_color": "white", "line_color": "colour", "line_width": 1.8, "size": 6}
         marks = plot.scatter("t", column, source=instants, marker="marker", **look)
         reach = plot.scatter("t", column, source=instants, size=14, alpha=0.0)  # easier to hit than the mark
-        tooltips = [("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")]
-        hover = HoverTool(
-            renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},
-            tooltips=tooltips,
-        )  # fmt: skip
-        values = HoverTool(
-            renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
-            tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("value", "$snap_y{%.6g}")],
-            formatters={"$snap_x": "printf", "$snap_y": "printf"},
-        )  # fmt: skip
+        rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
+        hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
+        rows = [("integrator", "@method"), ("time", "$snap_x{6}"), ("value", "$snap_y{6}")]
+        values = tips(rows, renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False)
         plot.add_tools(hover, values)
         return marks, hover
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -10,9 +11,11 @@ import numpy as np
 from bokeh.models import (
     ColumnDataSource,
     CustomJS,
+    CustomJSHover,
     CustomJSTickFormatter,
     DataRange1d,
     FixedTicker,
+    HoverTool,
     LogAxis,
     WheelZoomTool,
 )
@@ -20,6 +23,7 @@ from bokeh.models.annotations import Legend, LegendItem, Span
 from bokeh.plotting import figure
 
 import core
+from pwsviz.text.numbers import PRINTED, printed
 
 # The palette of Okabe and Ito, which is legible in the common kinds of colour blindness, on light and on dark ground.
 BLUE = "#0072B2"
@@ -44,6 +48,18 @@ HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
 PLOT_STYLES = {"height": HEIGHT, "flex": "none"}
+
+TIP_CSS = """
+.bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
+              border-color: var(--mui-palette-divider, #808080); opacity: 1; }
+"""
+"""Of what tells of the place under the pointer, for the shadow root of a figure."""
+
+TIP_CELLS = "display: grid; grid-template-columns: max-content 1fr; gap: 0 8px"
+"""Of its labels and texts."""
+
+TIP_NUMBER = f"{PRINTED}return printed(String(Number(value.toPrecision(Number(format)))))"
+"""JavaScript that prints one of its numbers, to as many digits as its format says."""
 
 
 class Line(NamedTuple):
@@ -107,6 +123,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "output_backend": "canvas",
         "min_border_right": 12,
         "html_attributes": {"role": "img", "aria-label": summary},
+        "stylesheets": [TIP_CSS],
     }
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
@@ -118,7 +135,23 @@ def plain_figure(summary: str, **options: Any) -> figure:
 
 def describe(plot: figure, words: str) -> None:
     """Set the description of a figure for screen readers; the browser applies it at once."""
-    plot.html_attributes = {**plot.html_attributes, "aria-label": words}
+    plot.html_attributes = {**plot.html_attributes, "aria-label": printed(words)}
+
+
+def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:
+    """Make a tool that tells of what is under the pointer, in the colours of the page.
+
+    Parameters
+    ----------
+    rows : list of (label, text)
+        As of a `HoverTool`; ``@t{6}`` is a number of the column ``t`` as it is printed, to six digits.
+    **options
+        Passed on to `HoverTool`.
+    """
+    cells = "".join(f'<span style="opacity: 0.75">{label}</span><span>{text}</span>' for label, text in rows)
+    numbers = re.findall(r"([@$]\w+){[0-9]+}", cells)
+    formatters = dict.fromkeys(numbers, CustomJSHover(code=TIP_NUMBER))
+    return HoverTool(tooltips=f'<div style="{TIP_CELLS}">{cells}</div>', formatters=formatters, **options)
 
 
 @dataclass(frozen=True)
