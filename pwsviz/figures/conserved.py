@@ -214,7 +214,7 @@ def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = N
     round_off = ROUND_OFF * MACHINE_EPSILON if landmarks is None else landmarks.round_off
     told = [words for curve in curves if (words := _drift(curve, round_off))]
     many = len(curves[0].crossings)
-    missing = f" {many:,} crossings: too many for their ticks and for the sides to be told apart." * (many > MOST_BANDS)
+    missing = f" {many:,} crossings are too many to mark them or to shade the sides." * (many > MOST_BANDS)
     whose = f" Sides and crossings are those of {curves[0].method}." * (len(curves) > 1)
     return "; ".join(told) + "." + missing + whose if told else ""
 

@@ -40,13 +40,13 @@ _CONSTANTS = (
     _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "least speed in g at which the solution crosses"),
     _Constant(
         r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "discrete transversality (3.6)",
-        "the same of the scheme’s steps to and from the surface; must be positive",
+        "the same for the scheme’s steps to and from the surface; has to be positive",
     ),
     _Constant(
         "M", "M", "(3.2)", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
     ),
     _Constant(
-        r"\hat{M}", "M_hat", "(3.9)", "the same of the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
+        r"\hat{M}", "M_hat", "(3.9)", "the same for the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
     ),
     _Constant(
         r"\tau^{*}_{-}", "tau_minus", "Lemma A.3", "up to this τ the step to the surface has one solution",
@@ -88,7 +88,7 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
         return "<p>They are computed from a run; there is none yet.</p>"
     count = len(diagnosis.alpha2)
     if not count:
-        return f"<p>{escape(diagnosis.summary)} The constants are those of crossings.</p>"
+        return f"<p>{escape(diagnosis.summary)} The constants are defined at crossings.</p>"
     zeno = run is not None and run.status is core.Status.ZENO
     rows = [_constant_row(constant, diagnosis, zeno) for constant in _CONSTANTS]
     whose = "" if run is None else f" of {run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"

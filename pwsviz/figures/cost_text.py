@@ -65,11 +65,13 @@ def cost_words(cost: float, across: Across) -> str:
 def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     """Return the cheapest run of ours and of an external solver for each of `TARGETS`; no rows if there is no error."""
     cost = "run time" if across == "seconds" else "evaluations"
-    header = ("error at most", "cheapest here", cost, "cheapest external solver", cost)
+    header = ("error at most", "cheapest integrator", cost, "cheapest external solver", cost)
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
     what = "Fastest" if across == "seconds" else "Fewest evaluations"
-    return Numbers(header, rows, caption=f"{what} to a given error; only runs with the solution's crossings count")
+    return Numbers(
+        header, rows, caption=f"{what} to a given error; only runs with as many crossings as the solution count"
+    )
 
 
 def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> tuple[str, ...]:
@@ -105,7 +107,7 @@ def cost_text(study: core.WorkPrecision, across: Across, up: Up) -> str:
         parts.append(f"There is no {UP[up]} to show: {_why_none(study, up)}.")
     if across == "evaluations":
         parts.append(_about_evaluations(study))
-    return " ".join(filter(None, [*parts, *_missing(study), _compiling(study), _measured_against(study, up)]))
+    return " ".join(filter(None, [*parts, *_missing(study), _compiling(study), _comparison(study, up)]))
 
 
 def _why_none(study: core.WorkPrecision, up: Up) -> str:
@@ -125,7 +127,7 @@ def _about_evaluations(study: core.WorkPrecision) -> str:
         if np.isfinite(curve.seconds).any() and np.isnan(curve.evaluations).all()
     ]
     if any(curve.name == "taylor" for curve in study.curves):
-        notes.append("An evaluation of taylor is a whole series.")
+        notes.append("One evaluation of taylor is a whole series.")
     return " ".join(notes)
 
 
@@ -164,6 +166,8 @@ def compared_with(study: core.WorkPrecision) -> str:
     return f"run to t = {study.t_span[1]:.6g}, over {crossings}; compared with: {study.reference}"
 
 
-def _measured_against(study: core.WorkPrecision, up: Up) -> str:
+def _comparison(study: core.WorkPrecision, up: Up) -> str:
     text = compared_with(study)
-    return f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} are round-off, or its own."
+    return (
+        f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} may be round-off or those of the reference."
+    )

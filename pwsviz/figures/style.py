@@ -150,7 +150,7 @@ def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:
     """
     cells = "".join(f'<span style="opacity: 0.75">{label}</span><span>{text}</span>' for label, text in rows)
     numbers = re.findall(r"([@$]\w+){[0-9]+}", cells)
-    formatters = dict.fromkeys(numbers, CustomJSHover(code=TIP_NUMBER))
+    formatters: dict[str, Any] = dict.fromkeys(numbers, CustomJSHover(code=TIP_NUMBER))
     return HoverTool(tooltips=f'<div style="{TIP_CELLS}">{cells}</div>', formatters=formatters, **options)
 
 

@@ -55,12 +55,12 @@ def swatch(method: str) -> str:
 def study_text(study: core.OrderStudy, rows: Sequence[Row]) -> str:
     """Return the slopes of an order study in words: the same as the plot shows, also for screen readers."""
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in rows)
-    words = f"{study.method}: {slopes}. Measured against: {study.reference}."
+    words = f"{study.method}: {slopes}. Compared with: {study.reference}."
     if not any(math.isfinite(row.slope) for row in rows):
-        words += " Too few errors are above round-off to fit a slope to."
+        words += " Too few errors are above round-off to fit a slope."
     if study.crossings != STUDY_CROSSINGS:
-        usual = ", ".join(map(str, STUDY_CROSSINGS))
-        words += f" The trajectory ends too early to look at crossings {usual} as usual."
+        usual = listed([str(k) for k in STUDY_CROSSINGS])
+        words += f" The trajectory ends too early for the usual crossings, {usual}."
     return words
 
 
@@ -69,7 +69,7 @@ def method_notes(scene: Scene) -> str:
     resting = [name for name in core.METHODS if name not in scene.offered]
     notes = []
     if resting:
-        notes.append(f"{listed(resting)} need a conserved quantity. None is known here, so they are not offered.")
+        notes.append(f"{listed(resting)} need a conserved quantity; none is known here, so they are not offered.")
     for name in [name for name in scene.used if core.METHODS[name].adaptive]:
         lacks = "order to study"
         if scene.locate and scene.perturbation_order is not None:

@@ -54,7 +54,7 @@ def slope_numbers(study: core.OrderStudy, rows: Sequence[Row]) -> Numbers:
     return Numbers(
         ("curve", "fitted slope", "fitted where τ is", "error at the largest τ", "at the smallest"),
         cells,
-        f"{study.method}, {sizes}; measured against: {study.reference}; round-off {study.floor:.0e}.",
+        f"{study.method}, {sizes}; compared with: {study.reference}; round-off {study.floor:.0e}.",
     )
 
 

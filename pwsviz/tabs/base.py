@@ -217,7 +217,7 @@ class LongTab(Tab):
 def always_located(scene: Scene) -> str:
     """Say that a study locates crossings where the page does not, or perturbs them; else nothing."""
     if not scene.locate:
-        return "In this study crossings are always located, although the page steps over them."
+        return "This study always locates crossings, although the runs of the page do not."
     if scene.perturbation_order is not None:
-        return "In this study crossing times are never perturbed, although they are on the page."
+        return "This study never perturbs crossing times, although the runs of the page do."
     return ""

@@ -36,7 +36,7 @@ def open_at(visit, address, query):
 
 def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_cheapest(visit, address):
     page = open_at(visit, address, "view=cost&methods=dmm2,rk2")
-    page.get_by_role("row", name=re.compile("^1e-3")).wait_for(timeout=60_000)
+    page.get_by_role("row", name=re.compile("^10⁻³")).wait_for(timeout=60_000)
     page.get_by_text(re.compile("compared with", re.IGNORECASE)).locator("visible=true").first.wait_for()
     points = await_that(page, POINTS, lambda seen: any("where the solution has" in one["status"] for one in seen))
     wrong = [one for one in points if "where the solution has" in one["status"]]

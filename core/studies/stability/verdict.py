@@ -51,7 +51,7 @@ NO_START = 103
 _OTHER_WORDS = {
     NOT_YET: "not computed yet",
     WRONG_CROSSINGS: "wrong number of crossings",
-    WENT_ON: "goes on where the solution stops",
+    WENT_ON: "continues where the solution stops",
     NO_START: "no start there",
 }
 
@@ -142,7 +142,7 @@ def _message(status: Status, outcome: int, passed: int, expected: Expected) -> s
     if outcome == WRONG_CROSSINGS:
         return f"{passed} crossing{'s' * (passed != 1)} instead of {expected.crossings}"
     if outcome == WENT_ON:
-        return f"it goes on where the solution stops because {expected.status.reason}"
+        return f"it continues where the solution stops because {expected.status.reason}"
     return status.reason
 
 
