@@ -53,7 +53,7 @@ TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
               border-color: var(--mui-palette-divider, #808080); opacity: 1; }
 """
-"""Of what tells of the place under the pointer, for the shadow root of a figure."""
+"""Style sheet of the whole page, for what tells of the place under the pointer: Bokeh adds that to the page itself."""
 
 TIP_CELLS = "display: grid; grid-template-columns: max-content 1fr; gap: 0 8px"
 """Of its labels and texts."""
@@ -123,7 +123,6 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "output_backend": "canvas",
         "min_border_right": 12,
         "html_attributes": {"role": "img", "aria-label": summary},
-        "stylesheets": [TIP_CSS],
     }
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page

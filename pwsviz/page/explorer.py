@@ -16,6 +16,7 @@ import core
 from pwsviz.editor.form import SystemEditor
 from pwsviz.export.tables import drawn_runs, portrait_tables
 from pwsviz.figures.linking import link_portrait
+from pwsviz.figures.style import TIP_CSS
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.help import ABOUT, CITATION, Help
 from pwsviz.page.portrait_panel import PortraitPanel
@@ -78,7 +79,7 @@ PAGE_HTML = """{% extends "base.html" %}
 {% block custom_css %}<style>FACE</style>{% endblock %}
 {% block loader_css %}{{ super() }}
 #loader:not(.error) { background: none; cursor: progress; }
-{% endblock %}""".replace("FACE", FACE)
+{% endblock %}""".replace("FACE", FACE + TIP_CSS)
 """While the page is built: the parts already there are visible but take no input, which Panel would lose."""
 
 THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
