@@ -81,6 +81,7 @@ class ConservedView:
                 ("g > 0", self.bands[1]),
                 ({"field": "label"}, self.ticks),
             ],
+            usual=5,
         )
         self.entries = dict(zip(SIDES, entries, strict=True))
 

@@ -165,6 +165,7 @@ class OrderView:
                 ({"field": "label"}, lines),
                 ("fit", fits),
             ],
+            usual=5,
             widest=200,
         )
 

@@ -224,6 +224,7 @@ class PortraitView:
                 ({"field": "label"}, self.stops),
                 *self.ground.legend,
             ],
+            usual=9,
         )
         self.ground.follow(entries[-len(self.ground.legend) :])
 

@@ -53,7 +53,7 @@ class DriftFigure:
         mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, or 0"})
         self.corners = fit_to_corners(plot, [1.0, 1e3], [FLOOR / 2, 1e-12])
         plot.add_tools(tips([("", "@method"), ("", "@message")], renderers=[stops]))
-        self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)])[1]
+        self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)], usual=2)[1]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the long runs."""
@@ -116,7 +116,7 @@ class GrazingFigure:
         ]
         plot.add_tools(tips(rows, renderers=marks))
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
-        self._entries = legend_below(plot, 3, entries, widest=195)[1:3]
+        self._entries = legend_below(plot, 3, entries, usual=5, widest=195)[1:3]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the runs near a tangency."""

@@ -15,6 +15,7 @@ from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     HEIGHT,
     PURPLE,
+    ROOM,
     SIDES,
     assign,
     legend_below,
@@ -90,7 +91,7 @@ class Panel:
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
         self.figure.add_layout(now)
         entries = [({"field": "method"}, self.lines), ("g < 0", self.bands[-1]), ("g > 0", self.bands[1])]
-        self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)])
+        self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)], usual=5)
 
     def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
         plot = self.figure
@@ -110,7 +111,7 @@ class Panel:
         self.figure.xaxis.axis_label = "time t" if lowest else None
         self.figure.xaxis.major_label_text_alpha = 1.0 if lowest else 0.0
         self.figure.legend.visible = lowest
-        extra = f" + {LEGEND_HEIGHT}px" if lowest and panels > 1 else ""
+        extra = f" + {LEGEND_HEIGHT}px" * (panels > 1) + f" + {ROOM}" if lowest else ""
         self.figure.styles = {"height": f"calc({HEIGHT} / {panels}{extra})", "flex": "none"}
 
     def show(self, k: int, runs: Sequence[StateCurves]) -> None:

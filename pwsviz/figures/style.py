@@ -47,7 +47,21 @@ SIDES = {-1: SKY, 1: SAND}
 HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
-PLOT_STYLES = {"height": HEIGHT, "flex": "none"}
+ROOM = "var(--legend, 0px)"
+"""CSS height by which a legend is taller than usual, set by `KEEP_PLACE`: added to a figure, whose frame then stays."""
+
+PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
+
+KEEP_PLACE = """
+const index = cb_context.index, view = index.find_one(legend), [entry] = view?.entries ?? []
+if (entry != null) {
+  const shown = legend.items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
+  const more = Math.ceil(shown.length / legend.ncols) - Math.ceil(usual / legend.ncols)
+  const row = entry.el.offsetHeight + (parseFloat(getComputedStyle(view.grid_el).rowGap) || 0)
+  index.find_one(plot)?.el.style.setProperty("--legend", `${more * row}px`)
+}
+"""
+"""JavaScript that makes a figure as much taller as its legend is taller than with the usual number of entries."""
 
 TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
@@ -220,7 +234,9 @@ def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
     }  # fmt: skip
 
 
-def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], widest: int = 115) -> list[LegendItem]:
+def legend_below(
+    plot: figure, columns: int, entries: list[tuple[Any, Any]], usual: int, widest: int = 115
+) -> list[LegendItem]:
     """Put a legend below the plot, where it covers nothing, and return its entries.
 
     Parameters
@@ -231,6 +247,8 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], wid
         Most entries in a row.
     entries : list of (label, renderer)
         A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
+    usual : int
+        Entries for which the figure has room: more of them make it taller, so that the plot itself keeps its place.
     widest : int
         Pixels that an entry may need; rows of a narrow plot have fewer entries accordingly.
     """
@@ -241,6 +259,12 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], wid
     legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
     fewer = f"legend.ncols = Math.max(1, Math.min({columns}, Math.floor(cb_obj.outer_width / {widest})))"
     plot.js_on_change("outer_width", CustomJS(args={"legend": legend}, code=fewer))
+    keep = CustomJS(args={"plot": plot, "legend": legend, "usual": usual}, code=KEEP_PLACE)
+    legend.js_on_change("ncols", keep)
+    for item in items:
+        item.js_on_change("visible", keep)
+        for renderer in item.renderers:
+            renderer.data_source.js_on_change("data", keep)
     plot.add_layout(legend, "below")
     return items
 
