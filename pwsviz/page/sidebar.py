@@ -114,7 +114,7 @@ class Sidebar(pn.viewable.Viewer):
     def _make_numbers(self) -> None:
         self.tau = self._number(
             "tau", bounds=TAU_SLIDER, logarithmic=True,
-            description="Length of a step in time. Numbers and formulas can be typed, such as 1e-3 or 1/300.",
+            description="Length of a step in time. Numbers and formulas can be typed, such as “1e-3” or “1/300”.",
         )  # fmt: skip
         self.tolerance = self._number(
             "tolerance",

@@ -4,8 +4,11 @@ import re
 
 import pytest
 
+from pwsviz.text.numbers import PRINTED, printed
 from tests.browser.looking import (
     GROUND,
+    TIP,
+    UNPRINTED,
     await_ground,
     await_other_picture,
     await_painted,
@@ -15,6 +18,7 @@ from tests.browser.looking import (
     settled_picture,
     type_into,
 )
+from tests.browser.test_portrait import CONSERVED, await_that
 
 pytestmark = pytest.mark.browser
 
@@ -99,6 +103,16 @@ def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     light = await_painted(page, "Phase portrait").evaluate(GROUND)
     page.get_by_label("Toggle theme").click()
     dark = await_ground(page, canvas(page, "Phase portrait"), lambda ground: ground != light)
+    assert page.evaluate(UNPRINTED) == []
+    x, y = await_that(page, CONSERVED)["ticks"][1]
+    page.mouse.move(x, y - 60)
+    page.mouse.move(x, y, steps=3)
+    page.wait_for_function(f"({TIP})()")
+    words, *colours = page.evaluate(TIP)
+    assert words.startswith("crossing2time")
+    assert colours == ["rgb(255, 255, 255)", "rgb(18, 18, 18)"], "as other texts of the dark page"
+    for number in ("2.5e-16", "1e+21", "-1e-7", "-3.25", "0.001"):
+        assert page.evaluate(f"number => {{ {PRINTED} return printed(number) }}", number) == printed(number)
     page.reload()
     drawing = await_painted(page, "Phase portrait")
     await_ground(page, drawing, lambda ground: ground == dark)

@@ -126,6 +126,7 @@ def test_numbers_may_be_written_as_constants():
         ("x0", "1, 2e6", "too large"),
         ("jump", "x", "1 expression here"),
         ("jump", "x, -r*y", "y⁺ = '-r*y': unknown name 'r'"),
+        ("g", "x % y", "t, pi, e, + - * / ** ^, and sin"),
         ("g", "x" * (MAX_CHARACTERS + 1), "1,001 characters; at most 1,000"),
     ],
 )
