@@ -31,7 +31,7 @@ STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
 
 _CHOICES = {
     "peers": EXTERNAL_SOLVERS, "cost_across": COST_ACROSS, "cost_up": COST_UP, "stability_part": STABILITY_PARTS,
-    "stability_shown": STABILITY_SHOWN,
+    "stability_shown": STABILITY_SHOWN, "system": {"own": "your own"},
 }  # fmt: skip
 _CHARACTERS = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", "_": ""}
 

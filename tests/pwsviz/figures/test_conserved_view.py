@@ -66,7 +66,7 @@ def test_a_run_with_very_many_crossings_has_no_bands():
     view, _, _ = shown(t_end=2000.0, tau=0.05)
     assert all(len(source.data["start"]) == 0 for source in view.segments.values())
     assert len(view.instants.data["t"]) == 0
-    assert "crossings: too many for their ticks" in view.figure.html_attributes["aria-label"]
+    assert "crossings are too many to mark them" in view.figure.html_attributes["aria-label"]
 
 
 @pytest.mark.parametrize(("system", "kind"), [("elliptic_curve", "transversal"), ("bouncing_ball", "jump")])

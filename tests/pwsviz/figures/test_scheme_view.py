@@ -157,7 +157,7 @@ def test_the_transition_is_that_which_was_asked_for() -> None:
 
 
 def test_a_jump_and_a_surface_that_moves_are_in_the_equations() -> None:
-    assert "the state jumps" in scheme_markup(core.CATALOGUE["bouncing_ball"], "dmm2")
+    assert "the state is reset" in scheme_markup(core.CATALOGUE["bouncing_ball"], "dmm2")
     assert "g ( t-hat , x-hat ) = 0" in said(scheme_markup(core.CATALOGUE["moving_interface"], "dmm2"))
     assert "g ( x-hat ) = 0" in said(scheme_markup(core.CATALOGUE["pendulum"], "dmm2"))
 
