@@ -168,7 +168,7 @@ def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
     if method.needs_conserved and not (system.psi_minus or system.psi_plus):
         others = ", ".join(m.name for m in METHODS.values() if not m.needs_conserved)
         raise ValueError(
-            f"method {method.name!r} keeps conserved quantities, and {system.name!r} has none: use one of {others}"
+            f"method {method.name!r} conserves known quantities, and {system.name!r} has none: use one of {others}"
         )
     return method
 

@@ -32,7 +32,7 @@ examples:
   python -m pwsviz serve
   python -m pwsviz serve --port 8080 --no-show
   python -m pwsviz serve --address 0.0.0.0 --port 80 --allow-websocket-origin pws.example.org --num-procs 4 --no-show
-  python -m pwsviz serve -- --prefix /explorer        what follows -- goes to `panel serve` as it is
+  python -m pwsviz serve -- --prefix /explorer        what follows -- is passed on to `panel serve`
 
 If the page is reached by another name than localhost (a proxy, a tunnel, another machine), allow that name by
 --allow-websocket-origin: the server refuses browsers that opened the page by a name it does not know.
@@ -166,7 +166,9 @@ def _report(given: argparse.Namespace) -> int:
 
     unknown = [label for label in given.only if label not in figures_of_paper()]
     if unknown:
-        print(f"{unknown[0]!r} is no figure of the paper; there are {', '.join(figures_of_paper())}.", file=sys.stderr)
+        print(
+            f"{unknown[0]!r} is not a figure of the paper; there are {', '.join(figures_of_paper())}.", file=sys.stderr
+        )
         return 2
     started = time.perf_counter()
     files: list[Path] = []

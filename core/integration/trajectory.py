@@ -384,7 +384,7 @@ class Trajectory:
 
     def _missing(self, t: float) -> str:
         if self.record == "steps":
-            return f"t = {t!r}: the equations of the step to there have no real solution; take a smaller step size tau"
+            return f"t = {t!r}: the equations of the step to there have no real solution; take a smaller tau"
         return (
             f"t = {t!r}: the run has not recorded its steps (record={self.record!r}), so only the times it "
             'has kept are available; integrate with record="steps", or with t_eval at the times wanted'

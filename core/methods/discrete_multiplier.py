@@ -86,13 +86,13 @@ def _decimals(*texts: str) -> tuple[Expr, ...]:
 
 _DMM = DiscreteMultiplier()
 
-DMM2 = Method("dmm2", _DMM, "Discrete Multiplier Method: keeps every ψ to round-off, symmetric.")
+DMM2 = Method("dmm2", _DMM, "Discrete Multiplier Method, order 2: implicit, symmetric, conserves every ψ to round-off.")
 
 #: Suzuki, Phys. Lett. A 146 (1990).
 DMM4 = Method(
     "dmm4",
     Composition((1 / written_sum(Integer(4), -cbrt(4)),) * 2, _DMM, 4),
-    "Five steps of dmm2 (Suzuki): ψ kept, symmetric.",
+    "Composition of five steps of dmm2 (Suzuki), order 4: symmetric, conserves every ψ.",
 )
 
 #: Kahan, Li, Math. Comp. 66 (1997), s9odr6a; see Hairer, Lubich, Wanner, Geometric Numerical Integration, V.3.2.
@@ -106,7 +106,7 @@ DMM6 = Method(
         _DMM,
         6,
     ),
-    "Nine of dmm2 (Kahan, Li): ψ kept, symmetric.",
+    "Composition of nine steps of dmm2 (Kahan and Li), order 6: symmetric, conserves every ψ.",
 )  # fmt: skip
 
 #: As before, s17odr8a.
@@ -121,5 +121,5 @@ DMM8 = Method(
         _DMM,
         8,
     ),
-    "17 of dmm2 (Kahan, Li): ψ kept, symmetric.",
+    "Composition of 17 steps of dmm2 (Kahan and Li), order 8: symmetric, conserves every ψ.",
 )  # fmt: skip

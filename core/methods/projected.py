@@ -44,6 +44,14 @@ class TaylorSeries(Scheme):
         return step.project_to_levels(step.polynomial(), prepared=True)
 
 
-PRK8 = Method("prk8", Projected(DOP853), "rk8 moved onto ψ: a conservative method that is explicit.")
+PRK8 = Method(
+    "prk8",
+    Projected(DOP853),
+    "rk8 with its step projected onto the level of ψ, order 8: explicit up to that, conserves every ψ.",
+)
 
-TAYLOR = Method("taylor", TaylorSeries(), "Taylor series moved onto ψ; order and step from a tolerance.")
+TAYLOR = Method(
+    "taylor",
+    TaylorSeries(),
+    "Taylor series, order and step size from a tolerance, projected onto the level of ψ, if one is known.",
+)

@@ -106,7 +106,7 @@ _HALF = Rational(1, 2)
 RK2 = Method(
     "rk2",
     ButcherTableau(((), (_HALF,)), (Integer(0), Integer(1)), 2),
-    "Explicit midpoint: the paper's baseline, whose ψ drifts.",
+    "Explicit midpoint rule, order 2: the paper's baseline, whose ψ drifts.",
 )
 
 CLASSICAL = ButcherTableau(
@@ -118,7 +118,7 @@ CLASSICAL = ButcherTableau(
 RK4 = Method(
     "rk4",
     CLASSICAL,
-    "Classical Runge-Kutta: accurate for a while, ψ drifts slowly.",
+    "Classical Runge-Kutta method, order 4: explicit; ψ drifts more slowly.",
 )
 
 DOP853 = ButcherTableau(
@@ -131,7 +131,7 @@ DOP853 = ButcherTableau(
 RK8 = Method(
     "rk8",
     DOP853,
-    "Dormand and Prince's explicit method of order 8: ψ drifts, slower.",
+    "Explicit method of Dormand and Prince, order 8; ψ drifts more slowly still.",
 )
 
 #: Hairer, Lubich, Wanner, Geometric Numerical Integration, II.1.3 and VI.4: symmetric, symplectic.
@@ -146,5 +146,5 @@ GAUSS4 = Method(
         4,
         symmetric=True,
     ),
-    "Gauss's implicit method of two stages: symplectic, keeps quadratic ψ and no other.",
+    "Gauss method of two stages, order 4: implicit, symplectic; conserves linear and quadratic ψ only.",
 )

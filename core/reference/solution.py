@@ -223,14 +223,14 @@ class ReferenceSolution:
         """The arc after a jump to (t, x), or why there is none; on the surface the fields decide its side."""
         height = self._dynamics.height(t, x)
         if not _finite(*x, height):
-            return f"the jump leads to {x.astype(float)}, where nothing is defined"
+            return f"the reset map leads to {x.astype(float)}, where nothing is defined"
         if np.abs(height) > OFF_SURFACE * self._largest_height:
             return self._dynamics.start(t, x, 1 if height > 0 else -1, False)
         below, above = -self._dynamics.rate(-1, t, x) > tangent, self._dynamics.rate(1, t, x) > tangent
         if below and above:
-            return "after the jump both fields lead away from the surface"
+            return "after the reset both fields lead away from the surface"
         if not (below or above):
-            return "after the jump neither field leads away from the surface, so it stays there"
+            return "after the reset neither field leads away from the surface, so it stays there"
         return self._dynamics.start(t, x, 1 if above else -1, True)
 
     def _accumulates(self, t: float) -> bool:

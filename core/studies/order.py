@@ -34,7 +34,7 @@ _AGREE = 0.15
 #: Least number of points of a fit.
 _LEAST = 3
 #: If the slopes within `_SPAN` differ by more than this, as without a transition, all points enter the fit.
-_SCATTER = 3.0
+_SCATTER = 1.0
 #: Least number of steps to a state that is compared: after fewer, the shortened last step distorts the order.
 _FEWEST_STEPS = 4
 #: Round-off of state and reference together, in units of eps times the size of the state.

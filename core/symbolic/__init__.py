@@ -1,12 +1,13 @@
 """Expressions: the whitelist parser, tests whether one is zero, laws, the discrete gradient and multiplier."""
 
 from core.symbolic.declaration import SIDES, Declaration, Problem, Verdict, miscounted
-from core.symbolic.expressions import TIME, parse, quoted, to_text
+from core.symbolic.expressions import OPERATORS, TIME, parse, quoted, to_text
 from core.symbolic.laws import Laws, Mode
 from core.symbolic.multiplier import DIFFERENCES, DividedDifference
 
 __all__ = [
     "DIFFERENCES",
+    "OPERATORS",
     "SIDES",
     "TIME",
     "Declaration",

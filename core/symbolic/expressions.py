@@ -14,7 +14,7 @@ import sympy
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
-__all__ = ["FUNCTIONS", "TIME", "check_name", "parse", "quoted", "to_text"]
+__all__ = ["FUNCTIONS", "OPERATORS", "TIME", "check_name", "parse", "quoted", "to_text"]
 
 #: The symbol of time in every expression.
 TIME = sympy.Symbol("t")
@@ -63,7 +63,9 @@ _CANCELS = 1e-12
 Root = tuple[sympy.Rational, sympy.Rational]
 
 _NOT_REAL = "it contains a constant that is not a finite real number"
-_ALLOWED = "numbers, the system's variables and parameters, t, pi, e, + - * / **, and " + " ".join(FUNCTIONS)
+#: The operators of expressions, as messages list them.
+OPERATORS = "+ - * / **"
+_ALLOWED = f"numbers, the system's variables and parameters, t, pi, e, {OPERATORS}, and {' '.join(FUNCTIONS)}"
 
 
 def check_name(name: str, role: str) -> str:
@@ -184,7 +186,7 @@ class _Reader:
             tree = ast.parse(self.source, mode="eval")
         except (SyntaxError, ValueError, MemoryError, RecursionError):
             hint = "write powers as **" if "^" in self.source else "write products with *, powers with **"
-            raise self.fail(f"this is no expression; {hint}") from None
+            raise self.fail(f"this is not an expression; {hint}") from None
         expression, _ = self.visit(tree.body, 0)
         self.check_whole(expression)
         return expression

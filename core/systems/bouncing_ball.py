@@ -15,10 +15,10 @@ SYSTEM = PiecewiseSystem(
     psi_plus=_ENERGY,
     parameters=(
         Parameter("gravity", 9.8, (0.5, 30.0), "gravity", r"\gamma"),
-        Parameter("restitution", 0.5, (0.1, 1.0), "part of the speed left after a bounce", r"\epsilon"),
+        Parameter("restitution", 0.5, (0.1, 1.0), "fraction of the speed after a bounce", r"\epsilon"),
     ),
     x0=(1.0, 0.0),
     jump=("0", "-restitution*v"),
-    doc="A ball falls and bounces, each time with a part of its speed. Infinitely many bounces take a finite time, so "
-    "the run ends where they accumulate.",
+    doc="A ball falls and bounces, each time with the same fraction ε of its speed. If ε < 1, infinitely many bounces "
+    "take a finite time, and the run ends where they accumulate.",
 )

@@ -18,5 +18,5 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(1.0, 0.0),
     doc="A mass on a spring moves in thick oil where x > 0 and in thin oil where x < 0. Energy is lost, yet a quantity "
-    "that names time is kept.",
+    "that depends on time is conserved.",
 )

@@ -17,6 +17,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("bias", 0.2, (-1.0, 1.0), "voltage of the battery", "E"),
     ),
     x0=(1.5, 0.0),
-    doc="A coil, a battery and a diode in a loop. A conducting diode (charge q > 0) stores charge as a large "
+    doc="A coil, a battery and a diode in a loop. A conducting diode (charge q > 0) acts as a large "
     "capacitor, a blocking one as a small capacitor.",
 )

@@ -16,5 +16,5 @@ SYSTEM = PiecewiseSystem(
         Parameter("radius", 1.0, (0.1, 4.0), "radius of the circle", "r"),
     ),
     x0=(-1.0, -1.0),
-    doc="A point runs along an elliptic curve y² = x³ + ax + ψ whose coefficient a changes on a circle.",
+    doc="A point moves along an elliptic curve y² = x³ + ax + ψ whose coefficient a changes on a circle.",
 )

@@ -16,6 +16,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("decay", 1.5, (0.2, 5.0), "rate of decay", r"\gamma"),
     ),
     x0=(0.0, 0.0, 0.0),
-    doc="The protein x of one gene turns on a second gene, which by its messenger y makes the repressor z. Above the "
-    "threshold θ the repressor switches the first gene off, so the levels go round for ever.",
+    doc="The protein x of one gene turns on a second gene, which makes the repressor z by way of its messenger y. "
+    "Above the threshold θ the repressor switches the first gene off, so the levels oscillate for ever.",
 )

@@ -15,5 +15,5 @@ SYSTEM = PiecewiseSystem(
         Parameter("omega2_plus", 1.0, (0.1, 20.0), "frequency squared where y > 0", r"\omega^2_{+}"),
     ),
     x0=(1.0, 1.0),
-    doc="An undamped oscillator with one spring where y > 0 and another where y < 0. Each half keeps its own energy.",
+    doc="An oscillator with one spring where y > 0 and another where y < 0. Each side conserves its own energy.",
 )

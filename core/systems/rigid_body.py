@@ -17,5 +17,5 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(0.0, 1.0, 1.0),
     doc="Euler's equations of a body that turns freely, scaled to Jacobi's form: on each side of the plane y₁ = c the "
-    "spin runs along the curve in which two cylinders meet.",
+    "state moves along a curve in which two cylinders meet.",
 )

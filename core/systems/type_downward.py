@@ -15,5 +15,5 @@ SYSTEM = PiecewiseSystem(
         Parameter("v_plus", 0.1, (0.02, 1.0), "downward speed where y > 0"),
     ),
     x0=(0.0, 2.0),
-    doc="Both fields point down through y = 0: every trajectory crosses once, from above, with a kink.",
+    doc="Both fields point down through y = 0: every trajectory from above crosses once, with a kink.",
 )

@@ -15,6 +15,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("v_plus", 0.05, (0.02, 1.0), "upward speed where y > 0"),
     ),
     x0=(0.0, 0.1),
-    doc="Both fields point away from y = 0. A trajectory beside it leaves; on it, both ways are solutions, so a run "
-    "started there stops at once.",
+    doc="Both fields point away from y = 0. A trajectory beside it leaves; from a point on it, the solution may leave "
+    "to either side, so a run that starts there stops at once.",
 )

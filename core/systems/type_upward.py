@@ -15,5 +15,5 @@ SYSTEM = PiecewiseSystem(
         Parameter("v_plus", 0.05, (0.02, 1.0), "upward speed where y > 0"),
     ),
     x0=(0.0, -2.0),
-    doc="Both fields point up through y = 0: every trajectory crosses once, from below, with a kink.",
+    doc="Both fields point up through y = 0: every trajectory from below crosses once, with a kink.",
 )

@@ -48,27 +48,30 @@ _WORDS = {
         "Sliding motion is not integrated here.",
     ),
     Status.REPELLING: (
-        "both fields point away from the surface, so where to go on is not determined",
+        "both fields point away from the surface, so the solution does not continue uniquely",
         "Start off the surface, on the side you want.",
     ),
     Status.GRAZING: (
         "the trajectory touches the surface without a transversal crossing",
-        "Move the initial condition or a parameter a little, or take a smaller step size tau.",
+        "Change the initial condition or a parameter slightly, or take a smaller step size.",
     ),
     Status.NO_CONVERGENCE: (
-        "the equations of the step, or the switching function, have no real solution that can be found",
-        "Take a smaller step size tau.",
+        "the equations of the step, or the switching function, have no real solution that could be found",
+        "Take a smaller step size.",
     ),
     Status.ESCAPED: (
         "the numerical solution blows up",
-        "The solution may have a pole: end the run before it. If it has none, take a smaller step size tau.",
+        "The solution may have a pole: end the run before it. If it has none, take a smaller step size.",
     ),
     Status.ZENO: (
         "crossings come ever closer and accumulate here (Zeno)",
         "These laws do not determine the motion beyond this time; continue it with another system.",
     ),
-    Status.CROSSING_LIMIT: ("reached max_crossings", "Raise max_crossings to go on."),
-    Status.STEP_LIMIT: ("reached max_steps", "Take a larger step size tau, a shorter time, or raise max_steps."),
+    Status.CROSSING_LIMIT: ("the limit of crossings is reached", "Raise the limit (max_crossings) to continue."),
+    Status.STEP_LIMIT: (
+        "the limit of steps is reached",
+        "Take a larger step size or an earlier end time, or raise the limit (max_steps).",
+    ),
     Status.CANCELLED: ("cancelled", ""),
     Status.CONTRADICTION: (
         "the state has followed the law of one side of the surface and lies on the other",
@@ -76,15 +79,15 @@ _WORDS = {
     ),
     Status.UNSTABLE: (
         "the step is too long for this field: the numerical solution departs from the exact one",
-        "Take a smaller step size tau, or a method that chooses its steps (taylor).",
+        "Take a smaller step size, or a method that chooses its steps (taylor).",
     ),
 }
 
 _WITHOUT_TAU = {
-    Status.GRAZING: "Move the initial condition or a parameter a little.",
-    Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8, say.",
+    Status.GRAZING: "Change the initial condition or a parameter slightly.",
+    Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8 instead.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
-    Status.STEP_LIMIT: "Take a larger tolerance, a shorter time, or raise max_steps.",
+    Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",
     Status.UNSTABLE: "Take a smaller tolerance.",
 }
 

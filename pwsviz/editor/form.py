@@ -56,14 +56,14 @@ _HINTS = {
 
 _HELP = {
     "variables": "Time is t.",
-    "parameters": "One per line. The range, for a slider, may be left out.",
+    "parameters": "One per line. The range of the slider is optional.",
     "f_minus": "The time derivative of each variable, one per line.",
     "f_plus": "The time derivative of each variable, one per line.",
-    "g": "The law changes where g = 0.",
-    "psi_minus": "If you know any. One per line.",
-    "psi_plus": "If you know any. One per line.",
+    "g": "The field changes where g = 0.",
+    "psi_minus": "Optional. One per line.",
+    "psi_plus": "Optional. One per line.",
     "x0": "A number for each variable.",
-    "jump": "For impacts: each variable after it has reached g = 0. Empty for none.",
+    "jump": "For impacts: the value of each variable after it reaches g = 0. Leave empty for none.",
 }
 
 Deliver = Callable[[Callable[[Any], None], Any], None]
@@ -254,7 +254,7 @@ def _verdict(outcome: Checked) -> str:
     if "system" in outcome.complaints:
         return as_text(outcome.complaints["system"], "error")
     titles = "; ".join(FIELDS[name] for name in FIELDS if name in outcome.complaints)
-    return as_text(f"Not yet a system. Look at: {titles}.", "error")
+    return as_text(f"The system is not complete. Please check: {titles}.", "error")
 
 
 def _without_icons(words: str) -> str:

@@ -14,7 +14,7 @@ from sympy import Expr, Symbol
 
 import core
 from core.integrate import checked_start
-from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted, to_text
+from core.symbolic import OPERATORS, SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted, to_text
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
 from pwsviz.text.mathml import TOO_LONG, markup, too_long
 from pwsviz.text.typed import as_python
@@ -175,6 +175,7 @@ class _Check:
 
     def complain(self, name: str, words: str) -> None:
         """Add a complaint about a field, as a sentence."""
+        words = words.replace(OPERATORS, f"{OPERATORS} ^")  # which `as_python` reads
         words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
         self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
 
@@ -184,13 +185,13 @@ class _Check:
         for name, text in self.texts.items():
             limit = MAX_NAME if name == "name" else MAX_CHARACTERS
             if len(text) > limit:
-                self.complain(name, f"This is {len(text):,} characters long: {limit:,} at most")
+                self.complain(name, f"This has {len(text):,} characters; at most {limit:,} are allowed")
                 self.texts[name] = ""
 
     def require_names(self) -> None:
         text = self.texts["name"].strip()
         if not text.isprintable():
-            self.complain("name", f"{text!a} holds characters that cannot be seen: leave them out")
+            self.complain("name", f"{text!a} contains invisible characters: remove them")
         elif not text:
             self.complain("name", "Give your system a name")
         if not self.items["variables"]:
@@ -200,7 +201,7 @@ class _Check:
         """Read the entries of a list, and complain about those that cannot be read."""
         texts = self.items[name]
         if len(texts) > most:
-            self.complain(name, f"There are {len(texts)} here: {most} at most")
+            self.complain(name, f"There are {len(texts)} entries; at most {most} are allowed")
         found = []
         for text in texts[:most]:
             try:
@@ -239,7 +240,7 @@ class _Check:
         variable, shown = self.variables[k], markup(Symbol(self.variables[k]))
         if kind == "f":
             return _LeftSide(f"{variable}′", f'<mrow>{shown}<mo lspace="0" rspace="0">′</mo></mrow>')
-        return _LeftSide(f"{variable} after the jump", f"<msub><mrow>{shown}</mrow><mtext>after</mtext></msub>")
+        return _LeftSide(f"{variable}⁺", f"<msup><mrow>{shown}</mrow><mo>+</mo></msup>")
 
     def called(self, name: str, entry: int | None) -> str:
         """Return the name that messages use for the vector field of a side, or for one expression."""
@@ -262,7 +263,7 @@ class _Check:
         if self.items[f"psi_{word}"]:
             return tuple(self.finding(word, k, verdict) for k, verdict in enumerate(self.declaration.verdicts[side]))
         found = () if system is None else system.laws.modes[side].conserved
-        words = f"Found for you, since f{_SIGNS[word][0]} has no divergence:"
+        words = f"Found automatically, since the divergence of f{_SIGNS[word][0]} is 0:"
         none = Finding(_without_quantity(word, system), False)
         return tuple(Finding(words, True, _equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
@@ -298,7 +299,9 @@ def _without_quantity(word: str, system: core.PiecewiseSystem | None) -> str:
     refused = [name for name in core.METHODS if not can_use(system, name)]
     if refused:
         return f"None given or found on either side, so {listed(refused)} will not be offered."
-    return f"None given or found: where g {'<' if word == 'minus' else '>'} 0, conservative methods have no ψ to keep."
+    return (
+        f"None given or found: where g {'<' if word == 'minus' else '>'} 0, conservative methods have no ψ to conserve."
+    )
 
 
 def _parameter(text: str) -> core.Parameter:
@@ -307,7 +310,7 @@ def _parameter(text: str) -> core.Parameter:
     value, within, bounds = (part.strip() for part in re.sub(r"\bin\b", "\0", rest, count=1).partition("\0"))
     ends = split(bounds[1:-1]) if bounds.startswith("[") and bounds.endswith("]") else []
     if not equals or (within and len(ends) != 2):
-        raise ValueError(f"{quoted(text)} is no parameter: write k = 3, or k = 3 in [0.1, 10]")
+        raise ValueError(f"{quoted(text)} is not a parameter: write k = 3, or k = 3 in [0.1, 10]")
     numbers = [_number(part, f"Parameter {name}") for part in (value, *ends)]
     return core.Parameter(name, numbers[0], (numbers[1], numbers[2]) if within else None)
 
@@ -315,7 +318,7 @@ def _parameter(text: str) -> core.Parameter:
 def _coordinate(text: str) -> float:
     number = _number(text, "Start x₀")
     if abs(number) > MAX_COORDINATE:
-        raise ValueError(f"{quoted(text)} is too far away: take numbers between ±{MAX_COORDINATE:,.0f}")
+        raise ValueError(f"{quoted(text)} is too large: take numbers between ±{MAX_COORDINATE:,.0f}")
     return number
 
 
@@ -323,7 +326,7 @@ def _number(text: str, what: str) -> float:
     """Read a number, such as 0.1, 1/3 or sqrt(2)."""
     constant = parse(as_python(text), (), what)
     if constant.free_symbols:
-        raise ValueError(f"{what} = {quoted(text)} is no number: write one, as 0.1, 1/3 or sqrt(2)")
+        raise ValueError(f"{what} = {quoted(text)} is not a number: write one such as 0.1, 1/3 or sqrt(2)")
     return float(constant)
 
 

@@ -9,11 +9,10 @@ import core
 from pwsviz.scene.names import short_name
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
+from pwsviz.text.numbers import RAISED, printed
 from pwsviz.text.words import listed
 
 __all__ = ["about", "caption", "release"]
-
-_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def release() -> str:
@@ -61,7 +60,7 @@ def caption(scene: Scene, title: str, how: str = "") -> str:
     parts = about(scene, how=how)
     values = f"; {parts['parameters']}" if parts["parameters"] else ""
     how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
-    return f"{title}, {parts['system']}: {parts['equations']}{values}. {how}"
+    return printed(f"{title}, {parts['system']}: {parts['equations']}{values}. {how}")
 
 
 def _equations(scene: Scene) -> str:
@@ -80,19 +79,19 @@ def _readable(text: str, system: core.PiecewiseSystem) -> str:
     """Return expressions as they are printed: powers raised, a dot for each product, parameters by their symbols."""
     symbols = {q.name: short_name(q) for q in system.parameters}
     text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
-    text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(_RAISED), text)
+    text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(RAISED), text)
     return text.replace("**", "^").replace("*", "·").replace("-", "−")
 
 
 def _parameters(scene: Scene) -> str:
     symbols = {q.name: short_name(q) for q in scene.declaration.parameters}
-    return ", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items()).replace("-", "−")
+    return printed(", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items()))
 
 
 def _starts(scene: Scene) -> str:
     points = "; ".join(f"({', '.join(f'{x:.15g}' for x in start)})" for start in scene.starts)
     names = ", ".join(scene.declaration.variables)
-    return f"started at ({names}) = {points}".replace("-", "−")
+    return printed(f"started at ({names}) = {points}")
 
 
 def _integration(scene: Scene) -> str:
@@ -102,7 +101,8 @@ def _integration(scene: Scene) -> str:
     steps += [f"tolerance {scene.tolerance:.3g} (taylor)"] if any(map(_adaptive, used)) else []
     crossings = "crossings located by the transition scheme" if scene.locate else "crossings stepped over"
     if scene.locate and scene.perturbation_order is not None:
-        crossings += f", their times perturbed by {scene.perturbation_scale:g}·τ^{scene.perturbation_order}"
+        order = str(scene.perturbation_order).translate(RAISED)
+        crossings += printed(f", their times perturbed by {scene.perturbation_scale:g}·τ{order}")
     return f"integrated by {listed(used)} with {' and '.join(steps)} to t = {scene.t_end:.15g}; {crossings}"
 
 

@@ -163,6 +163,28 @@ const script = path => new Promise((resolve, reject) => {
   document.head.append(element)
 })
 
+const checksum = bytes => {  // the CRC of PNG
+  let rest = ~0
+  for (const byte of bytes) {
+    rest ^= byte
+    for (let k = 0; k < 8; k++) rest = rest & 1 ? rest >>> 1 ^ 0xedb88320 : rest >>> 1
+  }
+  return ~rest >>> 0
+}
+
+// A PNG that says how wide it is meant to be: with the chunk pHYs after its header.
+const PNG_HEADER = 33  // bytes: the signature and the chunk IHDR
+const of_width = (png, pixels_per_metre) => {
+  const chunk = new DataView(new ArrayBuffer(21))
+  chunk.setUint32(0, 9)
+  chunk.setUint32(4, 0x70485973)  // "pHYs"
+  chunk.setUint32(8, pixels_per_metre)
+  chunk.setUint32(12, pixels_per_metre)
+  chunk.setUint8(16, 1)  // metres
+  chunk.setUint32(17, checksum(new Uint8Array(chunk.buffer, 4, 13)))
+  return new Blob([png.slice(0, PNG_HEADER), chunk, png.slice(PNG_HEADER)], { type: png.type })
+}
+
 const WRITERS = {
   async svg({ svg }) {
     return new Blob([new XMLSerializer().serializeToString(svg)], { type: "image/svg+xml" })
@@ -177,7 +199,8 @@ const WRITERS = {
     canvas.height = Math.round(canvas.width * height / width)
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height)
     URL.revokeObjectURL(address)
-    return new Promise(resolve => canvas.toBlob(resolve, "image/png"))
+    const made = await new Promise(resolve => canvas.toBlob(resolve, "image/png"))
+    return of_width(made, Math.round(canvas.width / wish.millimetres * 1000))
   },
   async pdf({ svg, width, height }, wish) {
     if (globalThis.svg2pdf == null) {  // half a megabyte, which only a PDF needs

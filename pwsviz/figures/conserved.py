@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.annotations import Span
 from bokeh.models.glyphs import Scatter
 
@@ -27,12 +27,14 @@ from pwsviz.figures.style import (
     run_lines,
     show_methods,
     side_strips,
+    tips,
     unseen,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.animation import ROUND_OFF, Landmarks
 from pwsviz.results.results import ErrorCurve
+from pwsviz.text.numbers import printed
 from pwsviz.text.words import rounded_up
 
 FLOOR = MACHINE_EPSILON / 8
@@ -83,6 +85,7 @@ class ConservedView:
                 ("g > 0", self.bands[1]),
                 ({"field": "label"}, self.ticks),
             ],
+            usual=5,
         )
         self.entries = dict(zip(SIDES, entries, strict=True))
 
@@ -102,17 +105,13 @@ class ConservedView:
         self.methods, self.keys = legend_lines(plot)
         self.curves = ColumnDataSource({name: [] for name in columns})
         self.lines = plot.add_glyph(self.curves, run_lines())
-        plot.add_tools(
-            HoverTool(
-                renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
-                tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("|Δψ|", "$snap_y{%.2e}")],
-                formatters={"$snap_x": "printf", "$snap_y": "printf"},
-            )
-        )  # fmt: skip
+        rows = [("integrator", "@method"), ("time", "$snap_x{6}"), ("|Δψ|", "$snap_y{3}")]
+        here: dict[str, Any] = {"line_policy": "nearest", "attachment": "horizontal", "visible": False}
+        plot.add_tools(tips(rows, renderers=[self.lines], **here))
         self.exits = ColumnDataSource({name: [] for name in ("t", "y", "colour", "words")})
         look: dict[str, Any] = {"marker": "triangle", "line_color": "colour", "fill_color": "colour", "size": 12}
         exits = plot.add_glyph(self.exits, Scatter(x="t", **look))
-        plot.add_tools(HoverTool(renderers=[exits], tooltips=[("", "@words")]))
+        plot.add_tools(tips([("", "@words")], renderers=[exits]))
         self.corners = fit_to_corners(plot, [0.0, 1.0], [FLOOR / 2, 1e-2])
 
     def _tick_glyphs(self) -> None:
@@ -123,10 +122,8 @@ class ConservedView:
         look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 1.8}
         self.ticks = plot.add_glyph(self.instants, Scatter(size=9, **place, **look))
         reach = plot.add_glyph(self.instants, invisible(size=18, **place))
-        self.hover = HoverTool(
-            renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},
-            tooltips=[("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")],
-        )  # fmt: skip
+        rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
+        self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
         plot.add_tools(self.hover)
         self.now = Span(dimension="height", line_color=PURPLE, line_width=2, line_dash="dashed", visible=False)
         plot.add_layout(self.now)
@@ -221,7 +218,7 @@ def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = N
     round_off = ROUND_OFF * MACHINE_EPSILON if landmarks is None else landmarks.round_off
     told = [words for curve in curves if (words := _drift(curve, round_off))]
     many = len(curves[0].crossings)
-    missing = f" {many:,} crossings: too many for their ticks and for the sides to be told apart." * (many > MOST_BANDS)
+    missing = f" {many:,} crossings are too many to mark them or to shade the sides." * (many > MOST_BANDS)
     whose = f" Sides and crossings are those of {curves[0].method}." * (len(curves) > 1)
     return "; ".join(told) + "." + missing + whose if told else ""
 
@@ -251,8 +248,7 @@ def _relative(error: float, size: float) -> str:
     """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
-    about = f"{float(f'{size:.0e}'):g}".replace("e+0", "e").replace("e-0", "e-")
-    return f" ({rounded_up(error / size)} of the size of ψ, about {about})"
+    return printed(f" ({rounded_up(error / size)} of the size of ψ, about {size:.0e})")
 
 
 def _largest(error: Floats) -> str:

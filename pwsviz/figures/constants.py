@@ -13,6 +13,7 @@ import core
 from core.diagnostics import stand_in
 from core.kernels import Floats
 from pwsviz.text.mathml import name_markup
+from pwsviz.text.numbers import printed
 
 __all__ = ["constants_markup", "table"]
 
@@ -39,13 +40,13 @@ _CONSTANTS = (
     _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "least speed in g at which the solution crosses"),
     _Constant(
         r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "discrete transversality (3.6)",
-        "the same of the scheme’s steps to and from the surface; must be positive",
+        "the same for the scheme’s steps to and from the surface; has to be positive",
     ),
     _Constant(
         "M", "M", "(3.2)", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
     ),
     _Constant(
-        r"\hat{M}", "M_hat", "(3.9)", "the same of the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
+        r"\hat{M}", "M_hat", "(3.9)", "the same for the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
     ),
     _Constant(
         r"\tau^{*}_{-}", "tau_minus", "Lemma A.3", "up to this τ the step to the surface has one solution",
@@ -87,7 +88,7 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
         return "<p>They are computed from a run; there is none yet.</p>"
     count = len(diagnosis.alpha2)
     if not count:
-        return f"<p>{escape(diagnosis.summary)} The constants are those of crossings.</p>"
+        return f"<p>{escape(diagnosis.summary)} The constants are defined at crossings.</p>"
     zeno = run is not None and run.status is core.Status.ZENO
     rows = [_constant_row(constant, diagnosis, zeno) for constant in _CONSTANTS]
     whose = "" if run is None else f" of {run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
@@ -122,7 +123,7 @@ def _readable(warning: str) -> str:
         ("alpha_hat^2/M_hat", "α̂²/M̂"), ("alpha^2/M", "α²/M"), ("tau_-^*", "τ₋*"), ("tau_+^*", "τ₊*"), ("tau", "τ"),
     ):  # fmt: skip
         warning = warning.replace(plain, symbol)
-    return warning
+    return printed(warning)
 
 
 def _stand_in(method: str) -> str:
@@ -141,7 +142,7 @@ def _stand_in(method: str) -> str:
 def _shown(value: float) -> str:
     if math.isnan(value):
         return "not known"
-    return "∞" if math.isinf(value) else f"{value:.3g}"
+    return "∞" if math.isinf(value) else printed(f"{value:.3g}")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
@@ -150,5 +151,5 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "")
     body = "".join(
         f'<tr><th scope="row">{row[0]}</th>{"".join(f"<td>{cell}</td>" for cell in row[1:])}</tr>' for row in rows
     )
-    name = f"<caption>{escape(caption)}</caption>" if caption else ""
+    name = f"<caption>{escape(printed(caption))}</caption>" if caption else ""
     return f"<table>{name}<thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models import ColumnDataSource, DataRange1d
 from numpy.typing import ArrayLike
 
 import core
@@ -24,9 +24,20 @@ from pwsviz.figures.cost_text import (
     error_of,
     setting_text,
 )
-from pwsviz.figures.style import GREY, Line, assign, fit_to_corners, legend_below, line_of, mark_levels, plain_figure
+from pwsviz.figures.style import (
+    GREY,
+    Line,
+    assign,
+    fit_to_corners,
+    legend_below,
+    line_of,
+    mark_levels,
+    plain_figure,
+    tips,
+)
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.numbers import printed
 
 __all__ = ["CostView", "compared_with", "cost_numbers", "cost_rows", "cost_text"]
 
@@ -67,9 +78,9 @@ class CostView:
         self.wrong = ColumnDataSource({name: [] for name in names})
         hollow = plot.scatter("x", "y", source=self.wrong, marker="circle", **look, fill_alpha=0.0)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
-        tips = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
-        plot.add_tools(HoverTool(renderers=[points, hollow], tooltips=tips))
-        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, lines), (WRONG, hollow)], widest=150)
+        rows = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
+        plot.add_tools(tips(rows, renderers=[points, hollow]))
+        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, lines), (WRONG, hollow)], usual=3, widest=150)
 
     def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
         """Draw a study, or the part that is computed.
@@ -138,9 +149,9 @@ class _Drawn:
                 "colour": self.line.colour,
                 "marker": self.line.marker,
                 "label": self.curve.title,
-                "setting": setting_text(self.curve, k),
+                "setting": printed(setting_text(self.curve, k)),
                 "cost": cost_words(cost, self._across),
-                "error": f"{self.error[k]:.1e}",
+                "error": printed(f"{self.error[k]:.1e}") if self.error[k] else "0",
                 "status": self.curve.status[k],
                 "right": bool(self.curve.correct_sequence[k]),
             }

@@ -10,6 +10,7 @@ import numpy as np
 import core
 from core.studies import CANCELLED, DONE, WAITING, CostCurve
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import duration, listed, plural
 
@@ -57,7 +58,7 @@ def cost_words(cost: float, across: Across) -> str:
 def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     """Return the cheapest run of ours and of an external solver for each of `TARGETS`; no rows if there is no error."""
     cost = "run time" if across == "seconds" else "evaluations"
-    header = ("error at most", "cheapest here", cost, "cheapest external solver", cost)
+    header = ("error at most", "cheapest integrator", cost, "cheapest external solver", cost)
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
     what = "Fastest" if across == "seconds" else "Fewest evaluations"
@@ -67,7 +68,7 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
 
 def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) -> tuple[str, ...]:
     """Return the row of one target: the error, then integrator and cost, of ours and of an external solver."""
-    cells = [f"{target:.0e}".replace("e-0", "e-")]
+    cells = [printed(f"{target:.0e}")]
     for peer in (False, True):
         found = [_reach(curve, target, across, up) for curve in study.curves if curve.peer is peer]
         best = min(filter(None, found), key=lambda one: one[0], default=None)
@@ -96,7 +97,7 @@ def cost_text(study: core.WorkPrecision, across: Across, up: Up) -> str:
         parts.append(f"There is no {UP[up]} to show: {_why_none(study, up)}.")
     if across == "evaluations":
         parts.append(_about_evaluations(study))
-    return " ".join(filter(None, [*parts, *_missing(study), _compiling(study), _measured_against(study, up)]))
+    return " ".join(filter(None, [*parts, *_missing(study), _compiling(study), _comparison(study, up)]))
 
 
 def _why_none(study: core.WorkPrecision, up: Up) -> str:
@@ -116,7 +117,7 @@ def _about_evaluations(study: core.WorkPrecision) -> str:
         if np.isfinite(curve.seconds).any() and np.isnan(curve.evaluations).all()
     ]
     if any(curve.name == "taylor" for curve in study.curves):
-        notes.append("An evaluation of taylor is a whole series.")
+        notes.append("One evaluation of taylor is a whole series.")
     return " ".join(notes)
 
 
@@ -155,6 +156,8 @@ def compared_with(study: core.WorkPrecision) -> str:
     return f"run to t = {study.t_span[1]:.6g}, over {crossings}; compared with: {study.reference}"
 
 
-def _measured_against(study: core.WorkPrecision, up: Up) -> str:
+def _comparison(study: core.WorkPrecision, up: Up) -> str:
     text = compared_with(study)
-    return f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} are round-off, or its own."
+    return (
+        f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} may be round-off or those of the reference."
+    )

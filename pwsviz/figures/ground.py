@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from bokeh.core.properties import value
 from bokeh.events import MouseLeave, MouseMove, RangesUpdate
-from bokeh.models import ColumnDataSource, CustomJS, HoverTool
+from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.models.annotations import LegendItem
 from bokeh.models.glyphs import Line, MultiPolygons
 from bokeh.models.widgets import Div
@@ -16,7 +16,7 @@ from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREY, PURPLE, SIDES, ranges
+from pwsviz.figures.style import GREY, PURPLE, SIDES, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, shows_surface, surface_name
@@ -58,8 +58,7 @@ class Ground:
             usual.append(plot.add_glyph(self.levels[side], Line(line_color=colour, line_alpha=0.45)))
             own.append(plot.add_glyph(self.orbit_levels[side], Line(line_color=colour, line_alpha=0.9, line_width=1.5)))
             field.append(plot.add_glyph(self.arrows[side], Line(line_color=GREY, line_alpha=0.75)))
-        tip: dict[str, Any] = {"tooltips": [("ψ on this level set", "@psi{%.5g}")], "formatters": {"@psi": "printf"}}
-        plot.add_tools(HoverTool(renderers=[*usual, *own], visible=False, limit=1, **tip))
+        plot.add_tools(tips([("ψ on this level set", "@psi{5}")], renderers=[*usual, *own], visible=False, limit=1))
         self.surface = _line_source()
         line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
         self._arrow_lines = field

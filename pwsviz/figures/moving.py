@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pwsviz.geometry.formulas import FUNCTIONS
+from pwsviz.text.numbers import PRINTED
 
 __all__ = ["REPAINT", "TELL_PLACE"]
 
@@ -98,21 +99,21 @@ if (given?.forced) {
 
 TELL_PLACE = (
     FORMULAS
+    + PRINTED
     + """
 const { x, y } = cb_obj, [across, up] = ranges
 const inside = across.start <= x && x <= across.end && up.start <= y && y <= up.end
-const minus = text => text.replace("-", "\\u2212")
 const words = []
 if (inside && cb_obj.event_name != "mouseleave") {
   const digits = Math.min(20, Math.max(0, Math.ceil(2.5 - Math.log10(across.end - across.start))))
-  const fixed = value => minus((Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits))
+  const fixed = value => printed((Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits))
   words.push(`${formulas.data.across[0]} = ${fixed(x)}, ${formulas.data.up[0]} = ${fixed(y)}`)
   const t = clock.data.t[0], height = formula(given?.g)?.(x, y, t)
   if (Number.isFinite(height) && height != 0) {
     const [number, side, name] = height < 0 ? [0, "g < 0", "\\u03c8\\u208b"] : [1, "g > 0", "\\u03c8\\u208a"]
     words.push(side)
     const psi = formula(given.psi[number])?.(x, y, t)
-    if (Number.isFinite(psi)) { words.push(`${name} = ${minus(psi.toPrecision(4))}`) }
+    if (Number.isFinite(psi)) { words.push(`${name} = ${printed(psi.toPrecision(4))}`) }
   }
 }
 readout.setv({ text: words.join(" \\u00b7 ") }, { sync: false })

@@ -27,6 +27,7 @@ from pwsviz.figures.style import (
     plain_figure,
 )
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 
 LINES = (
@@ -73,7 +74,7 @@ class Row:
     @property
     def slope_text(self) -> str:
         """The fitted slope in words."""
-        return f"slope {self.slope:.2f}" if np.isfinite(self.slope) else "no slope"
+        return printed(f"slope {self.slope:.2f}") if np.isfinite(self.slope) else "no slope"
 
 
 class Studied(NamedTuple):
@@ -215,7 +216,7 @@ class OrderView:
         marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         entries = [({"field": "label"}, lines), ({"field": "label"}, marks), ("fit", fits)]
-        _, self._marks, _ = legend_below(plot, 2, entries, widest=200)
+        _, self._marks, _ = legend_below(plot, 2, entries, usual=5, widest=200)
 
     def show(self, shown: Sequence[Studied]) -> None:
         """Draw the studies of one integrator or of several."""

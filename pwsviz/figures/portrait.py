@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import Event, PointEvent, RangesUpdate, Reset, Tap
-from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, HoverTool, ResetTool
+from bokeh.models import ColumnDataSource, CustomJS, DataRange1d, ResetTool
 from bokeh.models.glyphs import Line, MultiLine, Scatter, Text
 from bokeh.plotting import figure
 
@@ -36,6 +36,7 @@ from pwsviz.figures.style import (
     ranges,
     refit,
     show_methods,
+    tips,
     unseen,
 )
 from pwsviz.figures.touch import attach_touch
@@ -174,14 +175,11 @@ class PortraitView:
         look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
         self.marks = plot.add_glyph(self.crossings, Scatter(size="size", **look))
         reach = plot.add_glyph(self.crossings, invisible(size=16))  # easier to hit than the mark
-        self.hover = HoverTool(
-            renderers=[reach],
-            tooltips=[
-                ("crossing", "@number"), ("time", "@time{%.9g}"), ("kind", "@kind"), ("integrator", "@method"),
-                ("start", "@start"),
-            ],
-            formatters={"@time": "printf"}, attachment="above", visible=False, limit=3,
-        )  # fmt: skip
+        rows = [
+            ("crossing", "@number"), ("time", "@time{9}"), ("kind", "@kind"), ("integrator", "@method"),
+            ("start", "@start"),
+        ]  # fmt: skip
+        self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
         plot.add_tools(self.hover)
         self._end_glyphs()
         self.pointed = ColumnDataSource({"x": [], "y": []})
@@ -194,14 +192,8 @@ class PortraitView:
         self.ends = unseen(("x", "y", "label", "marker", "colour", "method", "time", "kind", "start"))
         look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
         self.stops = plot.add_glyph(self.ends, Scatter(size=END_SIZE, **look))
-        plot.add_tools(
-            HoverTool(
-                renderers=[self.stops], attachment="above", visible=False, limit=3, formatters={"@time": "printf"},
-                tooltips=[
-                    ("stops at time", "@time{%.9g}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start"),
-                ],
-            )
-        )  # fmt: skip
+        rows = [("stops at time", "@time{9}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start")]
+        plot.add_tools(tips(rows, renderers=[self.stops], attachment="above", visible=False, limit=3))
 
     def _start_glyphs(self) -> None:
         plot = self.figure
@@ -230,6 +222,7 @@ class PortraitView:
                 ({"field": "label"}, self.stops),
                 *self.ground.legend,
             ],
+            usual=9,
         )
         self.ground.follow(entries[-len(self.ground.legend) :])
 

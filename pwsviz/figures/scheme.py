@@ -15,6 +15,7 @@ from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projec
 from core.symbolic import TIME, DividedDifference, Laws, Mode
 from pwsviz.figures.constants import constants_markup, table
 from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, name_markup, names_of
+from pwsviz.text.numbers import printed
 
 __all__ = ["SCHEME_STYLE", "scheme_markup"]
 
@@ -117,7 +118,7 @@ class _Sheet:
         self._parts.append(f'<div class="formula">{typeset}</div>')
 
     def say(self, words: str) -> None:
-        self._parts.append(f"<p>{escape(words)}</p>")
+        self._parts.append(f"<p>{escape(printed(words))}</p>")
 
     def head(self, words: str) -> None:
         self._parts.append(f"<h4>{escape(words)}</h4>")
@@ -164,7 +165,7 @@ def _write_system(sheet: _Sheet, laws: Laws) -> None:
     sheet.head("The switching surface is g = 0")
     sheet.equate("g", laws.g)
     if laws.jump is not None:
-        sheet.say("On reaching it the state jumps to")
+        sheet.say("On reaching it, the state is reset to")
         sheet.equate(r"\hat{x}^{+}", laws.jump)
 
 
@@ -191,8 +192,8 @@ def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
     else:
         sheet.say("First an increment Δ from the Taylor series of the solution, its coefficients by recurrence from f:")
         sheet.formula(r"\Delta = \tau x'_{k} + \tau^{2} x''_{k} / 2! + \cdots + \tau^{n} x^{(n)}_{k} / n !")
-        sheet.say("The order n and the step τ are chosen so that the last terms keep within the tolerance.")
-    sheet.say("Then it is moved along the discrete gradient, by as little as will do, until ψ is kept:")
+        sheet.say("The order n and the step τ are chosen so that the last terms stay within the tolerance.")
+    sheet.say("Then it is projected along the discrete gradient onto the level of ψ:")
     change = r"+ \tau s_{t}" if _names_time(laws) else ""
     sheet.formula(rf"\Delta \leftarrow \Delta - \Lambda^{{\tau\top}} \lambda , \Lambda^{{\tau}} \Delta {change} = 0")
     _write_multipliers(sheet, laws, None)
@@ -216,13 +217,13 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
             if any(mode.discrete.time_slope):
                 sheet.equate("s_{t}", _alone(mode.discrete.time_slope))
         else:
-            sheet.say("There is no ψ to keep here.")
+            sheet.say("No conserved quantity is known here.")
         if write is not None:
             write(sheet, sign, mode)
     if any(mode.discrete.gradient.has(DividedDifference) for mode in laws.modes.values()):
         sheet.say(
             "Divided differences, such as sinc z = sin z / z, sinhc z = sinh z / z and (log b − log a)/(b − a), have "
-            "their limits where the ends are equal, and are worked out without cancellation."
+            "their limits where the ends are equal, and are evaluated without cancellation."
         )
 
 
@@ -235,7 +236,7 @@ def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
     """Write the discrete field fᵗ of dmm2: explicitly if ψ determines the orbit, else by its construction."""
     discrete = mode.discrete
     if mode.conserved and discrete.factor is None:
-        sheet.say("The mean field is moved across Λᵗ by as little as will do (the minimal-norm scheme):")
+        sheet.say("The mean field f̄ is corrected as little as conservation requires (the minimal-norm scheme):")
         sheet.formula(
             r"f^{\tau} = \bar{f} - \Lambda^{\tau\top} ( \Lambda^{\tau} \Lambda^{\tau\top} )^{-1} "
             r"( \Lambda^{\tau} \bar{f} " + (r"+ s_{t} )" if any(discrete.time_slope) else ")")
@@ -243,7 +244,7 @@ def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
         sheet.equate(rf"\bar{{f}}_{{{sign}}}", discrete.mean_field)
         return
     if mode.conserved:
-        sheet.say("ψ fixes the orbit, so fᵗ is orthogonal to every row of Λᵗ, and the step is")
+        sheet.say("ψ determines the orbit, so fᵗ is orthogonal to every row of Λᵗ, and the step is")
     else:
         sheet.say("The step is the implicit midpoint rule:")
     for variable, component in zip(mode.variables, discrete.expression, strict=True):
@@ -283,10 +284,10 @@ def _write_composition(sheet: _Sheet, weights: Sequence[float]) -> None:
     count = len(weights)
     sheet.say(f"A step is {count} steps Φ of dmm2 one after another, of lengths γᵢτ:")
     sheet.formula(rf"x_{{k+1}} = ( \Phi_{{{count}}} \circ \cdots \circ \Phi_{{1}} ) ( x_{{k}} )")
-    pairs = [(f"{i + 1}, {count - i}", f"{weights[i]:.16g}") for i in range(count // 2)]
+    pairs = [(f"{i + 1}, {count - i}", printed(f"{weights[i]:.16g}")) for i in range(count // 2)]
     sheet.table(
         ["i", "<math><msub><mi>γ</mi><mi>i</mi></msub></math>"],
-        [*pairs, (f"{count // 2 + 1}", f"{weights[count // 2]:.16g}")],
+        [*pairs, (f"{count // 2 + 1}", printed(f"{weights[count // 2]:.16g}"))],
     )
 
 
@@ -298,8 +299,8 @@ def _write_transition(
 ) -> None:
     if not locate:
         sheet.say(
-            "None: a step over the surface is finished with the field of the side it began on, and only the next one "
-            "takes the other side’s. The order falls to one."
+            "None: a step across the surface is completed with the field of the side on which it began, and only the "
+            "next one takes that of the other side. The order falls to one."
         )
         return
     sheet.say(
@@ -310,14 +311,14 @@ def _write_transition(
     sheet.formula(f"g ( {at} ) = 0")
     if order is not None:
         moved = f"by c τᵖ with p = {order} and c = {scale:g}"
-        sheet.say(f"Its time is then moved on purpose, {moved}, and x̂ is solved for anew there:")
+        sheet.say(f"Its time is then perturbed on purpose, {moved}, and x̂ is solved for anew there:")
         sheet.formula(rf"\hat{{t}} \leftarrow \hat{{t}} + c \tau^{{{order}}}")
     start = r"\hat{x}"
     if system.jump is not None:
-        sheet.say("There the state jumps from x̂ to x̂⁺. The step is finished with the other side’s field:")
+        sheet.say("There the state is reset from x̂ to x̂⁺. The step is completed with the field of the other side:")
         start = r"\hat{x}^{+}"
     else:
-        sheet.say("The step is finished with the other side’s field:")
+        sheet.say("The step is completed with the field of the other side:")
     field = rf"f^{{\tau}}_{{s'}} ( \hat{{t}} , {start} , t_{{k+1}} , x_{{k+1}} )"
     sheet.formula(rf"x_{{k+1}} = {start} + ( t_{{k+1}} - \hat{{t}} ) {field}")
     sheet.say("In the paper: Algorithm 1, Mannshardt’s transition scheme; equations (2.4) to (2.6).")
@@ -331,7 +332,7 @@ def _parameter_table(system: core.PiecewiseSystem) -> str:
     rows = [
         [
             f"<math>{markup(Symbol(p.name), names)}</math>",
-            f'<span class="number">{system.values[p.name]:.12g}</span>',
+            f'<span class="number">{printed(f"{system.values[p.name]:.12g}")}</span>',
             escape(p.doc),
         ]
         for p in system.parameters

@@ -5,16 +5,26 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool
+from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.renderers import DataRenderer
 
 import core
 from core.studies import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
 from pwsviz.figures.stability_text import side_words
-from pwsviz.figures.style import VERMILION, assign, fit_to_corners, legend_below, line_of, mark_levels, plain_figure
+from pwsviz.figures.style import (
+    VERMILION,
+    assign,
+    fit_to_corners,
+    legend_below,
+    line_of,
+    mark_levels,
+    plain_figure,
+    tips,
+)
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.numbers import printed
 
 __all__ = ["DriftFigure", "GrazingFigure"]
 
@@ -42,8 +52,8 @@ class DriftFigure:
         stops = plot.scatter("x", "y", source=self.stops, marker="x", color="colour", size=11, line_width=2.5)
         mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, or 0"})
         self.corners = fit_to_corners(plot, [1.0, 1e3], [FLOOR / 2, 1e-12])
-        plot.add_tools(HoverTool(renderers=[stops], tooltips=[("", "@method"), ("", "@message")]))
-        self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)])[1]
+        plot.add_tools(tips([("", "@method"), ("", "@message")], renderers=[stops]))
+        self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)], usual=2)[1]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the long runs."""
@@ -62,7 +72,7 @@ class DriftFigure:
             "y": [heights[k][n] for k, n in stopped],
             "colour": [line_of(methods[k]).colour for k, _ in stopped],
             "method": [methods[k] for k, _ in stopped],
-            "message": [drift.message[k] for k, _ in stopped],
+            "message": [printed(drift.message[k]) for k, _ in stopped],
         }
         self._stopping.visible = bool(stopped)
         assign(self.corners, x=drift.t[[0, -1]], y=np.array([FLOOR / 2, _top(heights)]))
@@ -97,10 +107,16 @@ class GrazingFigure:
         )
         mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, 0 or unknown"})
         self.corners = fit_to_corners(plot, [1e-14, 0.1], [FLOOR / 2, 1e-12])
-        tips = [("", "@method, @side"), ("δ", "@x"), ("crossings", "@crossings"), ("|Δψ|", "@error"), ("", "@status")]
-        plot.add_tools(HoverTool(renderers=marks, tooltips=tips))
+        rows = [
+            ("", "@method, @side"),
+            ("δ", "@x{3}"),
+            ("crossings", "@crossings"),
+            ("|Δψ|", "@error"),
+            ("", "@status"),
+        ]
+        plot.add_tools(tips(rows, renderers=marks))
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
-        self._entries = legend_below(plot, 3, entries, widest=195)[1:3]
+        self._entries = legend_below(plot, 3, entries, usual=5, widest=195)[1:3]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the runs near a tangency."""
@@ -160,7 +176,7 @@ def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, hei
             "method": study.methods[k],
             "side": side_words(study, side),
             "crossings": f"{found[n]} of {expected[n]}" if expected[n] >= 0 else f"{found[n]}; the solution stops",
-            "error": f"{error[n]:.1e}" if np.isfinite(error[n]) else "no value",
+            "error": printed(f"{error[n]:.1e}") if np.isfinite(error[n]) else "no value",
             "status": outcome_words(int(grazing.status[k, side, n])),
         }
         for n in np.flatnonzero(found >= 0).tolist()

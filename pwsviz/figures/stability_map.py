@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 from bokeh.events import Event, PointEvent, Tap
-from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, LogColorMapper
+from bokeh.models import ColumnDataSource, DataRange1d, LogColorMapper
 from bokeh.models.annotations import ColorBar
 from bokeh.palettes import Cividis256
 from numpy.typing import NDArray
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 import core
 from core.studies import NOT_YET, OutcomeMap
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
-from pwsviz.figures.style import GREY, assign, fit_to_corners, legend_below, line_of, plain_figure
+from pwsviz.figures.style import GREY, assign, fit_to_corners, legend_below, line_of, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.numbers import printed
 
 __all__ = ["NO_VALUE", "Choose", "MapFigure", "Shown"]
 
@@ -70,10 +71,10 @@ class MapFigure:
         self._limit_glyphs()
         self._place_glyphs()
         self.corners = fit_to_corners(plot, [1e-3, 1.0], [-1.0, 1.0])
-        tips = [("", "@words"), ("τ", "@tau"), ("start", "@value"), ("crossings", "@crossings"), ("|Δψ|", "@error")]
-        plot.add_tools(HoverTool(renderers=[outcomes, errors, blanks], tooltips=tips))
+        rows = [("", "@words"), ("τ", "@tau"), ("start", "@value"), ("crossings", "@crossings"), ("|Δψ|", "@error")]
+        plot.add_tools(tips(rows, renderers=[outcomes, errors, blanks]))
         entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks)]
-        self._outcomes, self._blanks = legend_below(plot, 2, entries, widest=300)
+        self._outcomes, self._blanks = legend_below(plot, 2, entries, usual=4, widest=300)
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> None:
@@ -152,11 +153,11 @@ def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
         "right": across[row + 1],
         "bottom": up[column],
         "top": up[column + 1],
-        "tau": np.array([f"{tau:.3g}" for tau in found.taus[row]]),
-        "value": np.array([f"{value:.4g}" for value in found.values[column]]),
+        "tau": np.array([printed(f"{tau:.3g}") for tau in found.taus[row]]),
+        "value": np.array([printed(f"{value:.4g}") for value in found.values[column]]),
         "words": np.array([OUTCOMES[code].words for code in codes]),
         "crossings": np.array([f"{has} of {should}" for has, should in counts]),
-        "error": np.array([f"{e:.1e}" if np.isfinite(e) else "no value" for e in error]),
+        "error": np.array([printed(f"{e:.1e}") if np.isfinite(e) else "no value" for e in error]),
         "colour": np.array([OUTCOMES[code].colour for code in codes]),
         "height": np.maximum(error, FLOOR),
     }

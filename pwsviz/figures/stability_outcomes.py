@@ -39,8 +39,8 @@ OUTCOMES: Mapping[int, Outcome] = {
     Status.REPELLING: Outcome("stops: repelled from both sides", BLUE),
     Status.STEP_LIMIT: Outcome("too many steps", GREY),
     Status.CROSSING_LIMIT: Outcome("too many crossings", GREY),
-    NO_START: Outcome("no start here", "#404040"),
-    UNJUDGED: Outcome("the reference gives up, not judged", "#e4e4e4"),
+    NO_START: Outcome("no trajectory starts here", "#404040"),
+    UNJUDGED: Outcome("not judged: the reference gives up", "#e4e4e4"),
 }
 """What is shown of each outcome, by its code."""
 

@@ -7,6 +7,7 @@ import numpy as np
 import core
 from core.studies import NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import plural, rounded_up
 
@@ -19,7 +20,7 @@ UNKNOWN = "–"
 def side_words(study: core.StabilityStudy, side: int) -> str:
     """Return one side of the tangency, such as “x < −1.55”."""
     value = np.nan if study.grazing is None else study.grazing.value
-    return f"{study.coordinate_name} {'<>'[side]} {value:.6g}".replace("-", "−")
+    return printed(f"{study.coordinate_name} {'<>'[side]} {value:.6g}")
 
 
 # Words ---------------------------------------------------------------------------------------------------------------
@@ -44,7 +45,7 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
 
 def _drift_words(drift: Drift) -> str:
     if not np.isfinite(drift.error).any():
-        return "No conserved quantity is known, so there is no drift to see."
+        return "No conserved quantity is known, so there is no drift to show."
     return f"{plural(drift.steps, 'step')} of the step size in the sidebar, τ = {drift.tau:.3g}."
 
 
@@ -52,10 +53,13 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     """Say where the tangency is."""
     name = study.coordinate_name
     if not grazing.found:
-        return f"No tangency: at no {name} in the range searched does the trajectory touch the surface in passing."
+        return f"No tangency was found: for no {name} in the range searched does the trajectory touch the surface."
     place = ", ".join(f"{v:.4g}" for v in grazing.state)
     start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
-    words = [f"{start} ({place}).", f"Runs beside it with the step size in the sidebar, τ = {grazing.tau:.3g}."]
+    words = [
+        f"{start} ({place}).",
+        f"Runs that start beside it take the step size in the sidebar, τ = {grazing.tau:.3g}.",
+    ]
     if not (grazing.expected >= 0).any():
         words.append("There is nothing to compare with: the solution itself stops on the surface.")
     else:
@@ -138,7 +142,7 @@ def _misses(study: core.StabilityStudy, grazing: Grazing) -> Numbers:
         far = f"{float(grazing.delta[wrong].max()):.0e}" if wrong.any() else UNKNOWN
         many = f"{wrong.sum()} of {len(wrong)} distances" if judged else UNKNOWN
         rows.append((method, many, far, _at_most(float(np.fmax.reduce(grazing.error[k], axis=None)))))
-    return Numbers(("integrator", "wrong number of crossings", "farthest at δ", "|Δψ| at most"), tuple(rows))
+    return Numbers(("integrator", "wrong number of crossings", "largest such δ", "|Δψ| at most"), tuple(rows))
 
 
 def _size(tau: float) -> str:

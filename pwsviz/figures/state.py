@@ -16,6 +16,7 @@ from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     HEIGHT,
     PURPLE,
+    ROOM,
     SIDES,
     assign,
     invisible,
@@ -24,6 +25,7 @@ from pwsviz.figures.style import (
     plain_figure,
     run_lines,
     side_strips,
+    tips,
     unseen,
 )
 from pwsviz.geometry.polyline_reduction import Floats
@@ -90,23 +92,17 @@ class Panel:
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
         self.figure.add_layout(now)
         entries = [({"field": "method"}, self.lines), ("g < 0", self.bands[-1]), ("g > 0", self.bands[1])]
-        self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)])
+        self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)], usual=5)
 
     def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
         plot = self.figure
         look: dict[str, Any] = {"fill_color": "white", "line_color": "colour", "line_width": 1.8, "size": 6}
         marks = plot.add_glyph(instants, Scatter(x="t", y=column, marker="marker", **look))
         reach = plot.add_glyph(instants, invisible(x="t", y=column, size=14))  # easier to hit than the mark
-        tooltips = [("crossing", "@number"), ("time", "@t{%.9g}"), ("kind", "@kind"), ("integrator", "@method")]
-        hover = HoverTool(
-            renderers=[reach], attachment="above", visible=False, limit=3, formatters={"@t": "printf"},
-            tooltips=tooltips,
-        )  # fmt: skip
-        values = HoverTool(
-            renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False,
-            tooltips=[("integrator", "@method"), ("time", "$snap_x{%.6g}"), ("value", "$snap_y{%.6g}")],
-            formatters={"$snap_x": "printf", "$snap_y": "printf"},
-        )  # fmt: skip
+        rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
+        hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
+        rows = [("integrator", "@method"), ("time", "$snap_x{6}"), ("value", "$snap_y{6}")]
+        values = tips(rows, renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False)
         plot.add_tools(hover, values)
         return marks, hover
 
@@ -116,7 +112,7 @@ class Panel:
         self.figure.xaxis.axis_label = "time t" if lowest else None
         self.figure.xaxis.major_label_text_alpha = 1.0 if lowest else 0.0
         self.figure.legend.visible = lowest
-        extra = f" + {LEGEND_HEIGHT}px" if lowest and panels > 1 else ""
+        extra = f" + {LEGEND_HEIGHT}px" * (panels > 1) + f" + {ROOM}" if lowest else ""
         self.figure.styles = {"height": f"calc({HEIGHT} / {panels}{extra})", "flex": "none"}
 
     def show(self, k: int, runs: Sequence[StateCurves]) -> None:

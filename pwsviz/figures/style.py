@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -10,9 +11,11 @@ import numpy as np
 from bokeh.models import (
     ColumnDataSource,
     CustomJS,
+    CustomJSHover,
     CustomJSTickFormatter,
     DataRange1d,
     FixedTicker,
+    HoverTool,
     LogAxis,
     WheelZoomTool,
 )
@@ -21,6 +24,7 @@ from bokeh.models.glyphs import MultiLine, Scatter, VStrip
 from bokeh.plotting import figure
 
 import core
+from pwsviz.text.numbers import PRINTED, printed
 
 # The palette of Okabe and Ito, which is legible in the common kinds of colour blindness, on light and on dark ground.
 BLUE = "#0072B2"
@@ -44,7 +48,33 @@ SIDES = {-1: SKY, 1: SAND}
 HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
-PLOT_STYLES = {"height": HEIGHT, "flex": "none"}
+ROOM = "var(--legend, 0px)"
+"""CSS height by which a legend is taller than usual, set by `KEEP_PLACE`: added to a figure, whose frame then stays."""
+
+PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
+
+KEEP_PLACE = """
+const index = cb_context.index, view = index.find_one(legend), [entry] = view?.entries ?? []
+if (entry != null) {
+  const shown = legend.items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
+  const more = Math.ceil(shown.length / legend.ncols) - Math.ceil(usual / legend.ncols)
+  const row = entry.el.offsetHeight + (parseFloat(getComputedStyle(view.grid_el).rowGap) || 0)
+  index.find_one(plot)?.el.style.setProperty("--legend", `${more * row}px`)
+}
+"""
+"""JavaScript that makes a figure as much taller as its legend is taller than with the usual number of entries."""
+
+TIP_CSS = """
+.bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
+              border-color: var(--mui-palette-divider, #808080); opacity: 1; }
+"""
+"""Style sheet of the whole page, for what tells of the place under the pointer: Bokeh adds that to the page itself."""
+
+TIP_CELLS = "display: grid; grid-template-columns: max-content 1fr; gap: 0 8px"
+"""Of its labels and texts."""
+
+TIP_NUMBER = f"{PRINTED}return printed(String(Number(value.toPrecision(Number(format)))))"
+"""JavaScript that prints one of its numbers, to as many digits as its format says."""
 
 
 class Line(NamedTuple):
@@ -119,7 +149,23 @@ def plain_figure(summary: str, **options: Any) -> figure:
 
 def describe(plot: figure, words: str) -> None:
     """Set the description of a figure for screen readers; the browser applies it at once."""
-    plot.html_attributes = {**plot.html_attributes, "aria-label": words}
+    plot.html_attributes = {**plot.html_attributes, "aria-label": printed(words)}
+
+
+def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:
+    """Make a tool that tells of what is under the pointer, in the colours of the page.
+
+    Parameters
+    ----------
+    rows : list of (label, text)
+        As of a `HoverTool`; ``@t{6}`` is a number of the column ``t`` as it is printed, to six digits.
+    **options
+        Passed on to `HoverTool`.
+    """
+    cells = "".join(f'<span style="opacity: 0.75">{label}</span><span>{text}</span>' for label, text in rows)
+    numbers = re.findall(r"([@$]\w+){[0-9]+}", cells)
+    formatters: dict[str, Any] = dict.fromkeys(numbers, CustomJSHover(code=TIP_NUMBER))
+    return HoverTool(tooltips=f'<div style="{TIP_CELLS}">{cells}</div>', formatters=formatters, **options)
 
 
 @dataclass(frozen=True)
@@ -204,7 +250,9 @@ def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
     }  # fmt: skip
 
 
-def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], widest: int = 115) -> list[LegendItem]:
+def legend_below(
+    plot: figure, columns: int, entries: list[tuple[Any, Any]], usual: int, widest: int = 115
+) -> list[LegendItem]:
     """Put a legend below the plot, where it covers nothing, and return its entries.
 
     Parameters
@@ -215,6 +263,8 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], wid
         Most entries in a row.
     entries : list of (label, renderer)
         A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
+    usual : int
+        Entries for which the figure has room: more of them make it taller, so that the plot itself keeps its place.
     widest : int
         Pixels that an entry may need; rows of a narrow plot have fewer entries accordingly.
     """
@@ -225,6 +275,12 @@ def legend_below(plot: figure, columns: int, entries: list[tuple[Any, Any]], wid
     legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
     fewer = f"legend.ncols = Math.max(1, Math.min({columns}, Math.floor(cb_obj.outer_width / {widest})))"
     plot.js_on_change("outer_width", CustomJS(args={"legend": legend}, code=fewer))
+    keep = CustomJS(args={"plot": plot, "legend": legend, "usual": usual}, code=KEEP_PLACE)
+    legend.js_on_change("ncols", keep)
+    for item in items:
+        item.js_on_change("visible", keep)
+        for renderer in item.renderers:
+            renderer.data_source.js_on_change("data", keep)
     plot.add_layout(legend, "below")
     return items
 

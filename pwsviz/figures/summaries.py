@@ -65,12 +65,12 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     """
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
     words = f"{shown[0].method}: {slopes}. " if len(shown) == 1 else ""
-    words += f"Measured against: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
+    words += f"Compared with: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
     if not any(math.isfinite(row.slope) for one in shown for row in one.rows):
-        words += " Too few errors are above round-off to fit a slope to."
+        words += " Too few errors are above round-off to fit a slope."
     if early:
-        usual = ", ".join(map(str, STUDY_CROSSINGS))
-        words += f" The trajectory ends too early to look at crossings {usual} as usual."
+        usual = listed([str(k) for k in STUDY_CROSSINGS])
+        words += f" The trajectory ends too early for the usual crossings, {usual}."
     return words
 
 
@@ -79,7 +79,7 @@ def method_notes(scene: Scene) -> str:
     resting = [name for name in core.METHODS if name not in scene.offered]
     notes = []
     if resting:
-        notes.append(f"{listed(resting)} need a conserved quantity. None is known here, so they are not offered.")
+        notes.append(f"{listed(resting)} need a conserved quantity; none is known here, so they are not offered.")
     for name in [name for name in scene.used if core.METHODS[name].adaptive]:
         lacks = "order to study"
         if scene.locate and scene.perturbation_order is not None:

@@ -66,13 +66,13 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
     sentences = []
     if system.dimension > PLANE:
         plane = ", ".join(system.variables[k] for k in axes)
-        sentences.append(f"Projected onto the plane of {plane}; the field and the level sets have no place in it.")
+        sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
         if not shows_surface(system, axes):
-            sentences.append(f"Nor has the surface g = {system.g} = 0, which is no curve there.")
+            sentences.append(f"Nor can the surface {system.g} = 0, which is not a curve there.")
     if moves(system) and shows_surface(system, axes):
         sentences.append("The surface moves with time: it is drawn at t = 0, and while animated at the time shown.")
     if system.dimension == PLANE and _psi_names_time(system):
-        sentences.append("ψ names time, so its level sets move; they are left out.")
+        sentences.append("ψ depends on time, so its level sets move and are not drawn.")
     return " ".join(sentences)
 
 
@@ -80,7 +80,7 @@ def conserved_note(system: core.PiecewiseSystem) -> str:
     """Return a note for the plot of ψ if a side has no ψ, or more than one; else nothing."""
     counts = {side: len(system.laws.modes[side].conserved) for side in (-1, 1)}
     if not any(counts.values()):
-        return f"{system.name}: no conserved quantity is known on either side, so there is no change of it to show."
+        return f"{system.name}: no conserved quantity is known on either side, so there is no drift to show."
     bare = [f"g {'<' if side < 0 else '>'} 0" for side, count in counts.items() if count == 0]
     if bare:
         return f"No conserved quantity is known where {bare[0]}: there the curves have gaps."

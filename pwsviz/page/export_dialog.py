@@ -64,7 +64,7 @@ class ExportDialog(pn.viewable.Viewer):
     def __init__(self, scene: Scene, pieces: Callable[[], Sequence[Piece]], program: Callable[[], str]) -> None:
         super().__init__()
         self.scene, self._pieces, self._program = scene, pieces, program
-        self.link = pmui.TextInput(label="Link to this very scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
+        self.link = pmui.TextInput(label="Link to this scene", sizing_mode="stretch_width", margin=(10, 0, 4, 0))
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self._choices: dict[str, Any] = {}
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
@@ -110,7 +110,7 @@ class ExportDialog(pn.viewable.Viewer):
         return [
             self.link, self._copy("Copy the link", self.link, "value"),
             heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
-            heading("Numbers and pictures"), self._make_choices(), self.numbers,
+            heading("Data and figures"), self._make_choices(), self.numbers,
         ]  # fmt: skip
 
     @staticmethod

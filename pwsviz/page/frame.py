@@ -10,6 +10,7 @@ from panel.io.resources import get_dist_path
 from panel.util.parameters import edit_readonly
 from panel_material_ui.template.base import Page
 
+from pwsviz.figures.style import TIP_CSS
 from pwsviz.text.maths_font import FACE
 
 __all__ = ["THE_PAGE", "make_frame"]
@@ -42,7 +43,7 @@ TEMPLATE = """{% extends "base.html" %}
 {% endblock %}
 {% block loader_css %}{{ super() }}
 #loader:not(.error) { background: none; cursor: progress; }
-{% endblock %}""".replace("FACE", FACE)
+{% endblock %}""".replace("FACE", FACE + TIP_CSS)
 """The browser compiles the code of the components while it waits for the page: loading it only then takes half a second
 more. While the page is built, the parts already there are visible but take no input, which Panel would lose."""
 

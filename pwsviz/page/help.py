@@ -26,12 +26,12 @@ CITATION = (
 
 _USE = (
     "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it.",
-    "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor keep ψ; Runge–Kutta methods (rk) do not.",
-    "Each tab beside the portrait answers one question: is ψ kept, what is the order, when does the solution cross, "
-    "what does an error cost, which step sizes work, what is the scheme.",
-    "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to read what it is.",
+    "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) do not.",
+    "Each tab beside the portrait answers one question: is ψ conserved, what is the order, when does the solution "
+    "cross, what does an error cost, which step sizes work, what is the scheme.",
+    "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",
     "“Write your own …” takes any system; its conserved quantities are checked as you type.",
-    "The address bar holds the whole scene: a link to it opens the same picture.",
+    "The address bar holds the whole scene: a link to it restores the scene.",
 )
 
 _KEYS = {

@@ -13,6 +13,7 @@ from bokeh.models.annotations import Span
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import line_of
 from pwsviz.results.animation import Frames
+from pwsviz.text.numbers import PRINTED
 
 SPEEDS = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0, "4×": 4.0}
 """Offered speeds, by label."""
@@ -29,7 +30,9 @@ SMALL = 8
 FAINT = 0.3
 """Opacity of the curves under the trails, relative to what it is otherwise."""
 
-_ESM = """
+_ESM = (
+    PRINTED
+    + """
 export function render({ model, data, el }) {
   el.innerHTML = `
     <div class="player" role="group" aria-label="Animation">
@@ -74,7 +77,7 @@ export function render({ model, data, el }) {
     const many = crossed == crossings.length && there[0]?.crossing_count > crossed ? "more than " : ""
     const count = crossed.toLocaleString("en")
     const words = `${many}${count} crossing${crossed == 1 ? "" : "s"}`
-    now.textContent = `t = ${time.toPrecision(4)}, ${words}${there[0]?.whose ?? ""}`
+    now.textContent = `t = ${printed(time.toPrecision(4))}, ${words}${there[0]?.whose ?? ""}`
     scrub.setAttribute("aria-valuetext", now.textContent)
     data.setv({ now: shown }, { sync: false })  // not needed by the server
   }
@@ -156,6 +159,7 @@ export function render({ model, data, el }) {
   requestAnimationFrame(() => play.focus({ preventScroll: true }))  // for the space bar
 }
 """
+)
 
 _CSS = """
 .player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 10px; font-size: 0.875rem;

@@ -94,9 +94,8 @@ class PortraitPanel(pn.viewable.Viewer):
         def remind() -> None:
             self.progress.visible = self.scheduler.busy("runs") and self.scheduler.submitted("runs") == wanted
             if self.progress.visible and self.shown and self._declaration(self.shown) != self.scene.declaration:
-                words = (
-                    f"{self.scene.declaration.name}: preparing its integrators. That takes some seconds the first time."
-                )
+                name = self.scene.declaration.name
+                words = f"{name}: compiling its integrators, which takes a few seconds the first time."
                 self.status.object, self.note.object = as_text(words), ""
                 fade(self.pane, past=True)
                 self._on_wait(words)

@@ -15,7 +15,7 @@ from pwsviz.figures.summaries import method_notes
 from pwsviz.geometry.projection import PLANE, Axes, planes
 from pwsviz.page.help import FIRST
 from pwsviz.page.initial_states import Trajectories
-from pwsviz.scene.names import short_name
+from pwsviz.scene.names import LABELS, short_name
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text.words import as_text
@@ -34,8 +34,9 @@ METHOD_NOTES = {name: method.doc for name, method in core.METHODS.items()}
 """What each integrator is, for its tooltip."""
 
 LOCATE = {
-    "Locate crossings (transition scheme)": "End a step on the surface and begin the next there, with the other law "
-    "(Mannshardt), so that the order is kept. Without it a step over the surface follows the law it began with."
+    LABELS["locate"]: "End a step on the surface and begin the next one there with the field of "
+    "the other side (Mannshardt), which preserves the order. Otherwise a step across the surface is completed with the "
+    "field of the side on which it began."
 }
 """The one box of its group, and what it does."""
 
@@ -92,8 +93,8 @@ class Sidebar(pn.viewable.Viewer):
 
     def _make_system(self, on_edit: Callable[[], None]) -> None:
         self.system = Dropdown(
-            "System",
-            description="The two laws, and the surface between them.",
+            LABELS["system"],
+            description="The two fields, and the surface between them.",
             value=self.scene.system,
             options=self._systems(),
         )
@@ -103,8 +104,8 @@ class Sidebar(pn.viewable.Viewer):
         )
         self.write.on_click(lambda _: on_edit())
         self.plane = Dropdown(
-            "Portrait in the plane of",
-            description="The two variables that are drawn.",
+            LABELS["axes"],
+            description="The two variables on the axes.",
             options={"": (0, 1)},
             value=(0, 1),
         )
@@ -112,24 +113,21 @@ class Sidebar(pn.viewable.Viewer):
 
     def _make_numbers(self) -> None:
         self.tau = self._number(
-            "tau", "Step size τ", bounds=TAU_SLIDER, logarithmic=True,
-            description="Time that one step covers. Type any number or formula, such as 1e-3 or 1/300.",
+            "tau", bounds=TAU_SLIDER, logarithmic=True,
+            description="Length of a step in time. Numbers and formulas can be typed, such as “1e-3” or “1/300”.",
         )  # fmt: skip
         self.tolerance = self._number(
             "tolerance",
-            "Tolerance of taylor",
             bounds=TOLERANCES,
             logarithmic=True,
-            description="Error of one step, relative to the state. No step is longer than τ.",
+            description="Error allowed in one step, relative to the state. No step is longer than τ.",
         )
-        self.t_end = self._number("t_end", "End time", description="The run starts at t = 0 and ends here.")
-        self.scale = self._number(
-            "perturbation_scale", "Factor c", description="Crossing times are moved by c·τᵖ, to see what that does."
-        )
+        self.t_end = self._number("t_end", description="The run starts at t = 0 and ends here.")
+        self.scale = self._number("perturbation_scale", description="Crossing times are perturbed by c·τᵖ.")
 
     def _make_methods(self) -> None:
         self.methods = Choices(
-            label="Integrators", value=self.scene.used, options=self.scene.offered, about=METHOD_NOTES, margin=0,
+            label=LABELS["methods"], value=self.scene.used, options=self.scene.offered, about=METHOD_NOTES, margin=0,
             sizing_mode="stretch_width",
         )  # fmt: skip
         self.methods_note = text_pane("", "about")
@@ -142,16 +140,18 @@ class Sidebar(pn.viewable.Viewer):
         )
         self.locate.param.watch(lambda event: self.scene.param.update(locate=bool(event.new)), "value")
         self.order = Dropdown(
-            "Perturb crossing times by c·τᵖ; order p",
-            description="Move every crossing time on purpose, to see which order p the order of the method needs.",
+            LABELS["perturbation_order"],
+            description="Perturb every crossing time on purpose, to see which p preserves the order of the method.",
             options={str(p or "none"): p or 0 for p in PERTURBATION_ORDERS},  # a Select cannot show the value None
             value=self.scene.perturbation_order or 0,
         )
         self.order.param.watch(lambda event: self.scene.param.update(perturbation_order=event.new or None), "value")
         self.scene.param.watch(lambda event: self.order.param.update(value=event.new or 0), "perturbation_order")
 
-    def _number(self, field: str, label: str, **options: Any) -> NumberField:
-        return NumberField(label, partial(self._read, field), partial(self.scene.accept, field), **options)
+    def _number(self, field: str, label: str = "", **options: Any) -> NumberField:
+        return NumberField(
+            label or LABELS[field], partial(self._read, field), partial(self.scene.accept, field), **options
+        )
 
     def _read(self, field: str) -> float:
         name, _, part = field.partition(".")

@@ -9,6 +9,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from pwsviz.scene.names import LABELS as SETTINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import PLAIN_SX
@@ -41,7 +42,7 @@ class WindowFields(pn.viewable.Viewer):
         super().__init__()
         self.scene, self._seen, self._on_fit = scene, seen, on_fit
         self.button = pmui.IconButton(
-            icon="crop_free", size="small", description="Limits of the portrait", margin=2, on_click=self._toggle
+            icon="crop_free", size="small", description=SETTINGS["window"], margin=2, on_click=self._toggle
         )
         self.fields: list[NumberField] = []
         self.box = pn.Row(margin=(0, 8), sizing_mode="stretch_width", visible=False, stylesheets=[ROW_CSS])

@@ -116,7 +116,7 @@ def _checked_labels(only: Sequence[str]) -> Mapping[str, tuple[Preset, ...]]:
     figures = figures_of_paper()
     for label in only:
         if label not in figures:
-            raise ValueError(f"{label!r} is no figure of the paper; there are {', '.join(figures)}")
+            raise ValueError(f"{label!r} is not a figure of the paper; there are {', '.join(figures)}")
     return {label: presets for label, presets in figures.items() if not only or label in only}
 
 

@@ -53,7 +53,7 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
     if passed < 2:
         found = f"this trajectory has {'one' if passed else 'none'} up to t = {run.t[-1]:g}"
         why = "" if run.status is core.Status.COMPLETED else f" It stops there: {run.status.reason}."
-        raise ValueError(f"An order study needs two crossings at least; {found}.{why}")
+        raise ValueError(f"An order study needs at least two crossings; {found}.{why}")
     last = passed - 1  # the segment after it is studied, too
     return STUDY_CROSSINGS if last >= STUDY_CROSSINGS[-1] else tuple(sorted({-(-last // 3), -(-2 * last // 3), last}))
 

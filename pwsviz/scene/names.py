@@ -1,13 +1,38 @@
-"""Names of parameters in plain text."""
+"""Names of settings, of their values and of parameters, as the page shows them."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from sympy.printing.pretty.pretty_symbology import greek_unicode
 
 import core
+from pwsviz.scene.views import VIEWS
 
+LABELS: Mapping[str, str] = {
+    "system": "System", "own": "Your own system", "starts": "Starts", "selected": "Selected start",
+    "axes": "Portrait in the plane of", "window": "Limits of the portrait", "methods": "Integrators",
+    "tau": "Step size τ", "tolerance": "Tolerance of taylor", "t_end": "End time",
+    "locate": "Locate crossings (transition scheme)",
+    "perturbation_order": "Perturb crossing times by c·τᵖ; order p", "perturbation_scale": "Factor c",
+    "view": "View", "study_method": "Integrator of the view", "peers": "External solvers",
+    "cost_across": "Horizontal axis of Cost", "cost_up": "Vertical axis of Cost",
+    "stability_part": "Part of Stability", "stability_shown": "Colours of the map",
+    "stability_coordinate": "Coordinate of Stability",
+}  # fmt: skip
+"""Label of each setting."""
+
+EXTERNAL_SOLVERS = {"scipy": "SciPy", "heyoka": "heyoka"}
+COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
+COST_UP = {"state": "state error", "time": "crossing time error", "invariant": "error of ψ"}
+STABILITY_PARTS = {"map": "Map", "drift": "Long run", "grazing": "Near grazing"}
+STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
+
+_CHOICES = {
+    "peers": EXTERNAL_SOLVERS, "cost_across": COST_ACROSS, "cost_up": COST_UP, "stability_part": STABILITY_PARTS,
+    "stability_shown": STABILITY_SHOWN, "system": {"own": "your own"},
+}  # fmt: skip
 _CHARACTERS = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", "_": ""}
 
 
@@ -17,3 +42,12 @@ def short_name(parameter: core.Parameter) -> str:
     for latex, character in _CHARACTERS.items():
         text = text.replace(latex, character)
     return parameter.name if set(text) & set("\\{}^") else text
+
+
+def choice_name(setting: str, choice: object) -> str:
+    """Return one of the choices of a setting as the page shows it."""
+    if setting == "view" and choice in VIEWS:
+        return VIEWS[str(choice)].title
+    if setting == "system" and choice in core.CATALOGUE:
+        return core.CATALOGUE[str(choice)].name
+    return _CHOICES.get(setting, {}).get(str(choice), str(choice or "none"))

@@ -13,7 +13,8 @@ from typing import Any
 from urllib.parse import quote, unquote
 
 import core
-from pwsviz.scene.scene import EXTERNAL_SOLVERS, MAX_STARTS, Scene, Start
+from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS, choice_name, short_name
+from pwsviz.scene.scene import MAX_STARTS, Scene, Start
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 
@@ -107,6 +108,16 @@ def _text(scene: Scene, key: str) -> str:
     return _decimal(value) if isinstance(value, float) else str(value)
 
 
+def _shown_text(scene: Scene, key: str) -> str:
+    """Return a setting as the page shows it."""
+    value = getattr(scene, key)
+    if isinstance(value, str):
+        return choice_name(key, value)
+    if isinstance(value, list):
+        return ", ".join(choice_name(key, one) for one in value) or "none"
+    return _text(scene, key).replace(",", ", ") or "none"
+
+
 def _decimal(value: float) -> str:
     """Return the shortest exact decimal of a float, without the “+” that some URL parsers read as a space."""
     return repr(float(value)).replace("e+", "e")
@@ -168,13 +179,13 @@ class _Reader:
         return [*said, f"And so on: {more:,} more parts of the link are wrong."] if more else said
 
     def _instead(self, what: str) -> str:
-        return f"Used instead: {_text(self.scene, what) or 'none'}." if what in _SETTINGS else what
+        return f"Used instead: {_shown_text(self.scene, what)}." if what in _SETTINGS else what
 
     def _complain(self, wrong: str, instead: str = "It is left out.") -> None:
         self._wrong.append((wrong, instead))
 
     def _complain_of(self, key: str, reason: ValueError) -> None:
-        self._complain(f"{key} in the link: {shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
+        self._complain(f"{LABELS[key]} in the link: {shown(str(reason).rstrip('.'), MAX_REASON)}.", key)
 
     def _split(self, text: str) -> dict[str, str]:
         """Return the value of each key; a repeated key keeps its first value."""
@@ -212,17 +223,18 @@ class _Reader:
         if kept := [name for name in names if name in known]:
             self._given[key] = ",".join(dict.fromkeys(kept))
             for name in [name for name in names if name not in known]:
-                self._complain(f"{key} in the link: “{shown(name)}” is none of {', '.join(known)}.")
+                offered = ", ".join(choice_name(key, one) for one in known)
+                self._complain(f"{LABELS[key]} in the link: “{shown(name)}” is not one of {offered}.")
 
     def _take_parameters(self) -> None:
-        for name in self.scene.values:
-            key = _parameter_key(name)
+        for parameter in self.scene.declaration.parameters:
+            name, key = parameter.name, _parameter_key(parameter.name)
             if key in self._given:
                 try:
                     self.scene.accept(f"values.{name}", _number(self._given.pop(key)))
                 except ValueError as reason:
                     instead = f"Used instead: {_decimal(self.scene.values[name])}."
-                    self._complain(f"{key} in the link: {reason}", instead)
+                    self._complain(f"{short_name(parameter)} in the link: {reason}", instead)
 
     def _take_starts(self) -> None:
         """Apply the starts; each that is refused is replaced by the default start of the system."""
@@ -329,11 +341,11 @@ def _use(scene: Scene, text: str) -> None:
 def _number(text: str) -> str:
     """Return the text of a plain decimal number; ValueError for others that `float` accepts, such as 1_0 or nan."""
     if len(text) > MAX_DIGITS or not _NUMBER.fullmatch(text):
-        raise ValueError(f"“{shown(text)}” is not a number. Write one such as 0.01 or 1e-3.")
+        raise ValueError(f"“{shown(text)}” is not a number. Write one such as “0.01” or “1e-3”.")
     return text
 
 
 def _index(name: str, variables: tuple[str, ...]) -> int:
     if name not in variables:
-        raise ValueError(f"“{shown(name)}” is no variable of this system; it has {', '.join(variables)}.")
+        raise ValueError(f"“{shown(name)}” is not a variable of this system; it has {', '.join(variables)}.")
     return variables.index(name)

@@ -50,26 +50,26 @@ def _field_types() -> tuple[Preset, ...]:
     return (
         Preset(
             "vf_upward", "Field types: transversal, upward", figure,
-            "Both fields point up through y = 0: every trajectory crosses once, with a kink, and goes on.",
-            "Make the field below faster (v₋): trajectories get there sooner, and cross all the same.",
+            "Both fields point up through y = 0: every trajectory from below crosses once, with a kink.",
+            "Make the field below faster (v₋): trajectories arrive sooner, and cross all the same.",
             {**common, "system": "type_upward", "starts": below},
         ),
         Preset(
             "vf_downward", "Field types: transversal, downward", figure,
-            "The mirror image: both fields point down, and every trajectory crosses once from above.",
-            "Click below the line: from there a trajectory never meets it.",
+            "The mirror image: both fields point down, and every trajectory from above crosses once.",
+            "Click below the line: a trajectory from there never meets it.",
             {**common, "system": "type_downward", "starts": above},
         ),
         Preset(
             "vf_repelling", "Field types: unstable", figure,
-            "Both fields point away from y = 0: trajectories beside it leave, and none ever crosses.",
-            "Type a start with y = 0: there both ways are solutions, so the run stops at once and says so.",
+            "Both fields point away from y = 0: trajectories beside the line leave it, and none crosses.",
+            "Type a start with y = 0: the solution may leave to either side, so the run stops at once and says so.",
             {**common, "system": "type_repelling", "starts": beside},
         ),
         Preset(
             "vf_sliding", "Field types: sliding", figure,
-            "Both fields point to y = 0: every run ends where it reaches the line, at t = 20, as sliding.",
-            "Let one side be slower (v₋, v₊): it arrives later, and cannot leave either.",
+            "Both fields point to y = 0: every run reaches the line at t = 20 and ends there, where sliding begins.",
+            "Lower v₋ or v₊: trajectories of that side arrive later, and cannot leave either.",
             {**common, "system": "type_sliding", "starts": (*below, *above)},
         ),
     )  # fmt: skip
@@ -80,30 +80,30 @@ def _portraits() -> tuple[Preset, ...]:
     return (
         Preset(
             "portrait_harmonic", "Portrait: oscillator", "fig:portraits",
-            "Circles above y = 0 and ellipses below join on the line: closed curves with a kink in their curvature.",
-            "Drag a start, or make ω²₋ = ω²₊: the kink goes away.",
+            "Circular arcs above y = 0 join elliptic arcs below it: closed curves whose curvature jumps on the line.",
+            "Drag a start, or set ω²₋ = ω²₊: the jump disappears.",
             {**common, **_OSCILLATOR, "starts": ((0.5, 0.5), (1.0, 1.0), (1.5, 1.5))},
         ),
         Preset(
             "portrait_elliptic", "Portrait: elliptic curves", "fig:portraits",
-            "Pieces of elliptic curves, another family inside the unit circle than outside, joined on the circle.",
-            "Start at x = 1.5, y = 2: there the curve is open and the run escapes to infinity.",
+            "Arcs of elliptic curves of one family inside the unit circle and of another outside, joined on it.",
+            "Start at x = 1.5, y = 2: the curve through this point is unbounded, and the run blows up before t = 1.",
             {**common, **_CURVE, "starts": ((-1.0, -1.0), (-1.0, -0.5), (-1.2, 0.0))},
         ),
     )  # fmt: skip
 
 
 def _time_errors() -> tuple[Preset, ...]:
-    look = "The error of the crossing time has slope 2 at crossings 10, 20 and 30: it grows, its order stays."
+    look = "The error of the crossing time has slope 2 at crossings 10, 20 and 30: its size grows, its order stays."
     return (
         Preset(
             "harmonic_time", "Crossing time: oscillator", "fig:harmonic_timeError", look,
-            "Choose dmm4: slope 4. Switch the transition off: slope 1.",
+            "Choose dmm4: slope 4. Do not locate crossings: large, scattered errors of a slope near 1.",
             {**_OSCILLATOR_STUDY, "view": "time"},
         ),
         Preset(
             "elliptic_time", "Crossing time: elliptic curve", "fig:elliptic_time", look,
-            "Choose rk2: its slope is 2, too. What it loses is ψ: see Conserved quantity.",
+            "Choose rk2: its slope is 2, too, but it does not conserve ψ: see Conserved quantity.",
             {**_CURVE_STUDY, "view": "time"},
         ),
     )  # fmt: skip
@@ -111,12 +111,12 @@ def _time_errors() -> tuple[Preset, ...]:
 
 def _transitions() -> tuple[Preset, ...]:
     words = {
-        1: ("Crossing times are moved by τ: before the first crossing the slope is 2, after it the order falls to 1.",
-            "Choose p = 2: the order is back."),
-        2: ("Crossing times are moved by τ²: as much as the method errs itself, and the slope stays 2 everywhere.",
+        1: ("Crossing times are perturbed by τ: the slope is 2 before the first crossing and falls to 1 after it.",
+            "Choose p = 2: the order is restored."),
+        2: ("Crossing times are perturbed by τ², which is of the order of the method's own error: the slope stays 2.",
             "Choose p = 1: the order falls to 1."),
-        15: ("Crossing times are moved by τ¹⁵, which is as good as nothing: slope 2 before and after 30 crossings.",
-             "Switch the transition off: without it the order is 1 after the first crossing."),
+        15: ("Crossing times are perturbed by τ¹⁵, which is negligible: the slope is 2 before and after 30 crossings.",
+             "Do not locate crossings: after the first one the errors scatter, and their slope is near 1."),
     }  # fmt: skip
     systems = (
         ("harmonic", "oscillator", _OSCILLATOR_STUDY),
@@ -137,14 +137,14 @@ def _conserved() -> tuple[Preset, ...]:
     return (
         Preset(
             "cq_harmonic", "Conserved quantity: oscillator", "fig:CQ_harmonic",
-            "dmm2 keeps the energy to 1e-15 for 41 crossings; rk2 drifts, to 3e-7 by the end.",
-            "Make τ ten times larger: the error of rk2 grows a thousandfold, that of dmm2 not at all.",
+            "dmm2 conserves the energy to 10⁻¹⁵ over 41 crossings; rk2 drifts to 3×10⁻⁷ by the end.",
+            "Make τ ten times as large: the error of rk2 grows a thousandfold, that of dmm2 not at all.",
             {**common, **_OSCILLATOR},
         ),
         Preset(
             "cq_elliptic", "Conserved quantity: elliptic curve", "fig:CQ_elliptic",
-            "dmm2 keeps ψ to 1e-15 for 105 crossings; rk2 drifts, to 4e-6 by the end.",
-            "Add rk4 and rk8: smaller errors, but still no conservation.",
+            "dmm2 conserves ψ to 10⁻¹⁵ over 105 crossings; rk2 drifts to 4×10⁻⁶ by the end.",
+            "Add rk8: round-off at this τ, but no conservation. At τ = 0.05 it drifts, and dmm2 does not.",
             {**common, **_CURVE},
         ),
     )  # fmt: skip
@@ -154,8 +154,8 @@ def _stopping() -> tuple[Preset, ...]:
     return (
         Preset(
             "grazing", "Touching the surface", "",
-            "Three swings of a pendulum to α = 0.5: one falls short, one crosses, one just touches and ends: grazing.",
-            "Move the touching start by 1e-6 to either side, or α itself.",
+            "Three swings of a pendulum towards α = 0.5: one falls short, one crosses, and one just touches and ends.",
+            "Move the start that touches, or α, by 10⁻⁶: the swing falls short or crosses.",
             {
                 "system": "pendulum", "starts": ((-0.49, 0.0), (-0.51, 0.0), (-0.5, 0.0)),
                 "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved",
@@ -164,14 +164,14 @@ def _stopping() -> tuple[Preset, ...]:
         Preset(
             "zeno", "A ball comes to rest", "",
             "Bounces follow ever faster and accumulate at t = 1.3553 (Zeno): the run stops there and says so.",
-            "Raise ε to 0.9: the time of all bounces grows as (1 + ε)/(1 − ε).",
+            "Raise ε to 0.8: the time of all bounces, proportional to (1 + ε)/(1 − ε), triples.",
             {"system": "bouncing_ball", "methods": ["dmm2"], "tau": 0.01, "t_end": 5.0, "view": "conserved"},
         ),
         Preset(
             "sticking", "Dry friction sticks", "",
-            "Each turning point is nearer by 2μ = 0.8; at the fourth, y = −0.2, the spring is too weak and the block "
+            "Each turning point is closer by 2μ = 0.8; at the fourth, y = −0.2, the spring is too weak and the block "
             "sticks.",
-            "Less friction: more swings. With μ = 2 it sticks after the first.",
+            "Less friction: more swings. With μ = 2 the block sticks at the first turning point.",
             {"system": "coulomb_friction", "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved"},
         ),
     )  # fmt: skip
@@ -181,27 +181,27 @@ def _comparisons() -> tuple[Preset, ...]:
     return (
         Preset(
             "side_by_side", "Four integrators side by side", "",
-            "The same curve at τ = 0.01: ψ of rk2 drifts to 2e-3, of rk4 to 2e-7, of dmm2 and prk8 not at all.",
-            "Halve τ: the error of rk2 falls to a fifth, that of rk4 to a sixteenth.",
+            "The same curve at τ = 0.01: rk2 drifts to 2×10⁻³ and rk4 to 2×10⁻⁷; dmm2 and prk8 conserve ψ.",
+            "Halve τ: the error of rk2 falls to an eighth, that of rk4 to a thirtieth.",
             {**_CURVE, "methods": ["dmm2", "rk2", "rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},
         ),
         Preset(
             "kepler", "A planet and a shell of dust", "",
-            "Each time the planet leaves the shell its mass begins to pull; prk8 keeps energy and angular momentum "
-            "to a few 1e-15 all along.",
-            "Make the mass felt outside equal to that inside: one Kepler ellipse, and no kink at the shell.",
+            "Outside the shell its mass pulls, too; prk8 conserves energy and angular momentum to 3×10⁻¹⁵, "
+            "rk4 does not.",
+            "Set μ₊ = μ₋: the shell has no mass, and the planet stays on one Kepler ellipse.",
             {"system": "kepler", "methods": ["rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},
         ),
         Preset(
-            "taylor", "Taylor series at 1e-12", "",
-            "Order and step chosen from the tolerance: 63 crossings in some 250 steps, ψ kept to 1e-15.",
-            "Tolerance 1e-6: fewer steps, and ψ is kept as well.",
+            "taylor", "Taylor series at tolerance 10⁻¹²", "",
+            "Order and step follow from the tolerance: 63 crossings in some 250 steps, ψ conserved to 10⁻¹⁵.",
+            "Set the tolerance to 10⁻⁶: fewer steps, and ψ is conserved as well.",
             {**_CURVE, "methods": ["taylor"], "tau": 1.0, "tolerance": 1e-12, "t_end": 60.0, "view": "conserved"},
         ),
         Preset(
             "cost", "What an error costs", "",
-            "Higher order is cheaper: prk8 at τ = 0.05 beats dmm2 at τ = 1e-3 with a tenth of the evaluations.",
-            "Look at the error of ψ instead: now dmm2 is at round-off whatever τ.",
+            "Higher order is cheaper: prk8 at τ = 0.05 beats dmm2 at τ = 10⁻³ with a tenth of the evaluations.",
+            "Choose “error of ψ”: dmm2 and prk8 are at round-off whatever τ.",
             {
                 **_CURVE, "methods": ["dmm2", "dmm4", "rk4", "prk8"], "study_method": "dmm2", "tau": 0.01,
                 "t_end": 60.0, "view": "cost",

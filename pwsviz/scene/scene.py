@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import param
@@ -15,7 +16,15 @@ import param
 import core
 from core.integrate import checked_method, checked_start
 from pwsviz.geometry.projection import PLANE
-from pwsviz.scene.names import short_name
+from pwsviz.scene.names import (
+    COST_ACROSS,
+    COST_UP,
+    EXTERNAL_SOLVERS,
+    STABILITY_PARTS,
+    STABILITY_SHOWN,
+    choice_name,
+    short_name,
+)
 from pwsviz.scene.validation import (
     MAX_STEPS,
     number,
@@ -38,12 +47,6 @@ MAX_STARTS = 12
 OWN = "own"
 """Key of the system that the user typed."""
 
-EXTERNAL_SOLVERS = {"scipy": "SciPy", "heyoka": "heyoka"}
-COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
-COST_UP = {"state": "state error", "time": "crossing time error", "invariant": "error of ψ"}
-STABILITY_PARTS = {"map": "Map", "drift": "Long run", "grazing": "Near grazing"}
-STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
-
 TOLERANCES = (1e-15, 1e-3)
 """Least and greatest tolerance (error of a step relative to the state) of an integrator that chooses its own steps."""
 
@@ -65,7 +68,7 @@ class _ViewKey(param.Parameter):  # type: ignore[type-arg]
     """A key of `VIEWS`, read when a value is set: a `Selector` would keep the keys that there were at import."""
 
     def _validate_value(self, val: object, allow_None: bool) -> None:  # noqa: N803  (param's name)
-        one_of(VIEWS, val)
+        one_of(VIEWS, val, partial(choice_name, "view"))
 
 
 class Scene(param.Parameterized):
@@ -216,7 +219,7 @@ class Scene(param.Parameterized):
             If it has fewer than two variables, or cannot start at its initial state.
         """
         if system.dimension < PLANE:
-            raise ValueError("A portrait needs two variables at least.")
+            raise ValueError("A portrait needs at least two variables.")
         changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1), "window": None}
         checked_start(system, 0.0, system.x0)
         with self._without_defaults():
@@ -319,12 +322,12 @@ class Scene(param.Parameterized):
             "order_all": lambda _, value: switch(value),
             "stability_coordinate": self._checked_coordinate,
             "system": self._checked_system,
-            "view": lambda _, value: one_of(VIEWS, value),
+            "view": lambda _, value: one_of(VIEWS, value, partial(choice_name, "view")),
             "window": lambda _, value: window(value),
         }
         check = checks.get(name)
         if check is None and not (name in self.param and isinstance(self.param[name], param.Selector)):
-            raise ValueError(f"“{name}” is no setting of this page.")
+            raise ValueError(f"“{name}” is not a setting of this page.")
         self.param.update(**{name: check(part, value) if check else self._checked_choice(name, value)})
 
     def accept_times(self, tau: object, t_end: object) -> None:
@@ -365,7 +368,7 @@ class Scene(param.Parameterized):
 
     def _checked_peers(self, _: str, value: object) -> list[str]:
         if not isinstance(value, list):
-            raise ValueError(f"“{value}” is no list of integrators.")
+            raise ValueError(f"“{value}” is not a list of integrators.")
         require_known(value, EXTERNAL_SOLVERS, "an integrator to compare with")
         return [name for name in EXTERNAL_SOLVERS if name in value]
 
@@ -375,7 +378,7 @@ class Scene(param.Parameterized):
         return str(self._checked_choice("system", value))
 
     def _checked_choice(self, name: str, value: object) -> object:
-        return one_of(self.param[name].objects, value)
+        return one_of(self.param[name].objects, value, partial(choice_name, name))
 
     def _checked_x0(self, index: str, value: object) -> Start:
         if not index:
@@ -406,7 +409,7 @@ class Scene(param.Parameterized):
     def _checked_values(self, name: str, value: object) -> dict[str, float]:
         parameters = {p.name: p for p in self.declaration.parameters}
         if name not in parameters:
-            raise ValueError(f"“{name}” is no parameter of this system; it has {', '.join(parameters) or 'none'}.")
+            raise ValueError(f"“{name}” is not a parameter of this system; it has {', '.join(parameters) or 'none'}.")
         low, high = parameters[name].bounds or (-MAX_COORDINATE, MAX_COORDINATE)
         return {**self.values, name: number(value, short_name(parameters[name]), low, high)}
 

@@ -41,38 +41,38 @@ def unpacked(text: str) -> core.PiecewiseSystem:
     try:
         given = json.loads(text, parse_constant=_refuse)
     except (ValueError, RecursionError):
-        raise ValueError(f"“{shown(text)}” is no description of a system.") from None
+        raise ValueError(f"“{shown(text)}” does not describe a system.") from None
     parts = _checked(given, _SYSTEM, "system", ("name", "variables", "f_minus", "f_plus", "g"))
     system = core.PiecewiseSystem(**parts)
     if system.dimension < PLANE:
-        raise ValueError(f"{system.variables[0]} alone makes no portrait: two variables are needed")
+        raise ValueError(f"{system.variables[0]} alone is not enough: a portrait needs two variables")
     return system
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is no finite number")
+    raise ValueError(f"{constant} is not a finite number")
 
 
 def _checked(given: Any, parts: dict[str, Callable[[Any], Any]], what: str, needed: Iterable[str]) -> dict[str, Any]:
     """Return the fields of a JSON object, each read by its entry of `parts`."""
     if not isinstance(given, dict):
-        raise ValueError(f"{_quoted(given)} is no {what}.")
+        raise ValueError(f"{_quoted(given)} is not a {what}.")
     if missing := [name for name in needed if name not in given]:
         raise ValueError(f"The {what} lacks its {missing[0]}.")
     if unknown := [name for name in given if name not in parts]:
-        raise ValueError(f"“{shown(unknown[0])}” is no part of a {what}.")
+        raise ValueError(f"“{shown(unknown[0])}” is not part of a {what}.")
     return {name: parts[name](value) for name, value in given.items()}
 
 
 def _word(value: Any) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"{_quoted(value)} is no text.")
+        raise ValueError(f"{_quoted(value)} is not a text.")
     return value
 
 
 def _float(value: Any) -> float:
     if type(value) not in (int, float):
-        raise ValueError(f"{_quoted(value)} is no number.")
+        raise ValueError(f"{_quoted(value)} is not a number.")
     try:
         return float(value)
     except OverflowError:
@@ -82,7 +82,7 @@ def _float(value: Any) -> float:
 def _list_of(kind: Callable[[Any], Any]) -> Callable[[Any], tuple[Any, ...]]:
     def checked(value: Any) -> tuple[Any, ...]:
         if not isinstance(value, list):
-            raise ValueError(f"{_quoted(value)} is no list.")
+            raise ValueError(f"{_quoted(value)} is not a list.")
         return tuple(map(kind, value))
 
     return checked
@@ -95,7 +95,7 @@ def _parameter(value: Any) -> core.Parameter:
 
 def _values(value: Any) -> dict[str, float]:
     if not isinstance(value, dict):
-        raise ValueError(f"{_quoted(value)} are no values of parameters.")
+        raise ValueError(f"{_quoted(value)} is not a list of values of parameters.")
     return {name: _float(number) for name, number in value.items()}
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from core.symbolic import parse
@@ -21,7 +21,7 @@ MAX_STEPS = 2_000_000
 
 _ENDS = ("left", "right", "bottom", "top")
 
-_SUCH = "Type one such as 0.01, 1e-3, 1/3 or sqrt(2)."
+_SUCH = "Type one such as “0.01”, “1e-3”, “1/3” or “sqrt(2)”."
 
 
 def value_of(text: str) -> float:
@@ -60,17 +60,17 @@ def number(value: object, subject: str, low: float, high: float) -> float:
     return result
 
 
-def one_of(choices: Iterable[object], value: object) -> object:
+def one_of(choices: Iterable[object], value: object, name: Callable[[object], str]) -> object:
     """Return a value that is one of the choices, of the same type: True is not 1.
 
     Raises
     ------
     ValueError
-        Naming the value and the choices.
+        Naming the value and, by `name`, the choices.
     """
     known = list(choices)
     if not any(value == one and type(value) is type(one) for one in known):
-        raise ValueError(f"“{value}” is none of {', '.join(str(one or 'none') for one in known)}.")
+        raise ValueError(f"“{value}” is not one of {', '.join(map(name, known))}.")
     return value
 
 

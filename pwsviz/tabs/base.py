@@ -224,5 +224,5 @@ def about_crossings(scene: Scene) -> str:
     if not scene.locate:
         return "The integrators step over the surface, as on the page: crossings are not located."
     if scene.perturbation_order is not None:
-        return "In this study crossing times are never perturbed, although they are on the page."
+        return "This study never perturbs crossing times, although the runs of the page do."
     return ""

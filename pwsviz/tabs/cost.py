@@ -13,7 +13,7 @@ from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
 from pwsviz.figures.cost import CostView, compared_with, cost_numbers, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
-from pwsviz.scene.scene import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS
+from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
@@ -43,7 +43,7 @@ class CostTab(LongTab):
         across = choice(self.scene, "cost_across", lambda: {words: key for key, words in COST_ACROSS.items()})
         up = choice(self.scene, "cost_up", lambda: {words: key for key, words in COST_UP.items()})
         peers = pmui.CheckBoxGroup(
-            label="External solvers", options={words: key for key, words in EXTERNAL_SOLVERS.items()},
+            label=LABELS["peers"], options={words: key for key, words in EXTERNAL_SOLVERS.items()},
             value=self.scene.peers, inline=True, size="small", margin=(6, 0),
         )  # fmt: skip
         peers.param.watch(lambda event: self.scene.accept("peers", list(event.new)), "value")

@@ -13,7 +13,7 @@ from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.results.requests import StabilityInputs
-from pwsviz.scene.scene import STABILITY_PARTS, STABILITY_SHOWN
+from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 
+from pwsviz.text.numbers import printed
+
 __all__ = ["Numbers", "table_markup"]
 
 
@@ -26,10 +28,12 @@ def table_markup(table: Numbers) -> str:
         return ""
     head = _row(f'<th scope="col">{escape(cell)}</th>' for cell in table.header)
     body = "".join(
-        _row([f'<th scope="row">{escape(first)}</th>', *(f"<td>{escape(cell)}</td>" for cell in rest)])
+        _row(
+            [f'<th scope="row">{escape(printed(first))}</th>', *(f"<td>{escape(printed(cell))}</td>" for cell in rest)]
+        )
         for first, *rest in table.rows
     )
-    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+    caption = f"<caption>{escape(printed(table.caption))}</caption>" if table.caption else ""
     return f'<div class="numbers"><table>{caption}<thead>{head}</thead><tbody>{body}</tbody></table></div>'
 
 

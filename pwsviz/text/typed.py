@@ -8,6 +8,11 @@ __all__ = ["as_python"]
 
 #: Signs that people type or paste, and what Python writes for them.
 _SIGNS = {"−": "-", "·": "*", "×": "*", "^": "**"}
+#: An exponent as it is printed, in raised digits.
+_RAISED = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+#: A number as it is printed: 2×10⁻⁶ or 10⁻⁶.
+_PRINTED = re.compile(rf"(?:([0-9]+(?:\.[0-9]+)?)×)?(?<![\w.])10({_RAISED.pattern})")
+_LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 #: A number that is no part of a name, with its exponent if it has one: of 2e only 2, of 2e3x all but x. It is taken
 #: whole: possessive quantifiers (++) give nothing back.
 _NUMBER = r"(?<![\w.])(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
@@ -16,10 +21,12 @@ _PRODUCT = re.compile(rf"({_NUMBER}) *(?=[^\W\d]|\()|(\)) *(?=[\w(])")
 
 
 def as_python(text: str) -> str:
-    """Write a formula with ``**`` for ``^`` and with the signs of products: ``2q^2`` becomes ``2*q**2``.
+    """Write a formula with ``**`` for ``^`` and with the signs of products: ``2q^2`` and ``2q²`` become ``2*q**2``.
 
     A name before a bracket stays as it is, as it may be that of a function.
     """
+    text = _PRINTED.sub(lambda found: f"{found[1] or 1}e{found[2].translate(_LOWERED)}", text)
     for sign, plain in _SIGNS.items():
         text = text.replace(sign, plain)
+    text = _RAISED.sub(lambda found: f"**{found[0].translate(_LOWERED)}", text)
     return _PRODUCT.sub(lambda found: f"{found[1] or found[2]}*", text)

@@ -6,13 +6,15 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from pwsviz.text.numbers import printed
+
 
 def as_text(words: str, kind: str = "") -> str:
-    """Return a paragraph with these words, escaped."""
+    """Return a paragraph with these words, escaped, and with their numbers as they are printed."""
     if not words:
         return ""
     role = ' role="alert"' if kind == "error" else ""
-    return f'<p class="{kind}"{role}>{escape(words)}</p>'
+    return f'<p class="{kind}"{role}>{escape(printed(words))}</p>'
 
 
 def listed(names: Sequence[str]) -> str:
@@ -35,7 +37,8 @@ def rounded_up(value: float) -> str:
     if value == 0:
         return "0"
     power = 10.0 ** math.floor(math.log10(value))
-    return f"{math.ceil(value / power * (1 - 1e-12)) * power:.0e}".replace("e-0", "e-").replace("e+0", "e+")
+    bound = float(f"{math.ceil(value / power * (1 - 1e-12)) * power:.0e}")
+    return printed(f"{bound:g}" if 0.01 <= bound < 1000 else f"{bound:.0e}")
 
 
 def complaint(reason: Exception) -> str:

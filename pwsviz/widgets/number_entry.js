@@ -1,4 +1,4 @@
-// A labelled text entry for a number and, where it has ends, a slider that announces the text of the entry.
+// A labelled text entry for a number and, where it has ends, a slider that announces the number.
 
 const STEPS = 400  // of the slider from end to end
 let count = 0
@@ -24,7 +24,7 @@ function render({ model, el }) {
     note.className = model.complaint ? "note refused" : "note"
     slider.hidden = model.ends == null
     slider.setAttribute("aria-label", `${model.label}, slider`)
-    slider.setAttribute("aria-valuetext", model.text.replace("-", "\u2212"))
+    slider.setAttribute("aria-valuetext", model.said)
     if (model.ends != null && !sliding) {
       const [low, high] = model.ends
       slider.value = Math.round(STEPS * (model.place - low) / (high - low))
@@ -45,7 +45,7 @@ function render({ model, el }) {
   entry.addEventListener("change", () => { model.text = entry.value })
   slider.addEventListener("input", slide)
   for (const name of ["change", "blur", "pointerup"]) slider.addEventListener(name, rest)
-  for (const name of ["label", "description", "note", "complaint", "disabled", "ends", "place"]) {
+  for (const name of ["said", "label", "description", "note", "complaint", "disabled", "ends", "place"]) {
     model.on(name, write)
   }
   model.on("text", fill)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import panel as pn
 import param
 
+from pwsviz.text.numbers import printed
 from pwsviz.widgets.fields import FIELD_CSS
 
 SLIDER_DIGITS = 3
@@ -19,11 +20,12 @@ SLIDER_RESTS = 5
 
 
 class NumberEntry(pn.custom.JSComponent):
-    """What the browser shows of a number: a text entry, and below it a slider, which tells the text of the entry."""
+    """What the browser shows of a number: a text entry, and below it a slider, which tells the number."""
 
     label = param.String(default="", doc="Name shown.")
     description = param.String(default="", doc="What the number is, shown when the field is pointed at or entered.")
     text = param.String(default="", doc="The text of the entry.")
+    said = param.String(default="", doc="The number as it is printed, which the slider tells.")
     note = param.String(default="", doc="How the text was read, where it is not a plain number.")
     complaint = param.String(default="", doc="Why the text is refused.")
     disabled = param.Boolean(default=False, doc="Whether the number has no effect at present.")
@@ -93,7 +95,7 @@ class NumberField(pn.viewable.Viewer):
         """Rebind to another number: ten times as fast as a new field."""
         self._read, self._accept = read, accept
         self._shown = value = read()
-        told = {"text": repr(value), "note": "", "complaint": ""}
+        told = {"text": repr(value), "said": printed(repr(value)), "note": "", "complaint": ""}
         self._tell(label=label, description=description, **told, **self._track(bounds, value))
 
     def _tell(self, **changes: Any) -> None:
@@ -117,7 +119,7 @@ class NumberField(pn.viewable.Viewer):
         try:
             self._accept(value)
         except ValueError as reason:
-            self._tell(complaint=str(reason), note="")
+            self._tell(complaint=printed(str(reason)), note="")
         else:
             self._show(self._read(), typed=str(value))
 
@@ -130,8 +132,8 @@ class NumberField(pn.viewable.Viewer):
     def _show(self, value: float, typed: str = "") -> None:
         """Show a number, and beside it the formula that was typed for it, if any."""
         self._shown = value
-        note = f"{typed.strip()} = {value!r}" if typed and not _is_decimal(typed) else ""
-        changes: dict[str, Any] = {"text": repr(value), "complaint": "", "note": note}
+        note = printed(f"{typed.strip()} = {value!r}") if typed and not _is_decimal(typed) else ""
+        changes: dict[str, Any] = {"text": repr(value), "said": printed(repr(value)), "complaint": "", "note": note}
         if self.entry.ends is not None and self._from_slider(self.entry.place) != value:
             low, high = self.entry.ends
             changes["place"] = min(max(self._to_slider(value), low), high)

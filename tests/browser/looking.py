@@ -17,6 +17,26 @@ GROUND = """canvas => {
 }"""
 
 
+UNPRINTED = """() => {
+    const found = []
+    const look = node => {
+        for (const part of [...node.childNodes, ...(node.shadowRoot?.childNodes ?? [])]) {
+            const words = part.nodeType == Node.TEXT_NODE ? part.data.replace(/“[^”]*”/g, "") : ""
+            if (/\\de[-+]?\\d|(^|[\\s(=≤])-\\.?\\d/.test(words)) { found.push(words) }
+            if (!/^(STYLE|SCRIPT|PRE|CODE|OPTION)$/.test(part.nodeName)) { look(part) }
+        }
+    }
+    look(document.body)
+    return found
+}"""
+"""The texts of the page that have a number as programs write it, such as 1e-6 or -3."""
+
+TIP = """() => [...document.querySelectorAll(".bk-Tooltip")].filter(tip => tip.getBoundingClientRect().width > 0)
+    .map(tip => [tip.shadowRoot.querySelector(".bk-tooltip-content").textContent, getComputedStyle(tip).color,
+                 getComputedStyle(tip).backgroundColor])[0]"""
+"""Text and colours of what tells of the place under the pointer."""
+
+
 def canvas(page, figure):
     return page.get_by_role("img", name=re.compile(figure)).locator("canvas").first
 

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import zlib
 
 import numpy as np
 import pytest
@@ -85,4 +86,10 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         assert b"/FontFile2" in pdf
     page.get_by_role("button", name="4×").click()
     png = downloaded(page, page.get_by_role("button", name="PNG").first)
-    assert int.from_bytes(png[16:20]) == round(85 / 25.4 * 96 * 4)
+    wide = int.from_bytes(png[16:20])
+    assert wide == round(85 / 25.4 * 96 * 4)
+    chunk = png[33:54]
+    assert chunk[4:8] == b"pHYs"
+    assert chunk[16] == 1, "pixels per metre"
+    assert wide / int.from_bytes(chunk[8:12]) == pytest.approx(0.085, rel=1e-4)
+    assert int.from_bytes(chunk[17:]) == zlib.crc32(chunk[4:17])

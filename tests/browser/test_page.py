@@ -4,8 +4,11 @@ import re
 
 import pytest
 
+from pwsviz.text.numbers import PRINTED, printed
 from tests.browser.looking import (
     GROUND,
+    TIP,
+    UNPRINTED,
     await_ground,
     await_other_picture,
     await_painted,
@@ -15,6 +18,7 @@ from tests.browser.looking import (
     settled_picture,
     type_into,
 )
+from tests.browser.test_portrait import CONSERVED, await_that
 
 pytestmark = pytest.mark.browser
 
@@ -58,7 +62,7 @@ def test_order_and_crossing_time_show_slopes_near_two(visit):
     for tab, figure, count in (("Order", "state error", 4), ("Crossing time", "crossing time error", 3)):
         page.get_by_role("tab", name=tab).click()
         # What there is of a study is shown as it comes; at first it has no slopes.
-        whole = re.compile(r"(slope \d\.\d+.*)" * count + "Measured against", re.DOTALL)
+        whole = re.compile(r"(slope \d\.\d+.*)" * count + "Compared with", re.DOTALL)
         words = page.get_by_text(whole).locator("visible=true").first
         words.wait_for()
         slopes = [float(slope) for slope in re.findall(r"slope (\d+\.\d+)", words.inner_text())]
@@ -99,6 +103,16 @@ def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     light = await_painted(page, "Phase portrait").evaluate(GROUND)
     page.get_by_label("Toggle theme").click()
     dark = await_ground(page, canvas(page, "Phase portrait"), lambda ground: ground != light)
+    assert page.evaluate(UNPRINTED) == []
+    x, y = await_that(page, CONSERVED)["ticks"][1]
+    page.mouse.move(x, y - 60)
+    page.mouse.move(x, y, steps=3)
+    page.wait_for_function(f"({TIP})()")
+    words, *colours = page.evaluate(TIP)
+    assert words.startswith("crossing2time")
+    assert colours == ["rgb(255, 255, 255)", "rgb(18, 18, 18)"], "as other texts of the dark page"
+    for number in ("2.5e-16", "1e+21", "-1e-7", "-3.25", "0.001"):
+        assert page.evaluate(f"number => {{ {PRINTED} return printed(number) }}", number) == printed(number)
     page.reload()
     drawing = await_painted(page, "Phase portrait")
     await_ground(page, drawing, lambda ground: ground == dark)

@@ -6,7 +6,15 @@ import sys
 
 import pytest
 
-from tests.browser.looking import await_built, await_other_picture, await_painted, field, settled_picture, type_into
+from tests.browser.looking import (
+    UNPRINTED,
+    await_built,
+    await_other_picture,
+    await_painted,
+    field,
+    settled_picture,
+    type_into,
+)
 
 sync_api = pytest.importorskip("playwright.sync_api")
 
@@ -25,6 +33,7 @@ def test_every_view_shows_itself_and_says_what_it_shows(visit):
     ):
         page.get_by_role("tab", name=tab).click()
         page.get_by_text(words).first.wait_for(timeout=60_000)
+        assert page.evaluate(UNPRINTED) == [], tab
     assert page.locator("math").count() > 5
 
 

@@ -20,9 +20,9 @@ def page(visit):
 
 
 def window(page):
-    """Left and right end, and the middle in y: a legend that grows takes height from the plot."""
-    left, right, bottom, top = page.evaluate(PORTRAIT)["range"]
-    return [left, right, (bottom + top) / 2]
+    """The range that is seen, and the size of its frame, which a legend that grows leaves as it is."""
+    seen = page.evaluate(PORTRAIT)
+    return [*seen["range"], *(side / 100 for side in seen["frame"][2:])]
 
 
 def test_neither_a_new_start_nor_one_that_escapes_moves_the_window(page):
@@ -35,6 +35,11 @@ def test_neither_a_new_start_nor_one_that_escapes_moves_the_window(page):
     star = page.evaluate(PORTRAIT)["stars"][0]
     drag(page, star, (90, 120))
     page.mouse.up()
+    await_still(page)
+    assert window(page) == pytest.approx(before, abs=0.01)
+    for method in ("dmm4", "rk4", "prk8", "taylor"):
+        page.get_by_role("checkbox", name=method).check()
+    page.get_by_text(re.compile(r"taylor: [\d,]+ steps")).first.wait_for()
     await_still(page)
     assert window(page) == pytest.approx(before, abs=0.01)
 

@@ -88,7 +88,7 @@ def _largest(plan: Plan, expected: Expected, method: str, cancel: Cancel) -> tup
         if verdict.outcome != expected.status:
             return verdict.message
         if METHODS[method].conservative and verdict.error > _KEPT * expected.size:
-            return f"ψ is not kept: |Δψ| = {verdict.error:.1e}"
+            return f"ψ is not conserved: |Δψ| = {verdict.error:.1e}"
         return ""
 
     if expected.status not in ENDINGS:

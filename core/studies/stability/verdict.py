@@ -53,7 +53,7 @@ NO_START = 103
 _OTHER_WORDS = {
     NOT_YET: "not computed yet",
     WRONG_CROSSINGS: "wrong sequence of crossings",
-    WENT_ON: "goes on where the solution stops",
+    WENT_ON: "continues where the solution stops",
     NO_START: "no start there",
 }
 
@@ -147,7 +147,7 @@ def judge(
     outcome, message, passed = int(run.status), run.status.reason, CrossingSequence.of(run.crossings)
     if run.status is not expected.status:
         if run.status is Status.COMPLETED:
-            outcome, message = WENT_ON, f"it goes on where the solution stops because {expected.status.reason}"
+            outcome, message = WENT_ON, f"it continues where the solution stops because {expected.status.reason}"
     elif run.status in _COUNTED and (difference := passed.difference(expected.crossings)):
         outcome, message = WRONG_CROSSINGS, difference
     return Verdict(outcome, len(passed), worst_error(run), message)

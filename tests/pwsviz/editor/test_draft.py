@@ -93,24 +93,24 @@ def test_numbers_may_be_written_as_constants():
     ("field", "text", "says"),
     [
         ("name", " ", "Give your system a name"),
-        ("name", "a\u202eb", "cannot be seen"),
+        ("name", "a\u202eb", "invisible"),
         ("name", "n" * 61, "61 characters"),
         ("variables", "", "Name the variables"),
         ("variables", "x, 2y", "'2y' is not usable"),
         ("variables", "x, x", "'x' stands for two things"),
-        ("variables", ", ".join(f"x{k}" for k in range(9)), "8 at most"),
-        ("parameters", "k", "'k' is no parameter: write k = 3"),
+        ("variables", ", ".join(f"x{k}" for k in range(9)), "at most 8"),
+        ("parameters", "k", "'k' is not a parameter: write k = 3"),
         ("parameters", "k = 3 in 0.1..10", "write k = 3, or k = 3 in [0.1, 10]"),
         ("parameters", "k = 3 in [1]", "write k = 3, or k = 3 in [0.1, 10]"),
         ("parameters", "k = 30 in [0.1, 10]", "outside 0.1 … 10"),
         ("parameters", "k = 3 in [10, 0.1]", "the first must be the smaller"),
-        ("parameters", "k = t", "is no number"),
+        ("parameters", "k = t", "is not a number"),
         ("parameters", "k = 3; k = 4", "'k' stands for two things"),
         ("parameters", "k = 3; x = 4", "'x' stands for two things"),
         ("parameters", "k = 3; sin = 1", "reserved"),
         ("f_minus", "y", "1 expression here, 2 are needed: one for each of x, y"),
         ("f_minus", "y, -x, 0", "3 expressions here"),
-        ("f_minus", "y, x x", "y′ = 'x x': this is no expression; write products with *"),
+        ("f_minus", "y, x x", "y′ = 'x x': this is not an expression; write products with *"),
         ("f_plus", "y, -q*x", "unknown name 'q'"),
         ("f_plus", "", "No expressions here, 2 are needed"),
         ("g", "", "Type one expression"),
@@ -123,10 +123,11 @@ def test_numbers_may_be_written_as_constants():
         ("psi_plus", "7", "Their gradients are linearly dependent (or zero)"),
         ("x0", "1", "1 number here, 2 are needed"),
         ("x0", "1, one", "unknown name 'one'"),
-        ("x0", "1, 2e6", "too far away"),
+        ("x0", "1, 2e6", "too large"),
         ("jump", "x", "1 expression here"),
-        ("jump", "x, -r*y", "y after the jump = '-r*y': unknown name 'r'"),
-        ("g", "x" * (MAX_CHARACTERS + 1), "1,001 characters long: 1,000 at most"),
+        ("jump", "x, -r*y", "y⁺ = '-r*y': unknown name 'r'"),
+        ("g", "x % y", "t, pi, e, + - * / ** ^, and sin"),
+        ("g", "x" * (MAX_CHARACTERS + 1), "1,001 characters; at most 1,000"),
     ],
 )
 def test_a_mistake_is_told_beside_its_field_with_what_would_do(field, text, says):
@@ -176,7 +177,7 @@ def test_a_quantity_that_names_time_is_differentiated_by_it_too():
 
 def test_what_is_found_without_being_given_is_said():
     checked = check(OSCILLATOR)
-    assert checked.conserved[-1][0].words.startswith("Found for you")
+    assert checked.conserved[-1][0].words.startswith("Found automatically")
     assert "<mfrac>" in checked.conserved[-1][0].maths
     assert checked.system.psi_plus == ("x**2/2 + y**2/2",)
 
@@ -264,7 +265,7 @@ def test_a_side_without_quantity_leaves_out_no_method_that_the_other_side_admits
     checked = check(kept)
     assert can_use(checked.system, "dmm2")
     (words,) = [finding.words for finding in checked.conserved[1]]
-    assert words == "None given or found: where g > 0, conservative methods have no ψ to keep."
+    assert words == "None given or found: where g > 0, conservative methods have no ψ to conserve."
     neither = check(replace(kept, psi_minus="", f_minus="v\n-a*x - v"))
     (words,) = [finding.words for finding in neither.conserved[1]]
     for name in core.METHODS:

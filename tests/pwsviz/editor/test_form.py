@@ -78,7 +78,7 @@ def test_checks_run_off_the_event_loop(desk):
 def test_a_mistake_is_told_at_its_field_and_nothing_can_be_used(desk):
     desk.type(g="x +", x0="1")
     assert set(errors(desk.editor)) == {"g", "x0"}
-    assert "no expression" in errors(desk.editor)["g"]
+    assert "not an expression" in errors(desk.editor)["g"]
     assert desk.editor.use.disabled
     assert 'role="alert"' in desk.editor.status.object
     assert "Switching function g; Start x₀" in desk.editor.status.object
@@ -86,7 +86,7 @@ def test_a_mistake_is_told_at_its_field_and_nothing_can_be_used(desk):
     assert desk.used == []
     desk.type(g="x + y", x0="1, 2")
     assert errors(desk.editor) == {}
-    assert desk.editor.texts["g"].helper_text == "The law changes where g = 0."
+    assert desk.editor.texts["g"].helper_text == "The field changes where g = 0."
     assert not desk.editor.use.disabled
 
 
@@ -129,7 +129,7 @@ def test_mathematics_appears_as_one_types(desk):
 
 
 def test_what_is_conserved_and_what_is_left_over_is_shown(desk):
-    assert "Found for you" in desk.editor.maths["psi_minus"].object
+    assert "Found automatically" in desk.editor.maths["psi_minus"].object
     desk.type(psi_minus="x**2 + y**2", psi_plus="x**2 + y**2")
     assert "is not conserved" in errors(desk.editor)["psi_minus"]
     assert desk.editor.maths["psi_minus"].object.count("<math") == 2  # ψ, and its time derivative

@@ -102,7 +102,7 @@ def test_an_error_of_zero_is_drawn_below_all_others_and_told_as_it_is():
     view = CostView()
     view.show(study(curve("rk4", [1e-4, 1e-3], [1e-20, 0.0])), "seconds", "state")
     assert 0 < view.points.data["y"][1] < 1e-20
-    assert view.points.data["error"] == ["1.0e-20", "0.0e+00"]
+    assert view.points.data["error"] == ["1.0×10⁻²⁰", "0"]
 
 
 def test_the_setting_is_told_on_a_point():
@@ -137,9 +137,9 @@ def test_rows_hold_everything_once():
 def test_the_table_names_the_cheapest_of_ours_and_of_the_external_solvers():
     table = cost_numbers(study(DMM2, curve("dmm4", [2e-3], [1e-4]), SCIPY), "seconds", "state")
     assert table.rows == (
-        ("1e-3", "dmm2, τ = 0.0316", "1 ms", "SciPy DOP853, tolerance = 0.1", "10 ms"),
-        ("1e-6", "dmm2, τ = 0.01", "10 ms", "SciPy DOP853, tolerance = 0.0316", "20 ms"),
-        ("1e-9", "–", "–", "SciPy DOP853, tolerance = 0.01", "30 ms"),
+        ("10⁻³", "dmm2, τ = 0.0316", "1 ms", "SciPy DOP853, tolerance = 0.1", "10 ms"),
+        ("10⁻⁶", "dmm2, τ = 0.01", "10 ms", "SciPy DOP853, tolerance = 0.0316", "20 ms"),
+        ("10⁻⁹", "–", "–", "SciPy DOP853, tolerance = 0.01", "30 ms"),
     )
     words = cost_text(BOTH, "seconds", "state")
     assert "Compile/load time (not included): dmm2 250 ms and SciPy DOP853 250 ms." in words
@@ -162,7 +162,7 @@ def test_a_run_with_other_crossings_never_wins_and_is_drawn_hollow():
 def test_evaluations_are_counted_where_these_are_shown():
     silent = curve("heyoka", [1e-9], [1e-12], evaluations=np.array([math.nan]))
     table = cost_numbers(study(DMM2, silent), "evaluations", "state")
-    assert table.rows[0] == ("1e-3", "dmm2, τ = 0.0316", "1,000 evaluations", "–", "–")
+    assert table.rows[0] == ("10⁻³", "dmm2, τ = 0.0316", "1,000 evaluations", "–", "–")
     assert "heyoka does not count its evaluations." in cost_text(study(DMM2, silent), "evaluations", "state")
 
 

@@ -13,6 +13,8 @@ from pwsviz.figures.stability import StabilityView, stability_numbers, stability
 from pwsviz.figures.stability_map import NO_VALUE
 from pwsviz.figures.stability_outcomes import OUTCOMES, UNJUDGED
 from pwsviz.figures.style import line_of
+from pwsviz.scene.validation import value_of
+from pwsviz.text.numbers import printed
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 METHODS = ("dmm2", "rk2")
@@ -120,7 +122,7 @@ def test_a_reference_that_gives_up_has_a_colour_of_its_own(study):
     view = StabilityView(lambda *place: None)
     view.show(replace(study, map=replace(study.map, expected=expected)), "map", "dmm2")
     data = view._made["map"].cells.data
-    row = data["value"] == f"{study.map.values[2]:.4g}"
+    row = data["value"] == printed(f"{study.map.values[2]:.4g}")
     assert set(data["words"][row]) == {OUTCOMES[UNJUDGED].words}
     assert set(data["colour"][row]) == {OUTCOMES[UNJUDGED].colour}
     assert OUTCOMES[UNJUDGED].words not in data["words"][~row]
@@ -252,7 +254,7 @@ def test_drift_bounds_each_integrator(study):
     assert "20,000 steps of the step size in the sidebar, τ = 0.02" in stability_text(study, "drift")
     (table,) = stability_numbers(study, "drift", "dmm2")
     assert [(row[0], row[3]) for row in table.rows] == [(name, "reaches the end") for name in METHODS]
-    assert float(table.rows[1][1]) >= study.drift.error[1].max()
+    assert value_of(table.rows[1][1]) >= study.drift.error[1].max()
 
 
 @pytest.mark.parametrize(("part", "rows"), [("largest_tau", 2), ("map", 60), ("drift", None), ("grazing", 56)])

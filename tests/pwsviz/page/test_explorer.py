@@ -266,7 +266,7 @@ def test_a_preset_is_loaded_and_says_what_to_look_at(explorer):
     explorer.sidebar.presets.value = "vf_sliding"
     assert explorer.settle(60)
     assert explorer.scene.system == "type_sliding"
-    assert "every run ends" in explorer.sidebar.preset_note.object
+    assert "every run reaches" in explorer.sidebar.preset_note.object
 
 
 def test_a_system_of_ones_own_is_used_like_any_other(explorer):
@@ -454,7 +454,7 @@ def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(mon
     assert explorer.settle(20)
     assert "The step size is 0.01." in explorer.view.words.object
     assert read(query(explorer.scene)) == (explorer.scene.settings(), [])
-    assert "scheme, step" in "".join(read("view=nonsense")[1])
+    assert "Scheme, Step" in "".join(read("view=nonsense")[1])
     explorer.export.open("")
     assert "print(&#x27;tau&#x27;, 0.01)" in explorer.export.program.object
     assert [row[0].object for row in explorer.export.numbers] == ["Phase portrait", "Step size"]

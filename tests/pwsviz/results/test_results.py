@@ -251,7 +251,7 @@ def test_a_study_looks_at_the_crossings_there_are(results, system, crossings):
 
 @pytest.mark.parametrize(("system", "found"), [("type_upward", "one"), ("type_repelling", "none")])
 def test_a_study_without_crossings_is_refused_at_once(results, system, found):
-    with pytest.raises(ValueError, match=f"needs two crossings at least; this trajectory has {found}"):
+    with pytest.raises(ValueError, match=f"needs at least two crossings; this trajectory has {found}"):
         results.study(*study_inputs(Scene(system=system)))
 
 

@@ -8,8 +8,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import core
+from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS
 from pwsviz.scene.permalink import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt, query, read
-from pwsviz.scene.scene import EXTERNAL_SOLVERS, MAX_STARTS, OWN, PERTURBATION_ORDERS, Scene
+from pwsviz.scene.scene import MAX_STARTS, OWN, PERTURBATION_ORDERS, Scene
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 from pwsviz.scene.views import VIEWS
 
@@ -192,26 +193,26 @@ HOSTILE = [
     ("tau=1e-6&t_end=soon", "t_end", "Used instead: 2.0."),
     ("t_end=1e5&tau=small", "tau", "Used instead: 0.05."),
     ("tau=1e-6", "t_end", "Used instead: 2.0."),
-    ("system=../../etc/passwd", "system", "Used instead: elliptic_curve."),
+    ("system=../../etc/passwd", "system", "Used instead: Elliptic curve."),
     ("system=own", "system", "There is no system of your own yet"),
     ("system=__class__", "system", "Used instead"),
-    ("view=javascript:alert(1)", "view", "Used instead: conserved."),
-    ("view=<script>alert(1)</script>", "view", "Used instead: conserved."),
-    ("view=%00", "view", "Used instead: conserved."),
+    ("view=javascript:alert(1)", "view", "Used instead: Conserved quantity."),
+    ("view=<script>alert(1)</script>", "view", "Used instead: Conserved quantity."),
+    ("view=%00", "view", "Used instead: Conserved quantity."),
     ("locate=maybe", "locate", "Used instead: on."),
     ("perturbation_order=5", "perturbation_order", "Used instead: none."),
-    ("methods=dmm2,hack,rk4", "methods", "“hack” is none of"),
-    ("methods=", "methods", "Used instead: dmm2,rk2."),
-    ("peers=ode45", "peers", "Used instead: scipy."),
+    ("methods=dmm2,hack,rk4", "methods", "“hack” is not one of"),
+    ("methods=", "methods", "Used instead: dmm2, rk2."),
+    ("peers=ode45", "peers", "Used instead: SciPy."),
     ("selected=3", "selected", "Used instead: 0."),
     ("selected=١", "selected", "Used instead: 0."),
-    ("axes=x,x", "axes", "Used instead: x,y."),
-    ("axes=x,__dict__", "axes", "no variable"),
-    ("a_minus=1e3", "a_minus", "Used instead: -3.0."),
+    ("axes=x,x", "axes", "Used instead: x, y."),
+    ("axes=x,__dict__", "axes", "is not a variable"),
+    ("a_minus=1e3", "a₋", "Used instead: -3.0."),
     ("omega2_minus=1", "omega2_minus", "neither a setting of this page nor a parameter of Elliptic curve"),
     ("__init__=1", "__init__", "left out"),
-    ("own=1&own=2", "own", "first is used"),
-    ("tau=0.02&tau=0.03", "tau", "The first is used."),
+    ("own=1&own=2", "“own”", "first is used"),
+    ("tau=0.02&tau=0.03", "“tau”", "The first is used."),
     ("v=2", "version", "It is read as version 1."),
     ("v=1.0", "version", "It is read as version 1."),
     ("nonsense", "nonsense", "has no value"),
@@ -221,8 +222,8 @@ HOSTILE = [
     ("starts=", "Start 1", "not a number"),
     ("starts=" + "1,1;" * 1_000_000, "link", "cut"),
     ("starts=" + "1,1;" * 500 + "1,1", "501 starts", "first 12"),
-    ("own=[]", "own", "a list is no system"),
-    ("own=" + "[" * 3000, "own", "no description"),
+    ("own=[]", "own", "a list is not a system"),
+    ("own=" + "[" * 3000, "own", "does not describe a system"),
     (OWN_START + "[%22__import__('os').system('ls')%22]}", "own", "not allowed"),
     (OWN_START + "[%229**9**9**9%22]}", "own", "f_minus"),
     (OWN_START + "[%22x%22],%22x0%22:[1e400]}", "own", "finite"),
@@ -232,6 +233,7 @@ HOSTILE = [
 @pytest.mark.parametrize(("link", "named", "instead"), HOSTILE, ids=[link[:40] for link, *_ in HOSTILE])
 def test_what_is_broken_is_named_with_what_there_is_instead(link, named, instead):
     found, complaints = read(link)
+    named = LABELS.get(named, named)
     assert any(named in words and instead in words for words in complaints), complaints
     assert all(words.isprintable() and len(words) < 900 for words in complaints)
     Scene().restore(found)
@@ -273,7 +275,7 @@ def test_whatever_goes_wrong_with_the_mathematics_is_told_and_logged(monkeypatch
     monkeypatch.setattr(core, "PiecewiseSystem", fail)
     found, complaints = read(link + "&view=order")
     assert (found["own"], found["view"]) == (None, "order")
-    assert complaints == ["own in the link: this system cannot be used (TypeError). Used instead: none."]
+    assert complaints == ["Your own system in the link: this system cannot be used (TypeError). Used instead: none."]
     assert "no such ufunc" in caplog.text
 
 

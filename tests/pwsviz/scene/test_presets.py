@@ -41,7 +41,8 @@ def runs(key: str, **changes: Any) -> dict[tuple[str, tuple[float, ...]], core.T
 
 
 def worst(run: core.Trajectory) -> float:
-    return float(np.nanmax(np.abs(run.conserved_error())))
+    """The largest drift, as the page shows it: since the start of the run."""
+    return float(np.nanmax(np.abs(run.change_of_psi())))
 
 
 def by_method(key: str, **changes: Any) -> dict[str, core.Trajectory]:
@@ -139,7 +140,12 @@ def test_what_to_try_with_crossing_times_comes_true() -> None:
     fourth = study("harmonic_time", COARSE, methods=["dmm4"], study_method="dmm4")
     assert fourth.time_slope == pytest.approx([4] * 3, abs=0.2)
     assert study("elliptic_time", methods=["rk2"], study_method="rk2").time_slope == pytest.approx([2] * 3, abs=0.2)
-    assert study("harmonic_time", locate=False).time_slope == pytest.approx([1] * 3, abs=0.4)
+    # At the step sizes of the page: errors scatter from one to the next, and so all of them enter the fit.
+    taus = tuple(2.0 ** -np.arange(3.0, 13.5, 0.5))
+    assert study("harmonic_time", taus, locate=False).time_slope == pytest.approx([0.8] * 3, abs=0.2)
+    for name in ("harmonic", "elliptic"):
+        slopes = study(f"{name}_transition_15", taus, locate=False).state_slope
+        assert slopes[1:] == pytest.approx([1] * 3, abs=0.4), name
 
 
 @pytest.mark.parametrize("name", ["harmonic", "elliptic"])
@@ -151,7 +157,7 @@ def test_the_order_after_crossings_is_the_smaller_of_p_and_two(name: str, p: int
 
 
 @pytest.mark.parametrize(
-    ("key", "crossings", "low", "high"), [("cq_harmonic", 41, 1e-8, 2e-8), ("cq_elliptic", 105, 1e-7, 9e-7)]
+    ("key", "crossings", "low", "high"), [("cq_harmonic", 41, 2e-7, 3e-7), ("cq_elliptic", 105, 3e-6, 4e-6)]
 )
 def test_the_multiplier_method_keeps_what_the_midpoint_rule_loses(
     key: str, crossings: int, low: float, high: float
@@ -160,6 +166,13 @@ def test_the_multiplier_method_keeps_what_the_midpoint_rule_loses(
     assert worst(found["dmm2"]) < 2e-15
     assert low < worst(found["rk2"]) < high
     assert {run.crossing_count for run in found.values()} == {crossings}
+
+
+def test_rk8_conserves_nothing_though_its_drift_is_round_off_at_a_small_step() -> None:
+    fine, coarse = (by_method("cq_elliptic", methods=["dmm2", "rk8"], tau=tau) for tau in (1e-3, 0.05))
+    assert worst(fine["rk8"]) < 2e-15
+    assert worst(coarse["rk8"]) > 1e-11
+    assert worst(coarse["dmm2"]) < 2e-15
 
 
 def test_the_error_of_the_midpoint_rule_grows_a_thousandfold_with_a_step_ten_times_as_long() -> None:
@@ -176,9 +189,9 @@ def test_one_swing_misses_one_crosses_and_one_touches() -> None:
     assert found[2].x[-1] == pytest.approx((0.5, 0.0), abs=1e-6)
 
 
-@pytest.mark.parametrize("restitution", [0.5, 0.9])
+@pytest.mark.parametrize("restitution", [0.5, 0.8])
 def test_bounces_accumulate_when_they_should(restitution: float) -> None:
-    found = by_method("zeno", values={"gravity": 9.8, "restitution": restitution}, t_end=10.0)["dmm2"]
+    found = by_method("zeno", values={"gravity": 9.8, "restitution": restitution})["dmm2"]
     assert found.status is core.Status.ZENO
     fall = math.sqrt(2 / 9.8)
     assert found.t[-1] == pytest.approx(fall * (1 + restitution) / (1 - restitution), rel=1e-9)
@@ -198,16 +211,16 @@ def test_four_integrators_lose_what_they_are_said_to_lose() -> None:
         {method: worst(run) for method, run in by_method("side_by_side", **changes).items()}
         for changes in ({}, {"tau": 0.005})
     )
-    assert found["rk2"] == pytest.approx(1e-4, rel=0.5)
-    assert found["rk4"] == pytest.approx(1e-8, rel=0.6)
+    assert 1e-3 < found["rk2"] < 2e-3
+    assert 1e-7 < found["rk4"] < 2e-7
     assert max(found["dmm2"], found["prk8"]) < 2e-15
-    assert found["rk2"] / halved["rk2"] == pytest.approx(5, abs=0.5)
-    assert found["rk4"] / halved["rk4"] == pytest.approx(16, abs=1)
+    assert found["rk2"] / halved["rk2"] == pytest.approx(8, abs=0.5)
+    assert found["rk4"] / halved["rk4"] == pytest.approx(30, abs=1)
 
 
 def test_energy_and_angular_momentum_of_the_planet_are_kept() -> None:
     found = by_method("kepler")
-    assert worst(found["prk8"]) < 2e-15
+    assert 2e-15 < worst(found["prk8"]) < 3e-15
     assert worst(found["rk4"]) > 1e-9
     assert found["prk8"].crossing_count > 40
 

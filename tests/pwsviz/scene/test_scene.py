@@ -212,22 +212,22 @@ def test_the_selected_trajectory_stays_selected_when_an_earlier_one_goes():
 @pytest.mark.parametrize(
     ("field", "value", "words"),
     [
-        ("system", "pendulm", "is none of"),
+        ("system", "pendulm", "is not one of"),
         ("system", "own", "no system of your own"),
         ("methods", ["dmm2", "euler"], "“euler” is not an integrator"),
-        ("peers", "scipy", "no list"),
+        ("peers", "scipy", "not a list"),
         ("starts", (), "From 1 to"),
         ("starts", ((1.0,),), "needs 2 numbers"),
         ("selected", 1, "between 0 and 0"),
         ("axes", (0, 0), "not name two of the 2 variables"),
         ("axes", (0, 2), "two different numbers below 2"),
-        ("values.zeta", 1.0, "no parameter"),
-        ("view", "energy", "is none of"),
+        ("values.zeta", 1.0, "not a parameter"),
+        ("view", "energy", "is not one of"),
         ("locate", 1, "neither on nor off"),
-        ("perturbation_order", 5, "is none of"),
-        ("perturbation_order", True, "is none of"),
+        ("perturbation_order", 5, "is not one of"),
+        ("perturbation_order", True, "is not one of"),
         ("stability_coordinate", 2, "between 0 and 1"),
-        ("colour", "red", "no setting"),
+        ("colour", "red", "not a setting"),
     ],
 )
 def test_what_is_no_choice_is_refused_in_words(field, value, words):
@@ -241,11 +241,11 @@ def test_what_is_no_choice_is_refused_in_words(field, value, words):
 @pytest.mark.parametrize("key", ["energy", "", None, 1, ["conserved"]])
 def test_a_view_that_is_set_directly_is_checked_too(key):
     scene = Scene()
-    with pytest.raises(ValueError, match="is none of conserved, state,"):
+    with pytest.raises(ValueError, match="is not one of Conserved quantity, State,"):
         scene.view = key
-    with pytest.raises(ValueError, match="is none of"):
+    with pytest.raises(ValueError, match="is not one of"):
         scene.param.update(view=key)
-    with pytest.raises(ValueError, match="is none of"):
+    with pytest.raises(ValueError, match="is not one of"):
         Scene(view=key)
     assert scene.view == "conserved"
 

@@ -1,4 +1,4 @@
-"""A system comes back from its description as it was; what is no description is refused in words."""
+"""A system comes back from its description as it was; what is does not describe is refused in words."""
 
 import json
 import re
@@ -41,26 +41,26 @@ def test_any_text_may_stand_in_a_description():
 
 REFUSED = [
     ("{}", "lacks its name"),
-    ("[]", "a list is no system"),
-    ("null", "is no system"),
-    ("", "no description"),
-    ("[" * 3000, "no description"),
-    ("[" * 900 + "]" * 900, "a list is no system"),
-    ('{"name":NaN}', "no description"),
-    ('{"name":' + "[" * 900 + "]" * 900 + ',"variables":[],"f_minus":[],"f_plus":[],"g":"x"}', "a list is no text"),
+    ("[]", "a list is not a system"),
+    ("null", "is not a system"),
+    ("", "does not describe"),
+    ("[" * 3000, "does not describe"),
+    ("[" * 900 + "]" * 900, "a list is not a system"),
+    ('{"name":NaN}', "does not describe"),
+    ('{"name":' + "[" * 900 + "]" * 900 + ',"variables":[],"f_minus":[],"f_plus":[],"g":"x"}', "a list is not a text"),
     (changed(variables=["x"], f_minus=["1"], f_plus=["1"]), "two variables"),
-    (changed(variables="x"), "is no list"),
-    (changed(variables=[1]), "“1” is no text"),
-    (changed(laws=1), "“laws” is no part of a system"),
+    (changed(variables="x"), "is not a list"),
+    (changed(variables=[1]), "“1” is not a text"),
+    (changed(laws=1), "“laws” is not part of a system"),
     (changed(f_minus=["().__class__", "0"]), "not allowed"),
     (changed()[:-1] + ',"x0":[1e400,0]}', "finite"),
     (changed()[:-1] + ',"x0":[1' + "0" * 400 + ",0]}", "too large"),
-    (changed(x0=[True, 0]), "is no number"),
+    (changed(x0=[True, 0]), "is not a number"),
     (changed(parameters=[{"name": "__class__", "default": 1}]), "not usable"),
     (changed(parameters=[{"name": "k"}]), "The parameter lacks its default"),
-    (changed(parameters=[{"name": "k", "default": 1, "__init__": 1}]), "is no part of a parameter"),
+    (changed(parameters=[{"name": "k", "default": 1, "__init__": 1}]), "is not part of a parameter"),
     (changed(values={"k": 1}), "unknown parameter"),
-    (changed(values=[]), "are no values of parameters"),
+    (changed(values=[]), "is not a list of values"),
 ]
 
 

@@ -1,6 +1,7 @@
 """A row of buttons and a setting of the scene agree."""
 
-from pwsviz.scene.scene import COST_UP, Scene
+from pwsviz.scene.names import COST_UP
+from pwsviz.scene.scene import Scene
 from pwsviz.widgets.setting_buttons import choice
 
 

@@ -1,0 +1,40 @@
+"""Numbers as they are printed on the page, with true minus signs and powers of ten; programs and links have others."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["PRINTED", "RAISED", "printed"]
+
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+")
+"""Characters of an exponent, raised; a plus sign is left out."""
+
+_QUOTED = r"“[^”]*”|(?<!\w)'[^']*'(?!\w)"
+"""What a message quotes, and so has to stay as it was typed."""
+_POWER = r"(?P<factor>(?<![\w.])[0-9]+(?:\.[0-9]+)?)e(?P<power>[+-]?[0-9]+)(?!\w)"
+_MINUS = r"(?<![\w)\]])-(?=\.?[0-9])"
+_WRITTEN = re.compile(rf"{_QUOTED}|{_POWER}|{_MINUS}")
+
+PRINTED = """
+const printed = text => {  // a single number, as `printed` in Python
+  const [factor, power] = text.split("e")
+  const raised = power?.replace("+", "").replace(/./g, sign => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)])
+  const times = power == null ? factor : `${/^-?1$/.test(factor) ? factor.slice(0, -1) : factor + "×"}10${raised}`
+  return times.replace("-", "\\u2212")
+}
+"""
+"""JavaScript of the same, for numbers that only the browser knows."""
+
+
+def printed(text: str) -> str:
+    """Return a text with its numbers as they are printed: 2e-06 as 2×10⁻⁶ and -3 as −3; what it quotes stays."""
+    return _WRITTEN.sub(_print, text)
+
+
+def _print(found: re.Match[str]) -> str:
+    factor, power = found["factor"], found["power"]
+    if power is None:
+        return "−" if found[0] == "-" else found[0]
+    if int(power) == 0:
+        return factor
+    return f"{'' if factor == '1' else f'{factor}×'}10{str(int(power)).translate(RAISED)}"
