@@ -32,8 +32,9 @@ from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.maths_font import FACE
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
+from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.lecture import Lecture
-from pwsviz.widgets.panes import DIALOG_SX, PLAIN_SX, markup_pane, text_pane
+from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
@@ -127,9 +128,7 @@ class Explorer(pn.viewable.Viewer):
         self.history = History(self.scene)
         self.sidebar = Sidebar(self.scene, self.edit)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
-        self.editing = pmui.Dialog(
-            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True, sx=DIALOG_SX
-        )
+        self.editing = dialog("A system of your own")
         self.export = ExportDialog(self.scene, self._pieces, lambda: self.view.program())
         self.help = Help()
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
