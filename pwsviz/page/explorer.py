@@ -65,12 +65,33 @@ PAGE_SX = {
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
-    ".MuiDrawer-paper": {"backgroundColor": "background.default", "backgroundImage": "none"},  # as the names on frames
     ".MuiToolbar-root > h5, .MuiAppBar-root > .MuiLinearProgress-root": {"display": "none"},  # have no name and no use
 }  # fmt: skip
 
-ONE_H1 = {"components": {"MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}}}}
-"""Only the title of the page is set in the style h3; it is the heading of all others."""
+SHEET = {
+    "top": "auto !important", "bottom": 0, "width": "100%", "height": "55dvh", "position": "absolute",
+    "borderTop": "1px solid", "borderColor": "var(--mui-palette-divider)", "& > .MuiToolbar-root": {"display": "none"},
+}  # fmt: skip
+"""The controls on a narrow screen, where they lie over the page: at its lower end, with the portrait in sight above."""
+
+THEME = {
+    "components": {
+        # Only the title of the page is set in the style h3; it is the heading of all others.
+        "MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}},
+        "MuiDrawer": {
+            "styleOverrides": {
+                "paper": {  # as the names on frames
+                    "backgroundColor": "var(--mui-palette-background-default)", "backgroundImage": "none"
+                },
+                "root": {
+                    "&.MuiDrawer-modal .MuiDrawer-paper.sidebar": SHEET,
+                    "&.MuiDrawer-modal .MuiBackdrop-root": {"backgroundColor": "transparent"},
+                }
+            }
+        },
+    }
+}  # fmt: skip
+"""Styles and elements of parts of the page that are drawn beside it in the document."""
 
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 """Of a button in the header, whose theme assumes a coloured bar and sets white text."""
@@ -84,8 +105,15 @@ PAGE_HTML = """{% extends "base.html" %}
 
 THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
 
-TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "6px", "fontSize": "0.8125rem"}}
-"""Titles as narrow as possible; on a narrow screen the row scrolls."""
+TABS_SX = {
+    ".MuiTab-root": {
+        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "6px", "fontSize": "0.8125rem"
+    },
+    ".MuiTabs-list": {"flexWrap": "wrap"},
+    ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
+    ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
+}  # fmt: skip
+"""Titles as narrow as possible, in two rows on a narrow screen."""
 
 ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
@@ -304,7 +332,7 @@ class Explorer(pn.viewable.Viewer):
             main=[self],
             sidebar_width=300,
             sidebar_resizable=False,
-            theme_config=ONE_H1,
+            theme_config=THEME,
             busy_indicator=None,
             sx=PAGE_SX,
             template=PAGE_HTML,

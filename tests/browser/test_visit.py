@@ -14,21 +14,6 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.mark.deep
-def test_every_view_shows_itself_and_says_what_it_shows(visit):
-    page = visit()
-    await_painted(page, "Phase portrait")
-    type_into(page, "End time", "2")
-    for tab, words in (
-        ("Cost", re.compile("Fastest to a given error")),
-        ("Stability", re.compile("Largest step size")),
-        ("Scheme", re.compile("The scheme: dmm2")),
-    ):
-        page.get_by_role("tab", name=tab).click()
-        page.get_by_text(words).first.wait_for(timeout=60_000)
-    assert page.locator("math").count() > 5
-
-
-@pytest.mark.deep
 def test_the_address_holds_the_scene_and_undo_brings_it_back(visit):
     page = visit()
     await_painted(page, "Phase portrait")
