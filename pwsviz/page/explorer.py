@@ -78,6 +78,9 @@ THEME = {
     "components": {
         # Only the title of the page is set in the style h3; it is the heading of all others.
         "MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}},
+        "MuiButtonBase": {  # whose own sign of the focus is a slight shade
+            "styleOverrides": {"root": {"&.Mui-focusVisible": {"outline": "2px solid", "outlineOffset": "-2px"}}}
+        },
         "MuiDrawer": {
             "styleOverrides": {
                 "paper": {  # as the names on frames
