@@ -60,9 +60,9 @@ class Browser(pn.custom.JSComponent):
 
     _esm = (
         """
-// Bokeh sends models that came from the server back with the next event, in full. To see that fail without this: add a
-// panel-material-ui button with `js_on_click` to a page that is shown, and press any button; Panel has put a function
-// ("esm_event") beside the CustomJS ("dom_event") in its `js_event_callbacks`, so nothing is sent, and the click is lost.
+// Bokeh sends models that came from the server back with the next event, in full. To see that fail without this, add a
+// panel-material-ui button with `js_on_click` to a page that is shown, and press any button: beside that CustomJS
+// ("dom_event") Panel has put a function ("esm_event") in `js_event_callbacks`, so that nothing at all is sent.
 const keep_known = document => {
   const apply = document.apply_json_patch.bind(document)
   document.apply_json_patch = (patch, buffers) => {

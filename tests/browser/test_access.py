@@ -82,9 +82,7 @@ def focused(page):
 def inspected(visit):
     """The page, with all that is computed shortened, and axe-core in it."""
     script = (resources.files(pytest.importorskip("axe_playwright_python")) / "axe.min.js").read_text()
-    page = visit()
-    page.emulate_media(reduced_motion="reduce")
-    page.goto(f"{page.url.partition('?')[0]}?v=1&t_end=2")
+    page = visit(query="v=1&t_end=2", reduced_motion="reduce")
     await_painted(page, "Phase portrait")
     await_built(page)
     page.evaluate(script)
@@ -97,6 +95,7 @@ def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
         assert objections(page, None, rules) == []
         for tab, words in SAID.items():
             page.get_by_role("tab", name=tab).click()
+            page.get_by_role("tabpanel", name=tab).wait_for()
             page.get_by_text(re.compile(words)).locator("visible=true").first.wait_for()
             assert objections(page, "tabpanel", rules) == [], tab
         for name, ready in (("Export & share", "Copy the link"), ("Help", "How to use it"),
@@ -111,9 +110,11 @@ def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
         page.get_by_label("Toggle theme").click()
         page.wait_for_timeout(1000)  # for the colours, which fade from light to dark
     assert page.locator("math").count() > 5
+    page.keyboard.press("?")
+    page.get_by_role("dialog").get_by_text("Ctrl+Z").wait_for()
 
 
-def test_a_slider_tells_the_number_of_its_field(visit):
+def test_fields_take_formulas_sliders_tell_their_numbers_and_undo_is_the_fields_own(visit):
     page = visit()
     await_painted(page, "Phase portrait")
     await_built(page)
@@ -124,51 +125,24 @@ def test_a_slider_tells_the_number_of_its_field(visit):
     sync_api.expect(slider).not_to_have_attribute("aria-valuetext", "0.01")
     assert slider.get_attribute("aria-valuetext") == field(page, "Step size τ").input_value()
 
-
-def test_formulas_are_numbers_and_shown_back_as_read(visit):
-    page = visit()
-    await_painted(page, "Phase portrait")
-    await_built(page)
+    end = field(page, "End time")
     type_into(page, "End time", "2^3/4")
     page.get_by_text("2^3/4 = 2.0").wait_for()
-    assert field(page, "End time").input_value() == "2.0"
+    assert end.input_value() == "2.0"
     type_into(page, "End time", "two")
     page.get_by_text("“two” is not a number").wait_for()
-    assert field(page, "End time").get_attribute("aria-invalid") == "true"
+    assert end.get_attribute("aria-invalid") == "true"
+    type_into(page, "End time", "3")
+    page.wait_for_timeout(1000)  # or the next change would be undone together with it
 
-
-@pytest.mark.deep
-def test_undo_in_a_field_is_the_fields_own(visit):
-    page = visit()
-    await_painted(page, "Phase portrait")
-    await_built(page)
     type_into(page, "Step size τ", "0.02")
     sync_api.expect(page.get_by_role("button", name="Undo")).to_be_enabled()
-    end = field(page, "End time")
     end.click()
     page.keyboard.press("End")
     page.keyboard.type("7")
     page.keyboard.press("Control+z")
-    sync_api.expect(end).to_have_value("20.0")
+    sync_api.expect(end).to_have_value("3.0")
     assert field(page, "Step size τ").input_value() == "0.02"
     page.get_by_role("tab", name="Order").focus()
     page.keyboard.press("Control+z")
-    sync_api.expect(field(page, "Step size τ")).to_have_value("0.01")
-
-
-def test_the_view_is_the_panel_of_its_tab(visit):
-    page = visit()
-    await_painted(page, "Phase portrait")
-    await_built(page)
-    page.get_by_role("tabpanel", name="Conserved quantity").wait_for()
-    page.get_by_role("tab", name="Scheme").click()
-    page.get_by_role("tabpanel", name="Scheme").wait_for()
-
-
-@pytest.mark.deep
-def test_a_question_mark_opens_the_help(visit):
-    page = visit()
-    await_painted(page, "Phase portrait")
-    await_built(page)
-    page.keyboard.press("?")
-    page.get_by_role("dialog").get_by_text("Ctrl+Z").wait_for()
+    sync_api.expect(field(page, "Step size τ")).not_to_have_value("0.02")

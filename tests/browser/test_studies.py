@@ -28,14 +28,8 @@ CELLS = f"""() => {{
 }}"""
 
 
-def open_at(visit, address, query):
-    page = visit()
-    page.goto(f"{address}?v=1&{query}")
-    return page
-
-
-def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_cheapest(visit, address):
-    page = open_at(visit, address, "view=cost&methods=dmm2,rk2")
+def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_cheapest(visit):
+    page = visit(query="v=1&view=cost&methods=dmm2,rk2")
     page.get_by_role("row", name=re.compile("^1e-3")).wait_for(timeout=60_000)
     page.get_by_text(re.compile("compared with", re.IGNORECASE)).locator("visible=true").first.wait_for()
     points = await_that(page, POINTS, lambda seen: any("where the solution has" in one["status"] for one in seen))
@@ -46,8 +40,8 @@ def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_ch
     assert not {f"{one['label']}, {one['setting']}" for one in wrong} & set(cells)
 
 
-def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(visit, address):
-    page = open_at(visit, address, "tau=0.05&methods=rk2,dmm2&starts=0.9,1.5")
+def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(visit):
+    page = visit(query="v=1&tau=0.05&methods=rk2,dmm2&starts=0.9,1.5")
     words = page.get_by_text(re.compile("conserves ψ|stays below|drifts to|leaves the plot")).locator("visible=true")
     words.first.wait_for()
     curves = {curve["method"]: curve["y"] for curve in await_that(page, CURVES)}
@@ -55,24 +49,24 @@ def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(
     assert re.search(r"rk2 leaves the plot at t = \S+: \|Δψ\| reaches \de\+?\d\d", words.first.inner_text())
 
 
-def test_round_off_of_a_large_psi_is_no_drift(visit, address):
-    page = open_at(visit, address, "system=harmonic_oscillator&methods=dmm2&starts=40000.0,0.0")
+def test_round_off_of_a_large_psi_is_no_drift(visit):
+    page = visit(query="v=1&system=harmonic_oscillator&methods=dmm2&starts=40000.0,0.0")
     await_painted(page, "conserved quantity", colours=10)
-    words = page.get_by_text(re.compile("^dmm2 (conserves|drifts|keeps|stays)")).locator("visible=true").first.inner_text()
-    assert re.match(r"dmm2 conserves ψ to (accumulated )?round-off, .* of the size of ψ", words)
+    words = page.get_by_text(re.compile("^dmm2 (conserves|drifts|keeps|stays)")).locator("visible=true").first
+    assert re.match(r"dmm2 conserves ψ to (accumulated )?round-off, .* of the size of ψ", words.inner_text())
 
 
 @pytest.mark.deep
-def test_a_reference_that_gives_up_has_a_colour_of_its_own(visit, address):
-    page = open_at(visit, address, "system=kepler&view=stability&methods=rk4&t_end=20.0")
+def test_a_reference_that_gives_up_has_a_colour_of_its_own(visit):
+    page = visit(query="v=1&system=kepler&view=stability&methods=rk4&t_end=20.0")
     page.get_by_text("625 runs").wait_for(timeout=400_000)  # at the centre both reference and steps take long
     looks = {tuple(look) for look in await_that(page, CELLS)["looks"]}
     assert any("reference gives up" in words for words, _ in looks)
     assert len({words for words, _ in looks}) == len({colour for _, colour in looks}) == len(looks)
 
 
-def test_near_grazing_takes_the_step_size_of_the_page_and_a_click_on_the_map_goes_there(visit, address):
-    page = open_at(visit, address, "view=stability&methods=rk2&t_end=2.0&tau=0.005")
+def test_near_grazing_takes_the_step_size_of_the_page_and_a_click_on_the_map_goes_there(visit):
+    page = visit(query="v=1&view=stability&methods=rk2&t_end=2.0&tau=0.005")
     page.get_by_role("button", name="Near grazing").click()
     words = page.get_by_text(re.compile("Started at .* touches the surface")).locator("visible=true").first
     words.wait_for(timeout=60_000)
