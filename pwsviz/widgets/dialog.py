@@ -20,7 +20,7 @@ else { requestAnimationFrame(() => setTimeout(() => cb_obj.opener?.focus({ preve
 """JavaScript run at opening and closing: Material UI looks for what had the focus outside of all shadow roots."""
 
 
-def dialog(title: str, *contents: Any, width: str = "md") -> Any:
+def dialog(title: str, *contents: Any, width: str = "md") -> pmui.Dialog:
     """Return a window that is closed; focus then returns to what had it when the window opened.
 
     Parameters

@@ -65,13 +65,15 @@ def test_a_reference_that_gives_up_has_a_colour_of_its_own(visit):
     assert len({words for words, _ in looks}) == len({colour for _, colour in looks}) == len(looks)
 
 
-def test_near_grazing_takes_the_step_size_of_the_page_and_a_click_on_the_map_goes_there(visit):
-    page = visit(query="v=1&view=stability&methods=rk2&t_end=2.0&tau=0.005")
-    page.get_by_role("button", name="Near grazing").click()
+def test_near_grazing_takes_the_step_size_of_the_page(visit):
+    page = visit(query="v=1&view=stability&stability_part=grazing&methods=rk2&t_end=2.0&tau=0.005")
     words = page.get_by_text(re.compile("Started at .* touches the surface")).locator("visible=true").first
     words.wait_for(timeout=60_000)
     assert re.search(r"τ = 0\.005\b", words.inner_text())
-    page.get_by_role("button", name="Map").click()
+
+
+def test_a_click_on_the_map_goes_there(visit):
+    page = visit(query="v=1&view=stability&methods=rk2&t_end=2.0&tau=0.005")
     page.get_by_text(re.compile("Map of rk2, 625 runs$")).wait_for(timeout=60_000)
     await_built(page)
     settled_picture(page, canvas(page, "outcome of runs"))  # its legend may grow once more, and move it
