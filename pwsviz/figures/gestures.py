@@ -19,12 +19,18 @@ const DOUBLE = 400, PAUSE = 50             // milliseconds
 let held = null      // the star being dragged or clicked
 let dropped = null   // the star dropped last, until the server has confirmed it
 let last_tap = null  // last tap of a finger on a star
+let pressed = null   // the last press beside all stars: its place and time
+let fitting = null   // the pointer whose second press it is, of a double click there
 let pointed = false  // whether the pointer is over the figure
 
 const reach = event => event.pointerType == "mouse" ? MOUSE : FINGER
 const place = event => {
   const box = ground.getBoundingClientRect()
   return [event.clientX - box.left, event.clientY - box.top]
+}
+const near = (event, other, reach) => {
+  const [sx, sy] = place(event)
+  return Math.hypot(sx - other.sx, sy - other.sy) < reach
 }
 const screen = index =>
   [view.frame.x_scale.compute(starts.data.x[index]), view.frame.y_scale.compute(starts.data.y[index])]
@@ -69,12 +75,19 @@ const drop = () => {
 ground.addEventListener("pointerdown", event => {
   if (held != null) { return stop(event) }
   if (event.button != 0) { return }
-  const index = star_at(event)
+  // The first click of two has placed a star, which the second finds there or not, depending on the server.
+  if (pressed?.clicked && event.timeStamp - pressed.time < DOUBLE && near(event, pressed, reach(event))) {
+    fitting = event.pointerId
+    return stop(event)
+  }
+  const index = star_at(event), [sx, sy] = place(event)
+  const beside = index == null && event.isPrimary && view.frame.bbox.contains(sx, sy)
+  pressed = beside ? { sx, sy, time: event.timeStamp } : null
   if (index == null) { return }
   stop(event)
   ground.focus({ preventScroll: true })
   ground.setPointerCapture(event.pointerId)
-  const [sx, sy] = place(event), [x, y] = screen(index)
+  const [x, y] = screen(index)
   held = { index, pointer: event.pointerId, sx, sy, dx: x - sx, dy: y - sy, x: starts.data.x[index],
            y: starts.data.y[index], moved: false, told: -Infinity, timer: null }
 }, { capture: true })
@@ -95,6 +108,12 @@ ground.addEventListener("pointermove", event => {
 }, { capture: true })
 
 ground.addEventListener("pointerup", event => {
+  if (pressed != null) { pressed = { ...pressed, time: event.timeStamp, clicked: near(event, pressed, STILL) } }
+  if (event.pointerId == fitting) {
+    fitting = null
+    stop(event)
+    return say("fit", 0, 0, 0)
+  }
   if (held == null) { return }
   stop(event)
   if (event.pointerId != held.pointer) { return }
@@ -107,6 +126,7 @@ ground.addEventListener("pointerup", event => {
 }, { capture: true })
 
 ground.addEventListener("pointercancel", event => {
+  pressed = fitting = null
   if (held?.pointer == event.pointerId) { drop() }
 }, { capture: true })
 
@@ -157,8 +177,8 @@ def attach_gestures(plot: figure, starts: ColumnDataSource) -> ColumnDataSource:
     Returns
     -------
     ColumnDataSource
-        One row, replaced at each gesture: act ("drag", "drop", "select" or "remove"), index of the star, its place x, y
-        after a drag or drop, and count of the gestures so far.
+        One row, replaced at each gesture: act ("drag", "drop", "select", "remove", or "fit" after a double click
+        beside the stars), index of the star, its place x, y after a drag or drop, and count of the gestures so far.
     """
     hand = ColumnDataSource({"act": [""], "index": [0], "x": [0.0], "y": [0.0], "count": [0]})
     attach = CustomJS(args={"plot": plot, "starts": starts, "hand": hand}, code=GESTURES)

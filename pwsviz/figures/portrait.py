@@ -93,6 +93,8 @@ class PortraitView:
         Called with the visible part of the plane when the user has panned or zoomed.
     on_fit : callable, optional
         Called when the user wants to see the trajectories again.
+    on_double_click : callable, optional
+        Called after a double click beside all stars, of which the first click has called `on_place`.
 
     Attributes
     ----------
@@ -111,6 +113,7 @@ class PortraitView:
         on_select: Callable[[int], None],
         on_zoom: Callable[[Window], None] = _ignore,
         on_fit: Callable[[], None] = _ignore,
+        on_double_click: Callable[[], None] = _ignore,
     ) -> None:
         self.figure = self._plot()
         self.frame: Window | None = None
@@ -123,6 +126,7 @@ class PortraitView:
             "drop": on_move,
             "remove": lambda index, _x, _y: on_remove(index),
             "select": lambda index, _x, _y: on_select(index),
+            "fit": lambda _index, _x, _y: on_double_click(),
         }
         self.ground = Ground(self.figure)
         self._orbit_glyphs()
@@ -145,7 +149,7 @@ class PortraitView:
         )
         plot.grid.visible = False
         for reset in (tool for tool in plot.tools if isinstance(tool, ResetTool)):
-            reset.description = "Fit to the trajectories"
+            reset.description = "Fit to the trajectories (double click)"
         return plot
 
     def _orbit_glyphs(self) -> None:

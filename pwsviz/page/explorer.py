@@ -29,8 +29,9 @@ from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text
 from pwsviz.widgets.browser import REMEMBER_DARK, Browser
+from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.lecture import Lecture
-from pwsviz.widgets.panes import DIALOG_SX, PLAIN_SX, markup_pane, text_pane
+from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
@@ -57,8 +58,15 @@ IN_SIGHT = {"position": "sticky", "top": "0"}
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 """Of a button in the header, whose theme assumes a coloured bar and sets white text."""
 
-TABS_SX = {".MuiTab-root": {"textTransform": "none", "minWidth": 0, "paddingX": "6px", "fontSize": "0.8125rem"}}
-"""Titles as narrow as possible; on a narrow screen the row scrolls."""
+TABS_SX = {
+    ".MuiTab-root": {
+        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "6px", "fontSize": "0.8125rem"
+    },
+    ".MuiTabs-list": {"flexWrap": "wrap"},
+    ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
+    ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
+}  # fmt: skip
+"""Titles as narrow as possible, in two rows on a narrow screen."""
 
 ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
@@ -125,9 +133,7 @@ class Explorer(pn.viewable.Viewer):
     @cached_property
     def editing(self) -> Any:
         """The dialog that holds the editor."""
-        return pmui.Dialog(
-            title="A system of your own", title_variant="h6", width_option="md", show_close_button=True, sx=DIALOG_SX
-        )
+        return dialog("A system of your own")
 
     @cached_property
     def export(self) -> ExportDialog:

@@ -20,7 +20,8 @@ from pwsviz.export.pictures import CHOICES, KINDS, picture_callback
 from pwsviz.export.script import snippet
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
-from pwsviz.widgets.panes import DIALOG_SX, PLAIN_SX, TEXT_CSS, heading
+from pwsviz.widgets.dialog import dialog
+from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
 from pwsviz.widgets.setting_buttons import BUTTONS_SX
 
 PROGRAM_CSS = """
@@ -69,15 +70,7 @@ class ExportDialog(pn.viewable.Viewer):
         self._choices: dict[str, Any] = {}
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
         self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
-        self.dialog = pmui.Dialog(
-            self.contents,
-            title="Export & share",
-            title_variant="h6",
-            width_option="md",
-            close_on_click=True,
-            show_close_button=True,
-            sx=DIALOG_SX,
-        )
+        self.dialog = dialog("Export & share", self.contents)
         self.dialog.param.watch(self._drop_files, "open")
         self._address = ""
 

@@ -28,12 +28,36 @@ PAGE_SX = {
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
-    ".MuiDrawer-paper": {"backgroundColor": "background.default", "backgroundImage": "none"},  # as the names on frames
     ".MuiToolbar-root > h5, .MuiAppBar-root > .MuiLinearProgress-root": {"display": "none"},  # have no name and no use
 }  # fmt: skip
 
-ONE_H1 = {"components": {"MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}}}}
-"""Only the title of the page is set in the style h3; it is the heading of all others."""
+SHEET = {
+    "top": "auto !important", "bottom": 0, "width": "100%", "height": "55dvh", "position": "absolute",
+    "borderTop": "1px solid", "borderColor": "var(--mui-palette-divider)", "& > .MuiToolbar-root": {"display": "none"},
+}  # fmt: skip
+"""The controls on a narrow screen, where they lie over the page: at its lower end, with the portrait in sight above."""
+
+THEME = {
+    "components": {
+        # Only the title of the page is set in the style h3; it is the heading of all others.
+        "MuiTypography": {"defaultProps": {"variantMapping": {"h3": "h1"}}},
+        "MuiButtonBase": {  # whose own sign of the focus is a slight shade
+            "styleOverrides": {"root": {"&.Mui-focusVisible": {"outline": "2px solid", "outlineOffset": "-2px"}}}
+        },
+        "MuiDrawer": {
+            "styleOverrides": {
+                "paper": {  # as the names on frames
+                    "backgroundColor": "var(--mui-palette-background-default)", "backgroundImage": "none"
+                },
+                "root": {
+                    "&.MuiDrawer-modal .MuiDrawer-paper.sidebar": SHEET,
+                    "&.MuiDrawer-modal .MuiBackdrop-root": {"backgroundColor": "transparent"},
+                }
+            }
+        },
+    }
+}  # fmt: skip
+"""Styles and elements of parts of the page that are drawn beside it in the document."""
 
 TEMPLATE = """{% extends "base.html" %}
 {% block custom_css %}<style>FACE</style>{% endblock %}
@@ -79,7 +103,7 @@ def make_frame(title: str, main: list[Any]) -> Page:
         main=main,
         sidebar_width=SIDEBAR_WIDTH,
         sidebar_resizable=False,
-        theme_config=ONE_H1,
+        theme_config=THEME,
         busy_indicator=None,
         sx=PAGE_SX,
         template=TEMPLATE,

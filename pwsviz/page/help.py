@@ -5,9 +5,9 @@ from __future__ import annotations
 from html import escape
 
 import panel as pn
-import panel_material_ui as pmui
 
-from pwsviz.widgets.panes import DIALOG_SX, markup_pane
+from pwsviz.widgets.dialog import dialog
+from pwsviz.widgets.panes import markup_pane
 
 __all__ = ["ABOUT", "CITATION", "FIRST", "Help"]
 
@@ -25,7 +25,8 @@ CITATION = (
 """The paper whose method this is, as markup."""
 
 _USE = (
-    "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it.",
+    "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it. "
+    "Double click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) do not.",
     "Each tab beside the portrait answers one question: is ψ conserved, what is the order, when does the solution "
     "cross, what does an error cost, which step sizes work, what is the scheme.",
@@ -57,15 +58,7 @@ class Help(pn.viewable.Viewer):
     def __init__(self) -> None:
         super().__init__()
         self.text = markup_pane(_CSS)
-        self.dialog = pmui.Dialog(
-            self.text,
-            title="Help",
-            title_variant="h6",
-            width_option="sm",
-            close_on_click=True,
-            show_close_button=True,
-            sx=DIALOG_SX,
-        )
+        self.dialog = dialog("Help", self.text, width="sm")
 
     def open(self) -> None:
         """Open the dialog."""

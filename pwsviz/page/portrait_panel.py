@@ -61,6 +61,7 @@ class PortraitPanel(pn.viewable.Viewer):
             on_select=self._select,
             on_zoom=self._keep_window,
             on_fit=self.fit,
+            on_double_click=self._fit_instead,
         )
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
         self.limits = WindowFields(scene, self._seen, self.fit)
@@ -75,6 +76,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.shown: Pictures | None = None
         self._aimed_at: tuple[Any, ...] = ()
         self._told: Any = None
+        self._placed: tuple[dict[str, Any], ...] = ({}, {})  # the starts before and after the last click
         scene.param.watch(lambda event: None if event.new == self._told else self._aim(), "window")
         self._visible: Window | None = None
 
@@ -125,10 +127,13 @@ class PortraitPanel(pn.viewable.Viewer):
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""
         kind = (self._declaration(shown), shown.inputs.axes)
-        current = self.scheduler.submitted("runs") == shown.inputs
+        current = self._is_current(shown)
         if kind != self._aimed_at[:2] or (current and self.scene.loads != self._aimed_at[2]):
             self._aimed_at = (*kind, self.scene.loads if current else -1)
             self._aim()
+
+    def _is_current(self, shown: Pictures) -> bool:
+        return bool(shown.inputs == PortraitInputs.of(self.scene))
 
     def _aim(self) -> None:
         """Let the view show the window of the scene; without one, what suits the trajectories."""
@@ -138,7 +143,6 @@ class PortraitPanel(pn.viewable.Viewer):
             self.portrait.fit()
         else:
             self.portrait.look_at(Window(*self.scene.window))
-
         self.limits.sync()
 
     def _seen(self) -> Ends:
@@ -148,7 +152,9 @@ class PortraitPanel(pn.viewable.Viewer):
         return tuple(round(end, digits) for end in seen)
 
     def fit(self) -> None:
-        """Let the view show the present trajectories."""
+        """Let the view show the present trajectories; again when they are computed, if they are not yet."""
+        if self.shown is not None and not self._is_current(self.shown):
+            self._aimed_at = (*self._aimed_at[:2], -1)
         self._told = None
         self.scene.window = None
         self._aim()
@@ -226,7 +232,20 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def place(self, x: float, y: float) -> None:
         """Add a trajectory that starts at a point of the plane."""
+        before = self._starts()
         self._try(lambda: self.scene.place(self._state(x, y, self.scene.x0)))
+        self._placed = before, self._starts()
+
+    def _fit_instead(self) -> None:
+        """Take back what the first click of two has placed, and show the trajectories there were."""
+        before, after = self._placed
+        if self._starts() == after:
+            self.scene.param.update(**before)
+            self.trouble.object = ""
+        self.fit()
+
+    def _starts(self) -> dict[str, Any]:
+        return {"starts": self.scene.starts, "selected": self.scene.selected}
 
     def move(self, index: int, x: float, y: float) -> None:
         """Move the start of a trajectory to a point of the plane."""

@@ -24,7 +24,7 @@ NOT_UNDONE = ("name", "view")
 
 
 class History(param.Parameterized):
-    """Remembers the settings of a scene before each of the last `MAX_STEPS_BACK` gestures."""
+    """Remembers the settings of a scene before each of the last `MAX_STEPS_BACK` gestures that changed something."""
 
     can_undo = param.Boolean(default=False, doc="Whether there is anything to undo.")
     can_redo = param.Boolean(default=False, doc="Whether there is anything to redo.")
@@ -34,6 +34,7 @@ class History(param.Parameterized):
         self.scene, self._clock = scene, clock
         self._past: list[dict[str, Any]] = []
         self._future: list[dict[str, Any]] = []
+        self._dropped = self._future  # by the last gesture
         self._now = scene.settings()
         self._gesture: tuple[frozenset[str], float] = (frozenset(), -ONE_GESTURE)
         scene.param.watch(self._remember, [name for name in scene.param if name not in NOT_UNDONE])
@@ -44,9 +45,11 @@ class History(param.Parameterized):
         follows = at - when < AT_ONCE and bool(self._past)
         if not follows and (names != same or at - when > ONE_GESTURE):
             self._past = [*self._past, self._now][-MAX_STEPS_BACK:]
+            self._dropped, self._future = self._future, []
         self._gesture, self._now = (same if follows else names, at), self.scene.settings()
-        self._future = []
-        self.param.update(can_undo=True, can_redo=False)
+        if _without_view(self._now) == _without_view(self._past[-1]):  # the gesture has taken itself back
+            self._past, self._future, self._gesture = self._past[:-1], self._dropped, (frozenset(), -ONE_GESTURE)
+        self.param.update(can_undo=bool(self._past), can_redo=bool(self._future))
 
     def undo(self) -> None:
         """Undo the last gesture, if there is one."""
@@ -61,7 +64,12 @@ class History(param.Parameterized):
             self._go(after, [*self._past, self._now], later)
 
     def _go(self, settings: dict[str, Any], past: list[dict[str, Any]], future: list[dict[str, Any]]) -> None:
-        self.scene.restore({**settings, **{name: getattr(self.scene, name) for name in NOT_UNDONE if name != "name"}})
+        self.scene.restore(_without_view(settings))
         self._past, self._future = past, future
         self._now, self._gesture = self.scene.settings(), (frozenset(), -ONE_GESTURE)
         self.param.update(can_undo=bool(past), can_redo=bool(future))
+
+
+def _without_view(settings: dict[str, Any]) -> dict[str, Any]:
+    """Return the settings that undo brings back."""
+    return {name: value for name, value in settings.items() if name not in NOT_UNDONE}

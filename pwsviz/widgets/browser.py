@@ -60,8 +60,9 @@ class Browser(pn.custom.JSComponent):
 
     _esm = (
         """
-// The server knows the models that it sends. Bokeh sends them back with the first event on one of them, in full, which
-// fails for components of Panel: among their callbacks are functions, and the event is lost.
+// Bokeh sends models that came from the server back with the next event, in full. To see that fail without this, add a
+// panel-material-ui button with `js_on_click` to a page that is shown, and press any button: beside that CustomJS
+// ("dom_event") Panel has put a function ("esm_event") in `js_event_callbacks`, so that nothing at all is sent.
 const keep_known = document => {
   const apply = document.apply_json_patch.bind(document)
   document.apply_json_patch = (patch, buffers) => {

@@ -20,9 +20,6 @@ PLAIN = {"opacity": "1"}
 PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
 """Of buttons: no capitals and no line breaks."""
 
-DIALOG_SX = {"& [aria-label=close]": {"color": "var(--mui-palette-text-secondary) !important"}}
-"""Of dialogs: their button to close is otherwise dark on dark."""
-
 TEXT_CSS = (
     """
 :host { font-size: 0.875rem; line-height: 1.45; color: var(--mui-palette-text-primary); }

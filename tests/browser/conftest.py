@@ -55,17 +55,21 @@ def window(chromium):
 
 @pytest.fixture
 def visit(window, address):
-    """Open the page in a window of a given size; afterwards, no script may have complained."""
+    """Open the page, or a scene of it, in a window of a given size; afterwards, no script may have complained.
+
+    Media features, such as ``color_scheme="dark"``, hold from the first paint on.
+    """
     complaints, pages = [], []
 
-    def open_page(width=1400, height=900):
+    def open_page(width=1400, height=900, query="", **media):
         page = window.new_page()
         pages.append(page)
         page.set_viewport_size({"width": width, "height": height})
         page.set_default_timeout(20_000)
         page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.goto(address)
+        page.emulate_media(**media)
+        page.goto(f"{address}?{query}" if query else address)
         return page
 
     yield open_page

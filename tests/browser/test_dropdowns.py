@@ -24,8 +24,7 @@ def await_shown(page, name, entry):
 
 @pytest.mark.deep
 def test_the_plane_named_is_the_plane_drawn_after_another_system(visit):
-    page = visit()
-    page.goto(f"{page.url}?v=1&system=rigid_body&t_end=1")
+    page = visit(query="v=1&system=rigid_body&t_end=1")
     await_painted(page, "Phase portrait")
     await_built(page)
     await_shown(page, "plane", "y1, y2")

@@ -38,10 +38,9 @@ def painted(page, place, colour):
 
 
 @pytest.fixture
-def shown(visit, address):
+def shown(visit):
     def open_preset(key, **changes):
-        page = visit()
-        page.goto(f"{address}?{preset_link(key, **changes)}")
+        page = visit(query=preset_link(key, **changes))
         settled_picture(page, await_painted(page, "Phase portrait"))
         return page
 

@@ -65,9 +65,7 @@ TEXTS = """svg => {
 
 
 def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a_png(visit):
-    page = visit()
-    page.emulate_media(color_scheme="dark")
-    page.reload()
+    page = visit(color_scheme="dark")
     await_that(page, PORTRAIT)
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
     await_still(page)

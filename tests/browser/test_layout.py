@@ -2,6 +2,7 @@
 
 import pytest
 
+from pwsviz.scene.views import VIEWS
 from tests.browser.looking import await_built, await_painted, canvas
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
@@ -42,9 +43,8 @@ def test_the_portrait_stays_in_sight_beside_a_long_view(visit):
     assert 0 < top < 300
 
 
-def test_a_system_without_psi_opens_on_its_state_against_time(visit, address):
-    page = visit()
-    page.goto(f"{address}?v=1&system=relay_feedback")
+def test_a_system_without_psi_opens_on_its_state_against_time(visit):
+    page = visit(query="v=1&system=relay_feedback")
     await_painted(page, "Coordinate against time")
     page.get_by_text("rk2 up to t = 19.1: x from").wait_for()
 
@@ -98,3 +98,23 @@ def test_one_finger_scrolls_the_page_and_two_move_the_portrait(phone):
     await_that(
         phone, PORTRAIT, lambda now: now["range"][0] < before["range"][0] and now["range"][2] > before["range"][2]
     )
+
+
+@pytest.mark.deep
+def test_on_a_phone_every_view_is_in_sight_and_the_controls_leave_the_portrait_so(phone):
+    tabs = [tab.bounding_box() for tab in phone.get_by_role("tab").all()]
+    assert len(tabs) == len(VIEWS)
+    assert all(tab["x"] >= 0 and tab["x"] + tab["width"] <= 420 for tab in tabs)
+    drawer = phone.locator(".sidebar")
+    for close in (lambda: phone.touchscreen.tap(200, 200), lambda: phone.keyboard.press("Escape")):
+        phone.get_by_label("Open drawer").tap()
+        drawer.get_by_label("Examples").wait_for()
+        phone.wait_for_timeout(400)  # it slides in
+        assert drawer.bounding_box()["y"] >= 0.4 * 800
+        close()
+        drawer.wait_for(state="hidden")
+    assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "the tap beside the controls places nothing"
+    phone.touchscreen.tap(*inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
+    phone.touchscreen.tap(*inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
+    phone.wait_for_timeout(1000)
+    assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "two taps fit"

@@ -17,11 +17,11 @@ PURPLE = (204, 121, 167)
 
 
 @pytest.fixture
-def shown(visit, address):
+def shown(visit):
     def open_scene(**settings):
-        page, scene = visit(), Scene()
+        scene = Scene()
         scene.load(settings)
-        page.goto(f"{address}?{query(scene)}")
+        page = visit(query=query(scene))
         await_painted(page, "Phase portrait")
         await_that(page, PORTRAIT)
         await_still(page)

@@ -108,11 +108,35 @@ def test_a_click_on_empty_ground_places_one_more_and_looks_into_it(page):
 
 
 @pytest.mark.deep
-def test_a_click_on_a_star_selects_it_and_places_nothing(page):
+def test_stars_and_crossings_take_the_pointer_the_ground_pans_and_typing_removes_nothing(page):
+    seen = page.evaluate(PORTRAIT)
+    page.mouse.move(*inside(seen, 0.9, 0.9))
+    page.mouse.move(*seen["marks"][0], steps=3)
+    await_that(page, CONSERVED, lambda other: other["pointed"] == seen["times"][:1])
+    page.mouse.move(2, 2)
+    other = await_that(page, CONSERVED, lambda other: other["pointed"] == [])
+    x, y = other["ticks"][1]
+    page.mouse.move(x, y - 60)
+    page.mouse.move(x, y, steps=3)
+    await_that(page, PORTRAIT, lambda seen: seen["ringed"] == 1)
+    page.mouse.move(2, 2)
+    await_that(page, PORTRAIT, lambda seen: seen["ringed"] == 0)
+
     seen = place_second(page)
     page.mouse.click(*seen["stars"][0])
     seen = await_that(page, PORTRAIT, lambda seen: seen["chosen"] == 0)
-    assert len(seen["stars"]) == 2
+    assert len(seen["stars"]) == 2, "a click on a star selects it and places nothing"
+    entry = field(page, "Step size τ")
+    entry.focus()
+    entry.press("End")
+    entry.press("Backspace")
+    page.wait_for_timeout(500)
+    before = page.evaluate(PORTRAIT)
+    assert len(before["stars"]) == 2
+    drag(page, inside(before, 0.9, 0.9), (-50, 30))
+    page.mouse.up()
+    after = await_that(page, PORTRAIT, lambda seen: seen["range"] != before["range"])
+    assert after["at"] == before["at"]
 
 
 @pytest.mark.parametrize("key", deep_but(["Delete"], ["Delete", "Backspace"]))
@@ -121,17 +145,6 @@ def test_a_key_removes_the_selected_one(page, key):
     page.keyboard.press(key)
     left = await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 1)
     assert left["at"] == seen["at"][:1]
-
-
-@pytest.mark.deep
-def test_a_key_pressed_while_typing_removes_nothing(page):
-    place_second(page)
-    entry = field(page, "Step size τ")
-    entry.focus()
-    entry.press("End")
-    entry.press("Backspace")
-    page.wait_for_timeout(500)
-    assert len(page.evaluate(PORTRAIT)["stars"]) == 2
 
 
 def test_a_star_follows_the_pointer_the_view_stays_and_the_trajectory_follows(page):
@@ -143,15 +156,6 @@ def test_a_star_follows_the_pointer_the_view_stays_and_the_trajectory_follows(pa
     page.mouse.up()
     x, y = (f"{value:.3g}" for value in moved["at"][0])
     await_that(page, PORTRAIT, lambda seen: f"starts at ({x}" in seen["words"] and y in seen["words"])
-
-
-@pytest.mark.deep
-def test_dragging_elsewhere_pans(page):
-    before = page.evaluate(PORTRAIT)
-    drag(page, inside(before, 0.9, 0.9), (-50, 30))
-    page.mouse.up()
-    after = await_that(page, PORTRAIT, lambda seen: seen["range"] != before["range"])
-    assert after["at"] == before["at"]
 
 
 @pytest.mark.deep
@@ -180,29 +184,6 @@ def test_a_finger_drags_a_star_and_a_double_tap_removes_it(page):
             break
     left = await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 1)
     assert left["at"] == after["at"][1:]
-
-
-@pytest.mark.deep
-def test_a_crossing_pointed_at_in_the_portrait_is_marked_beside_it(page):
-    seen = page.evaluate(PORTRAIT)
-    page.mouse.move(*inside(seen, 0.9, 0.9))
-    page.mouse.move(*seen["marks"][0], steps=3)
-    await_that(page, CONSERVED, lambda other: other["pointed"] == seen["times"][:1])
-    page.mouse.move(2, 2)
-    await_that(page, CONSERVED, lambda other: other["pointed"] == [])
-
-
-@pytest.mark.deep
-def test_a_crossing_pointed_at_beside_the_portrait_is_marked_in_it(page):
-    other = await_that(page, CONSERVED)
-    page.get_by_role("img", name=re.compile("conserved quantity")).scroll_into_view_if_needed()
-    other = page.evaluate(CONSERVED)
-    x, y = other["ticks"][1]
-    page.mouse.move(x, y - 60)
-    page.mouse.move(x, y, steps=3)
-    await_that(page, PORTRAIT, lambda seen: seen["ringed"] == 1)
-    page.mouse.move(2, 2)
-    await_that(page, PORTRAIT, lambda seen: seen["ringed"] == 0)
 
 
 @pytest.mark.deep
@@ -248,9 +229,7 @@ def test_keys_step_through_the_run_and_its_crossings(page):
 
 @pytest.mark.deep
 def test_those_who_want_no_motion_get_single_pictures(visit):
-    page = visit()
-    page.emulate_media(reduced_motion="reduce")
-    page.reload()
+    page = visit(reduced_motion="reduce")
     await_that(page, PORTRAIT)
     page.get_by_role("button", name="Animate").click()
     await_that(page, PORTRAIT, lambda seen: len(seen["moving"]) == 2)

@@ -27,6 +27,10 @@ def window(page):
 
 def test_neither_a_new_start_nor_one_that_escapes_moves_the_window(page):
     before = window(page)
+    page.mouse.dblclick(*inside(page.evaluate(PORTRAIT), 0.97, 0.95), delay=100)
+    page.wait_for_timeout(1000)
+    assert len(page.evaluate(PORTRAIT)["stars"]) == 1, "a double click only fits the window"
+    assert page.get_by_role("button", name="Undo").is_disabled()
     page.mouse.click(*inside(page.evaluate(PORTRAIT), 0.97, 0.95))  # from here the solution runs off to infinity
     await_that(page, PORTRAIT, lambda seen: len(seen["stars"]) == 2)
     page.get_by_text(re.compile("Start 2 of 2")).first.wait_for()
@@ -65,6 +69,14 @@ def test_pan_is_kept_in_the_link_and_fit_returns(page):
     page.get_by_title("Fit to the trajectories").click()
     await_that(page, PORTRAIT, lambda seen: seen["range"] == pytest.approx(before, abs=0.02 * size))
     page.wait_for_url(lambda url: "window=" not in url)
+    drag(page, inside(page.evaluate(PORTRAIT), 0.9, 0.9), (-80, 40))
+    page.mouse.up()
+    page.wait_for_url(re.compile("window="))
+    starts = page.evaluate(PORTRAIT)["at"]
+    page.mouse.dblclick(*inside(page.evaluate(PORTRAIT), 0.9, 0.9))
+    await_that(page, PORTRAIT, lambda seen: seen["range"] == pytest.approx(before, abs=0.02 * size))
+    page.wait_for_url(lambda url: "window=" not in url and "starts=" not in url)
+    assert page.evaluate(PORTRAIT)["at"] == starts
 
 
 def test_limits_can_be_typed(page):

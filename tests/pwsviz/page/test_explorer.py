@@ -235,6 +235,26 @@ def test_undo_brings_back_what_was_there(explorer):
     assert list(explorer.portrait_panel.portrait.starts.data["x"]) == [-1.0]
 
 
+@pytest.mark.parametrize("wait", [0, 20])
+def test_a_double_click_fits_the_view_and_takes_back_what_its_first_click_placed(explorer, monkeypatch, wait):
+    panel, scene, later = explorer.portrait_panel, explorer.scene, []
+    frame, before = panel.portrait.frame, scene.settings()
+    scene.window = (-9.0, 9.0, -9.0, 9.0)
+    panel.place(-1.5, 0.5)
+    explorer.settle(wait)  # the second click may come before or after the first one's trajectory
+    monkeypatch.setattr(explorer.scheduler, "call_soon", later.append)  # as where there is a server
+    panel.portrait.hand.data = {"act": ["fit"], "index": [0], "x": [0.0], "y": [0.0], "count": [1]}
+    for call in later:
+        call()
+    explorer.settle(20)
+    assert scene.settings() == before
+    assert panel.portrait.frame == frame
+    monkeypatch.undo()
+    panel.place(-0.5, 0.5)
+    explorer.settle(20)
+    assert panel.portrait.frame == frame, "the next start does not move it"
+
+
 def test_a_place_is_rounded_to_about_a_pixel_and_what_is_not_shown_stays():
     window = Window(0, 5000, 0, 10)
     assert at_point(1.23456, 2.0, window, (0.0, 0.0, 7.0)) == (1.0, 2.0, 7.0)

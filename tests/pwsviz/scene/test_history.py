@@ -94,3 +94,35 @@ def test_memory_is_bounded(history, clock):
         clock.now += 5
         history.scene.accept("tau", 0.01 + 1e-4 * (k + 1))
     assert len(history._past) == MAX_STEPS_BACK
+
+
+def test_a_gesture_that_takes_itself_back_leaves_no_entry_and_what_was_undone_stays(history, clock):
+    scene, first = history.scene, history.scene.settings()
+    scene.accept("tau", 0.02)
+    clock.now += 5
+    scene.accept("tau", 0.03)
+    history.undo()
+    clock.now += 5
+    before = {"starts": scene.starts, "selected": scene.selected}
+    scene.place((0.5, 0.5))
+    assert not history.can_redo
+    clock.now += 0.3
+    scene.param.update(**before)
+    assert (history.can_undo, history.can_redo) == (True, True)
+    history.redo()
+    assert scene.tau == 0.03
+    history.undo()
+    history.undo()
+    assert scene.settings() == first
+    assert not history.can_undo
+
+
+def test_what_follows_a_gesture_that_took_itself_back_is_a_gesture_of_its_own(history, clock):
+    scene = history.scene
+    scene.accept("tau", 0.02)
+    clock.now += 5
+    scene.place((0.5, 0.5))
+    scene.param.update(starts=scene.starts[:1], selected=0)
+    scene.accept("t_end", 3.0)
+    history.undo()
+    assert (scene.tau, scene.t_end == 3.0) == (0.02, False)
