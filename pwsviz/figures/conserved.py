@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d
-from bokeh.models.annotations import Span
 from bokeh.models.glyphs import Scatter
 
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
-    PURPLE,
     SIDES,
     assign,
     describe,
@@ -125,8 +123,6 @@ class ConservedView:
         rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
         self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
         plot.add_tools(self.hover)
-        self.now = Span(dimension="height", line_color=PURPLE, line_width=2, line_dash="dashed", visible=False)
-        plot.add_layout(self.now)
 
     def show(self, errors: Sequence[ErrorCurve], landmarks: Landmarks | None = None) -> None:
         """Draw the errors of the runs of one scene.

@@ -10,7 +10,7 @@ from bokeh.models.glyphs import VSpan
 from bokeh.plotting import figure
 
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.style import VERMILION
+from pwsviz.figures.style import PURPLE, VERMILION
 
 __all__ = ["link_crossings"]
 
@@ -60,7 +60,7 @@ def link_portrait(portrait: PortraitView) -> None:
 
 
 def link_crossings(portrait: PortraitView, view: Linked, ticks: ColumnDataSource) -> None:
-    """Let a crossing under the pointer in another figure be marked there, in the portrait and in all linked to it.
+    """Let a figure against time follow the player, and a crossing under the pointer in it be marked in all figures.
 
     Parameters
     ----------
@@ -72,6 +72,7 @@ def link_crossings(portrait: PortraitView, view: Linked, ticks: ColumnDataSource
         The crossings marked there: their times, places in the portrait, numbers and integrators.
     """
     view.figure.add_glyph(portrait.pointed_time, VSpan(x="t", line_color=VERMILION, line_width=2))
+    view.figure.add_glyph(portrait.played_time, VSpan(x="t", line_color=PURPLE, line_width=2, line_dash="dashed"))
     _follow(view, POINT_FROM_TICKS, portrait, {"marks": portrait.crossings, "ticks": ticks})
 
 

@@ -188,6 +188,7 @@ class PortraitView:
         self._end_glyphs()
         self.pointed = ColumnDataSource({"x": [], "y": []})
         self.pointed_time = ColumnDataSource({"t": []})  # for figures whose horizontal axis is time
+        self.played_time = ColumnDataSource({"t": []})  # likewise: where the player stands
         ring: dict[str, Any] = {"size": POINTED_SIZE, "fill_alpha": 0.0, "line_color": VERMILION, "line_width": 3}
         plot.add_glyph(self.pointed, Scatter(**ring))
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range1d
-from bokeh.models.annotations import Span
 from bokeh.models.glyphs import Scatter
 from bokeh.models.renderers import GlyphRenderer
 
@@ -15,7 +14,6 @@ import core
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     HEIGHT,
-    PURPLE,
     ROOM,
     SIDES,
     assign,
@@ -77,7 +75,7 @@ def _column(k: int) -> str:
 class Panel:
     """One coordinate against time; `show` only changes its data."""
 
-    def __init__(self, k: int, shared: Shared, now: Span) -> None:
+    def __init__(self, k: int, shared: Shared) -> None:
         self.up = DataRange1d(range_padding=0.08)
         self.figure = plain_figure(SUMMARY, x_range=shared.across, y_range=self.up, min_border_left=LEFT)
         self.bands = {
@@ -90,7 +88,6 @@ class Panel:
         self.corners = ColumnDataSource({"x": [0.0, 0.0], "y": [-1.0, 1.0]})
         self.up.renderers = [self.figure.add_glyph(self.corners, invisible(size=1))]
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
-        self.figure.add_layout(now)
         entries = [({"field": "method"}, self.lines), ("g < 0", self.bands[-1]), ("g > 0", self.bands[1])]
         self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)], usual=5)
 
@@ -139,15 +136,13 @@ class StateView:
     """Panels that share the axis of time, each made when a system first needs it."""
 
     def __init__(self) -> None:
-        look: dict[str, Any] = {"line_color": PURPLE, "line_width": 2, "line_dash": "dashed", "visible": False}
-        self.now = tuple(Span(dimension="height", **look) for _ in range(MOST_PANELS))
         self.shared = Shared()
         self.panels: list[Panel] = []
 
     def panel(self, k: int) -> Panel:
         """Return the k-th panel."""
         while len(self.panels) <= k:
-            self.panels.append(Panel(len(self.panels), self.shared, self.now[len(self.panels)]))
+            self.panels.append(Panel(len(self.panels), self.shared))
         return self.panels[k]
 
     def show(self, runs: Sequence[StateCurves], names: Sequence[str], first: core.Trajectory, places: Floats) -> None:

@@ -36,6 +36,9 @@ from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
 
+FIRST = 0.15
+"""Seconds that a page waits for its first portrait: most often it is there already, or needs some milliseconds."""
+
 ADDRESS_RESTS = 400
 """Milliseconds without a change of the scene after which the address bar is updated."""
 
@@ -97,14 +100,11 @@ class Explorer(pn.viewable.Viewer):
             self.adopt(pn.state.location.search)  # before anything is computed
         self.scheduler = Scheduler()
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
-        lines = [line for view in self.views.values() for line in view.now]
-        self.portrait_panel = PortraitPanel(self.scene, self.results, self.scheduler, lines, self._await_system)
+        self.portrait_panel = PortraitPanel(self.scene, self.results, self.scheduler, self._await_system)
         link_portrait(self.portrait_panel.portrait)
-        for view in self.views.values():
-            view.link(self.portrait_panel.portrait)
         self.history = History(self.scene)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
-        self._below = pn.Column(margin=0, sizing_mode="stretch_width")
+        self._beside, self._below = (pn.Column(margin=0, sizing_mode="stretch_width") for _ in range(2))
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
@@ -114,7 +114,7 @@ class Explorer(pn.viewable.Viewer):
             if isinstance(tab, LongTab):
                 tab.on_cancel, tab.on_again = self._cancel, partial(self.scheduler.call_soon, self._again)
         self.scene.param.watch(self._follow, [name for name in self.scene.param if name != "name"])
-        self.refresh()
+        self.portrait_panel.refresh()
 
     def _make_tabs(self) -> Any:
         tabs = pmui.Tabs(
@@ -168,8 +168,11 @@ class Explorer(pn.viewable.Viewer):
     def refresh(self) -> None:
         """Submit the computations that the visible views need and do not show yet."""
         self.portrait_panel.refresh()
+        self._refresh_view()
+
+    def _refresh_view(self) -> None:
         view = self.view
-        view.reveal()
+        view.reveal(self.portrait_panel.portrait)
         wanted = view.inputs()
         if wanted == view.shown:
             self.scheduler.cancel("view")
@@ -294,7 +297,8 @@ class Explorer(pn.viewable.Viewer):
     def page(self) -> Any:
         """Return the page, whose computations are cancelled when the session ends."""
         pn.state.on_session_destroyed(lambda _context: self.close())
-        page = make_frame("pwsviz", [self])
+        self.scheduler.draw_first(FIRST)
+        page = make_frame("pwsviz", [self._beside], [self])
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)
@@ -307,8 +311,9 @@ class Explorer(pn.viewable.Viewer):
         return page
 
     def _furnish(self, page: Any) -> None:
-        """Add what can wait until the picture is on screen: the controls, and dialogs that open at a click."""
-        page.sidebar = [self.sidebar]
+        """Add what can wait until the portrait is on screen: the view, the controls, dialogs that open at a click."""
+        self._refresh_view()
+        self._beside.objects = [self.sidebar]
         page.header = self._header()
         self._below.objects = [self._about(), self.editing, self.export, self.help]
 

@@ -88,18 +88,21 @@ class Frame(Page):
         return root
 
 
-def make_frame(title: str, main: list[Any]) -> Page:
-    """Return a page with an empty header and an empty sidebar.
+def make_frame(title: str, sidebar: list[Any], main: list[Any]) -> Page:
+    """Return a page with an empty header.
 
     Parameters
     ----------
     title : str
         Of the page.
+    sidebar : list
+        What stands in the sidebar; it has no place where this is empty.
     main : list
         What it shows beside the sidebar.
     """
     page = Frame(
         title=title,
+        sidebar=sidebar,
         main=main,
         sidebar_width=SIDEBAR_WIDTH,
         sidebar_resizable=False,

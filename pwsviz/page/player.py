@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 import panel as pn
 import panel_material_ui as pmui
 import param
-from bokeh.models.annotations import Span
 
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import line_of
@@ -178,9 +177,7 @@ _MOVE = """
 const { t, trails: ways, ...markers } = cb_obj.now
 moving.setv({ data: markers }, { sync: false })
 trails.setv({ data: ways }, { sync: false })
-for (const line of lines) {
-  line.setv(t == null ? { visible: false } : { location: t, visible: true }, { sync: false })
-}
+played_time.setv({ data: { t: t == null ? [] : [t] } }, { sync: false })
 for (const [curve, alpha] of [[curves, 1.0], [beside, 0.55]]) {  // faint under the trails
   const line_alpha = { value: t == null ? alpha : FAINT * alpha }
   if (curve.glyph.line_alpha?.value != line_alpha.value) { curve.glyph.setv({ line_alpha }, { sync: false }) }
@@ -212,18 +209,16 @@ class Player(pn.viewable.Viewer):
     Parameters
     ----------
     portrait : PortraitView
-        The figure in which it moves markers.
-    lines : sequence of Span
-        The lines it moves; none of them need be on the screen.
+        The figure in which it moves markers; the others follow its `played_time`.
     """
 
     open = param.Boolean(default=False, doc="Whether the controls are shown; they are made when first shown.")
 
-    def __init__(self, portrait: PortraitView, lines: Sequence[Span]) -> None:
+    def __init__(self, portrait: PortraitView) -> None:
         super().__init__()
         self._targets = {
-            "moving": portrait.moving, "trails": portrait.trails, "clock": portrait.ground.clock, "lines": list(lines),
-            "curves": portrait.curves, "beside": portrait.beside,
+            "moving": portrait.moving, "trails": portrait.trails, "clock": portrait.ground.clock,
+            "played_time": portrait.played_time, "curves": portrait.curves, "beside": portrait.beside,
         }  # fmt: skip
         self.bar: Bar | None = None
         self.button = pmui.Button(

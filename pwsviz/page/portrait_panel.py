@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
-from bokeh.models.annotations import Span
 
 import core
 from pwsviz.figures.portrait import PortraitView
@@ -37,8 +36,6 @@ class PortraitPanel(pn.viewable.Viewer):
     ----------
     scene, results, scheduler
         The settings, the source of arrays, and what runs the computations.
-    lines : sequence of Span
-        Lines in other figures that mark the time of the player.
     on_wait : callable
         Called with a text while the integrators of another system are compiled.
     """
@@ -48,7 +45,6 @@ class PortraitPanel(pn.viewable.Viewer):
         scene: Scene,
         results: Results,
         scheduler: Scheduler,
-        lines: Sequence[Span],
         on_wait: Callable[[str], None],
     ) -> None:
         super().__init__()
@@ -65,7 +61,7 @@ class PortraitPanel(pn.viewable.Viewer):
         )
         self.pane, self.note = plot_pane(self.portrait.figure), text_pane("")
         self.limits = WindowFields(scene, self._seen, self.fit)
-        self.player = Player(self.portrait, lines)
+        self.player = Player(self.portrait)
         self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(14, 4), sizing_mode="stretch_width")
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")

@@ -11,6 +11,7 @@ from bokeh.resources import INLINE, Resources
 from jinja2 import Environment, FileSystemLoader
 
 from pwsviz.report.panels import Panel
+from pwsviz.text.numbers import printed
 
 __all__ = ["Bench", "Figure", "page_html"]
 
@@ -35,6 +36,7 @@ class Bench:
 
 
 _TEMPLATES = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True)
+_TEMPLATES.filters["printed"] = printed
 
 
 def page_html(

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any
 
 import panel as pn
-from bokeh.models.annotations import Span
 from bokeh.plotting import figure
 
 import core
@@ -42,14 +41,11 @@ class Tab(pn.viewable.Viewer):
         Inputs of what is drawn; None if that is partial or outdated.
     settings : tuple of str
         Settings of the scene that change what is drawn but not what is computed.
-    now : tuple of Span
-        The lines that the player moves, one a figure whose horizontal axis is time.
     quiet, patience : float
         Seconds, as in `latest_wins.Job`.
     """
 
     settings: tuple[str, ...] = ()
-    now: tuple[Span, ...] = ()
     quiet = 0.0
     patience = 0.1
 
@@ -109,14 +105,16 @@ class Tab(pn.viewable.Viewer):
         return ""
 
     def link(self, portrait: PortraitView) -> None:
-        """Let a crossing under the pointer be marked both here and in the portrait; nothing by default."""
+        """Let the figures follow the player and mark crossings under the pointer, when made; nothing by default."""
 
     # For the page ----------------------------------------------------------------------------------------------------
 
-    def reveal(self) -> None:
-        """Make the contents of the tab, the first time it is opened."""
+    def reveal(self, portrait: PortraitView) -> None:
+        """Make the contents of the tab, the first time it is opened, and link them to the portrait."""
         if not self.built:
-            self._content.objects = [*self.build(), self.words]
+            parts = [*self.build(), self.words]
+            self.link(portrait)
+            self._content.objects = parts
             self.built = True
 
     def begin(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import core
@@ -29,13 +30,13 @@ class ErrorPicture(NamedTuple):
 class ConservedTab(Tab):
     """The change of ψ that each integrator has made, against time."""
 
-    def __init__(self, *given: Any) -> None:
-        super().__init__(*given)
-        self.view = ConservedView()  # made at once, as the portrait links its player and crossings to it
-        self.now = (self.view.now,)
+    @cached_property
+    def view(self) -> ConservedView:
+        """The figure."""
+        return ConservedView()
 
     def link(self, portrait: PortraitView) -> None:
-        """Let a crossing under the pointer be marked in all figures."""
+        """Let the plot follow the player, and crossings under the pointer be marked in all figures."""
         link_crossings(portrait, self.view, self.view.instants)
 
     def inputs(self) -> ErrorInputs:

@@ -32,12 +32,11 @@ class StateTab(Tab):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.view = StateView()
-        self.now = self.view.now
         self._panels = pn.Column(margin=0, sizing_mode="stretch_width")
         self._portrait: PortraitView | None = None
 
     def link(self, portrait: PortraitView) -> None:
-        """Let a crossing under the pointer be marked in all figures."""
+        """Let the panels follow the player, and crossings under the pointer be marked in all figures."""
         self._portrait = portrait
 
     def inputs(self) -> ErrorInputs:

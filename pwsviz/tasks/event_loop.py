@@ -4,26 +4,33 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
+from queue import Empty, SimpleQueue
+from time import monotonic
 from typing import Any
 
 import panel as pn
 
 __all__ = ["Delivery"]
 
+LOOK_AGAIN = 0.005
+"""Seconds after which it is asked again whether callbacks will come."""
+
 
 class Delivery:
     """Runs callbacks in the event loop of the page being served when it is made; at once if there is none.
 
     It avoids two losses. While the page is being made, its document is on hold and drops callbacks that a thread adds;
-    so they are added from the event loop, which is free only afterwards. While the browser builds the page, Panel drops
-    changes of it; so they wait until the browser reports that the page is complete.
+    so they are added from the event loop, which is free only afterwards, unless `run` takes them before. While the
+    browser builds the page, Panel drops changes of it; so they wait until it reports that the page is complete.
     """
 
     def __init__(self) -> None:
         document = pn.state.curdoc
         self.document = document if document is not None and document.session_context is not None else None
         self._early: list[Callable[[], None]] = []
+        self._waiting: SimpleQueue[Callable[[], None]] = SimpleQueue()
         if self.document is not None:
             self._loop = asyncio.get_running_loop()
             pn.state.onload(self._catch_up)
@@ -41,8 +48,28 @@ class Delivery:
         if self.document is None:
             show(*outcome)
         elif not self._loop.is_closed():
-            tick = partial(self._apply, partial(show, *outcome))
-            self._loop.call_soon_threadsafe(self.document.add_next_tick_callback, tick)
+            self._waiting.put(partial(show, *outcome))
+            self._loop.call_soon_threadsafe(self._add_next)
+
+    def run(self, busy: Callable[[], bool], timeout: float) -> None:
+        """Call back here and now; while the page is being made, so that it contains the changes.
+
+        Parameters
+        ----------
+        busy : callable
+            Returns whether further callbacks will come.
+        timeout : float
+            Seconds after which those still to come are left to the event loop.
+        """
+        deadline = monotonic() + timeout
+        while (busy() or not self._waiting.empty()) and monotonic() < deadline:
+            with suppress(Empty):
+                self._waiting.get(timeout=LOOK_AGAIN)()
+
+    def _add_next(self) -> None:
+        with suppress(Empty):  # `run` has taken it
+            tick = partial(self._apply, self._waiting.get_nowait())
+            self.document.add_next_tick_callback(tick)  # type: ignore[union-attr]
 
     def _apply(self, show: Callable[[], None]) -> None:
         """Call back, and send all its changes in one message, so that the browser paints each figure once."""

@@ -112,6 +112,10 @@ class Scheduler:
                 return False
         return all(lane.join(deadline - monotonic()) for lane in list(self._lanes.values()))
 
+    def draw_first(self, timeout: float) -> None:
+        """Wait at most `timeout` seconds, while the page is being made, for results that it shall contain."""
+        self._delivery.run(lambda: any(map(self.busy, self._lanes)), timeout)
+
     def close(self) -> None:
         """Cancel all computations: the session has ended."""
         self.closed = True

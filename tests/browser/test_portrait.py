@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from pwsviz.text.numbers import printed
 from tests.browser.looking import await_built, field
 from tests.levels import deep_but
 
@@ -38,10 +39,9 @@ CONSERVED = f"""() => {{
     const figure = ({FIGURE})("Absolute change")
     const ticks = figure?.rows.find(row => "foot" in row)
     if (ticks == null || ticks.t.length == 0) {{ return null }}
-    const pointed = figure.rows.find(row => Object.keys(row).join() == "t")
-    const now = figure.view.model.center.find(part => part.type == "Span" && part.dimension == "height")
+    const [pointed, played] = figure.rows.filter(row => Object.keys(row).join() == "t")
     return {{ticks: figure.on_screen(ticks.t, ticks.foot), times: Array.from(ticks.t),
-             pointed: Array.from(pointed.t), now: now.visible ? now.location : null}}
+             pointed: Array.from(pointed.t), now: played.t[0] ?? null}}
 }}"""
 
 
@@ -154,7 +154,7 @@ def test_a_star_follows_the_pointer_the_view_stays_and_the_trajectory_follows(pa
     assert moved["range"][:2] == pytest.approx(before["range"][:2], abs=0.01)  # a legend that grows takes height
     assert moved["stars"][0] == pytest.approx([before["stars"][0][0] + 60, before["stars"][0][1] - 40], abs=1)
     page.mouse.up()
-    x, y = (f"{value:.3g}" for value in moved["at"][0])
+    x, y = (printed(f"{value:.3g}") for value in moved["at"][0])
     await_that(page, PORTRAIT, lambda seen: f"starts at ({x}" in seen["words"] and y in seen["words"])
 
 

@@ -167,6 +167,7 @@ def test_the_preloaded_scene_is_that_of_a_fresh_page():
     assert computed["run"] > 0
     page = Explorer(results=results)
     try:
+        page.refresh()
         assert page.settle(30)
     finally:
         page.close()

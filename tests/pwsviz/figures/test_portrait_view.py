@@ -9,7 +9,6 @@ from bokeh.events import Tap
 
 import core
 from core.transition.status import CROSSING_KINDS
-from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.framing import OTHERS, extent
 from pwsviz.figures.marks import KIND_MARKERS
 from pwsviz.figures.portrait import PortraitView
@@ -186,7 +185,7 @@ def test_the_sentence_for_screen_readers_is_of_what_is_drawn():
 
 
 def test_a_closed_player_makes_and_sends_nothing():
-    player = Player(Watched(), [ConservedView().now])
+    player = Player(Watched())
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 1.0), tau=1e-2)
     player.show([frames(run, (0, 1))])
     assert not player.wanted

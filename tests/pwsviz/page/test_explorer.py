@@ -25,6 +25,7 @@ from tests.levels import deep_but
 @pytest.fixture
 def explorer():
     page = Explorer(Scene(), Results())
+    page.refresh()
     page.settle(20)
     yield page
     page.close()

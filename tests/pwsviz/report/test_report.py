@@ -106,7 +106,7 @@ def test_every_panel_says_what_it_shows_and_what_was_measured(page):
         assert label in text
     assert "compared with: exact (Weierstrass ℘)" in text
     assert re.search(r"crossing 30 (1\.99|2\.0)\d ", text)  # a fitted slope
-    assert re.search(r"dmm2 \(-1, -1\) 100,000 105 \de-16 ", text)  # steps, crossings, largest error
+    assert re.search(r"dmm2 \(−1, −1\) 100,000 105 \d×10⁻¹⁶ ", text)  # steps, crossings, largest error
     assert re.search(r"numpy \d", text)
     assert re.search(r"\d+ cores", text)
 
@@ -165,7 +165,7 @@ def test_a_summary_ends_the_command(tmp_path, capsys):
 
 def test_an_unknown_figure_is_refused_before_anything_is_written(tmp_path, capsys):
     assert main(["report", "--out", str(tmp_path / "new"), "--only", "fig:nothing"]) == 2
-    assert "'fig:nothing' is no figure of the paper; there are fig:vftypes" in capsys.readouterr().err
+    assert "'fig:nothing' is not a figure of the paper; there are fig:vftypes" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
 
 
