@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
 from pathlib import Path
 
@@ -47,6 +48,11 @@ def _await_server(url, server, log):
     pytest.fail(f"the page was not served:\n{log.read_text()}")
 
 
+def _is_ours(url):
+    """Whether a visitor who is not on the internet gets it."""
+    return urllib.parse.urlsplit(url.removeprefix("blob:")).hostname in ("localhost", None)
+
+
 @pytest.fixture(scope="session")
 def window(chromium):
     """A window whose pages share what they fetched, as the tabs of one visitor do."""
@@ -67,6 +73,7 @@ def visit(window, address):
         page.set_viewport_size({"width": width, "height": height})
         page.set_default_timeout(20_000)
         page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+        page.on("request", lambda sent: None if _is_ours(sent.url) else complaints.append(sent.url))
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.emulate_media(**media)
         page.goto(f"{address}?{query}" if query else address)

@@ -1,6 +1,7 @@
 """What a visitor sees and does, in a real browser."""
 
 import re
+import urllib.request
 
 import pytest
 
@@ -29,6 +30,15 @@ def test_first_paint_shows_portrait_and_conserved_quantity(visit):
     await_painted(page, "conserved quantity")
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
     assert page.get_by_text("dmm2:").count() + page.get_by_text("dmm2").count() >= 2
+
+
+def test_later_visitors_get_their_page_before_their_session_is_made_and_their_own_scene(visit, address):
+    pages = [urllib.request.urlopen(f"{address}?{query}").read() for query in ("", "v=1&tau=0.02")]  # noqa: S310
+    roots = [re.findall(rb'data-root-id="(p\d+)"', page) for page in pages]
+    assert roots[0] == roots[1], "each page was made with a session of its own"
+    page = visit(query="v=1&t_end=3")
+    page.get_by_text(re.compile("300 steps")).first.wait_for()
+    assert field(page, "End time").input_value() == "3.0"
 
 
 def test_typing_a_step_size_repaints_and_updates_the_status(visit):

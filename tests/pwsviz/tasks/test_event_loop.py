@@ -1,6 +1,7 @@
 """Outcomes reach a page whatever it is doing: being made, being built in a browser, or there."""
 
 import asyncio
+import time
 from concurrent.futures import ThreadPoolExecutor
 from threading import Thread
 from types import SimpleNamespace
@@ -61,6 +62,32 @@ def test_what_comes_while_the_page_is_made_is_shown_once_it_is(served):
 
     in_a_loop(serve())
     assert seen == ["outcome"]
+
+
+def test_what_comes_in_time_is_part_of_the_page_and_the_rest_is_shown_later(served):
+    document, _ = served
+    seen, coming = [], [True]
+
+    def compute(delivery):
+        time.sleep(0.02)
+        delivery(seen.append, "in time")
+        coming.pop()
+
+    async def serve():
+        with set_curdoc(document):
+            delivery = Delivery()
+        Thread(target=compute, args=(delivery,)).start()
+        delivery.run(lambda: bool(coming), timeout=10)
+        assert seen == ["in time"]
+        start = time.monotonic()
+        delivery.run(lambda: True, timeout=0.05)
+        assert time.monotonic() - start < 1, "it waits no longer than it was told to"
+        delivery(seen.append, "late")
+        await asyncio.sleep(0.01)
+        call_back(document)
+
+    in_a_loop(serve())
+    assert seen == ["in time", "late"]
 
 
 def test_what_comes_while_a_browser_builds_the_page_waits_until_it_is_there(served):
