@@ -195,15 +195,23 @@ class _Plane:
             psi = np.asarray(self.system.conserved(side, 0.0, self._states(*np.meshgrid(self.x, self.y))))
         return np.ma.masked_invalid(psi[..., 0]) if psi.shape[-1] else None
 
-    def contour(self, values: Floats, level: float) -> list[Floats]:
+    @cached_property
+    def _psi_contours(self) -> dict[int, Any]:
+        """What traces the level sets of ψ, for the sides that have one."""
+        return {side: self._contours(psi) for side, psi in self.psi.items() if psi is not None}
+
+    def _contours(self, values: Floats) -> Any:
+        return contour_generator(self.x, self.y, values, line_type=LineType.Separate)
+
+    def _lines_at(self, contours: Any, level: float) -> list[Floats]:
         """Return the contour lines of one level, simplified to within 1/4000 of the longer side."""
-        lines: Any = contour_generator(self.x, self.y, values, line_type=LineType.Separate).lines(level)
+        lines: Any = contours.lines(level)
         tolerance = max(self.window.width, self.window.height) / 4000
         return [line[simplify(line, tolerance)] for line in lines]
 
     def surface(self) -> list[Floats]:
         """Return the pieces of the curve g = 0; none if it is no curve in the plane."""
-        return self.contour(self.g, 0.0) if shows_surface(self.system, self.axes) else []
+        return self._lines_at(self._contours(self.g), 0.0) if shows_surface(self.system, self.axes) else []
 
     def minus_rings(self) -> list[list[Floats]]:
         """Return the outlines of the regions where g < 0, each followed by those of its holes."""
@@ -224,13 +232,18 @@ class _Plane:
 
     def level_sets(self, side: int, levels: tuple[float, ...]) -> Floats:
         """Return level sets of ψ on one side, cut off at the surface."""
-        lines = [(level, line) for level, whole in self._lines(side, levels) for line in self._cut(whole, side)]
-        return _joined([_with_value(line, level) for level, line in lines], 3)
+        lines = self._lines(side, levels)
+        if not lines:
+            return _joined([], 3)
+        g = side * self._switching(*np.concatenate([line for _, line in lines]).T)
+        ends = np.cumsum([len(line) for _, line in lines])
+        whole = zip(lines, np.split(g, ends[:-1]), strict=True)
+        return _joined([_with_value(part, level) for (level, line), there in whole for part in _cut(line, there)], 3)
 
     def _lines(self, side: int, levels: tuple[float, ...]) -> list[tuple[float, Floats]]:
         """Return the pieces of level sets, beyond the surface, too, each with its value of ψ."""
-        psi = self.psi[side]
-        return [] if psi is None else [(level, line) for level in levels for line in self.contour(psi, level)]
+        contours = self._psi_contours.get(side)
+        return [] if contours is None else [(at, line) for at in levels for line in self._lines_at(contours, at)]
 
     def whole(self, side: int, orbits: tuple[float, ...]) -> list[Columns]:
         """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""
@@ -248,19 +261,6 @@ class _Plane:
         """Return lines as columns; x is NaN where the point `at` lies on the other side at t = 0."""
         x = np.where(side * self._switching(at[:, 0], at[:, 1]) > 0, lines[:, 0], np.nan)
         return {"x": x, "y": lines[:, 1], "psi": psi, "whole": lines[:, 0], "at_x": at[:, 0], "at_y": at[:, 1]}
-
-    def _cut(self, line: Floats, side: int) -> list[Floats]:
-        """Return the pieces of a line on one side, cut where g, interpolated linearly, changes sign."""
-        g = side * self._switching(line[:, 0], line[:, 1])
-        change = np.flatnonzero(g[:-1] * g[1:] < 0)
-        share = g[change] / (g[change] - g[change + 1])
-        ends = line[change] + share[:, None] * (line[change + 1] - line[change])
-        line = np.insert(line, change + 1, ends, axis=0)
-        g = np.insert(g, change + 1, 0.0)
-        cuts = change + 1 + np.arange(len(change))
-        bounds = [0, *cuts, len(line) - 1]
-        pieces = [line[a : b + 1] for a, b in pairwise(bounds) if g[a : b + 1].sum() > 0]
-        return [piece for piece in pieces if len(piece) > 1]
 
     def arrows(self, side: int) -> Floats:
         """Return the directions of the field of one side, as open arrows of equal length."""
@@ -292,6 +292,21 @@ def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> F
     tip, neck = middle + forward, middle + 0.4 * forward
     gap = np.full_like(middle, np.nan)
     return np.stack([middle - forward, tip, neck + sideways, tip, neck - sideways, gap], axis=1).reshape(-1, 2)
+
+
+def _cut(line: Floats, g: Floats) -> list[Floats]:
+    """Return the pieces of a line where g > 0, cut where g, interpolated linearly, changes sign."""
+    change = np.flatnonzero(g[:-1] * g[1:] < 0)
+    if not len(change):
+        return [line] if len(line) > 1 and g.sum() > 0 else []
+    share = g[change] / (g[change] - g[change + 1])
+    ends = line[change] + share[:, None] * (line[change + 1] - line[change])
+    line = np.insert(line, change + 1, ends, axis=0)
+    g = np.insert(g, change + 1, 0.0)
+    cuts = change + 1 + np.arange(len(change))
+    bounds = [0, *cuts, len(line) - 1]
+    pieces = [line[a : b + 1] for a, b in pairwise(bounds) if g[a : b + 1].sum() > 0]
+    return [piece for piece in pieces if len(piece) > 1]
 
 
 def _with_value(line: Floats, value: float) -> Floats:

@@ -39,7 +39,7 @@ RESULTS = Results()
 FIRST = 0.15
 """Seconds that a page waits for its first portrait: most often it is there already, or needs some milliseconds."""
 
-ADDRESS_RESTS = 400
+ADDRESS_RESTS = 1000
 """Milliseconds without a change of the scene after which the address bar is updated."""
 
 SOON = 200

@@ -67,17 +67,18 @@ class Delivery:
                 self._waiting.get(timeout=LOOK_AGAIN)()
 
     def _add_next(self) -> None:
-        with suppress(Empty):  # `run` has taken it
-            tick = partial(self._apply, self._waiting.get_nowait())
-            self.document.add_next_tick_callback(tick)  # type: ignore[union-attr]
+        if not self._waiting.empty():  # else `run` has called it, or an earlier tick will
+            self.document.add_next_tick_callback(self._apply)  # type: ignore[union-attr]
 
-    def _apply(self, show: Callable[[], None]) -> None:
-        """Call back, and send all its changes in one message, so that the browser paints each figure once."""
-        if self._being_built():
-            self._early.append(show)
-            return
+    def _apply(self) -> None:
+        """Call back all that waits, and send the changes in one message: the browser paints each figure once."""
         with pn.io.hold(self.document):
-            show()
+            while not self._waiting.empty():
+                show = self._waiting.get()
+                if self._being_built():
+                    self._early.append(show)
+                else:
+                    show()
 
     def _being_built(self) -> bool:
         """Whether a browser is connected and has not yet reported that the page is complete."""

@@ -11,9 +11,14 @@ from typing import Any
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
+from pwsviz.tasks.turns import Turns
 
 BETWEEN_REPORTS = 0.15
 """Least seconds between two partial results: a browser cannot paint them faster."""
+
+
+TURNS = Turns()
+"""Of the short computations of all pages of this process."""
 
 
 class Scheduler:
@@ -29,7 +34,6 @@ class Scheduler:
         self._submitted: dict[str, Hashable] = {}
         self._numbers: dict[str, int] = {}
         self._shown: dict[str, int] = {}
-        self._short = Lock()
 
     def submit(
         self,
@@ -123,8 +127,7 @@ class Scheduler:
             lane.cancel()
 
     def _in_turn(self, compute: Callable[[Cancel, Report], Any], cancel: Cancel, report: Report) -> Any:
-        """Run short computations one at a time: threads that keep switching take longer together."""
-        with self._short:
+        with TURNS.one():
             return compute(cancel, report)
 
     def _show_latest(self, lane: str, number: int, show: Callable[[Any], None], outcome: Any) -> None:
