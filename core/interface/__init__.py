@@ -1,1 +1,5 @@
-"""Checks of the arguments of public functions, and the display of their results."""
+"""Checks of the arguments of public functions, how they are given up, and the display of their results."""
+
+from core.interface.cancelling import Cancel, Cancelled
+
+__all__ = ["Cancel", "Cancelled"]
