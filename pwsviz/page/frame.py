@@ -61,7 +61,7 @@ THEME = {
 
 TEMPLATE = """{% extends "base.html" %}
 {% block custom_css %}<style>FACE</style>{% endblock %}
-{% block postamble %}
+{% block postamble %}{{ super() }}
 <link rel="modulepreload" href="{{ components }}">
 <script>addEventListener("DOMContentLoaded", () => setTimeout(() => importShim("{{ components }}")))</script>
 {% endblock %}

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.browser.looking import await_built
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -77,6 +79,7 @@ def visit(window, address):
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.emulate_media(**media)
         page.goto(f"{address}?{query}" if query else address)
+        await_built(page)
         return page
 
     yield open_page

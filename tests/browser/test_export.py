@@ -42,12 +42,16 @@ def test_files_of_the_portrait_and_of_the_drift_hold_every_curve_that_is_painted
     files = page.get_by_role("button", name=re.compile("^CSV"))
     files.first.wait_for()
     names = [files.nth(k).inner_text() for k in range(files.count())]
-    portrait, drift = (saved(page, files.nth(k)) for k, name in enumerate(names) if "crossings" not in name)
+    tables = [saved(page, files.nth(k)) for k, name in enumerate(names) if "crossings" not in name]
+    portrait, drawn, drift = tables
     assert len({(row["start"], row["integrator"]) for row in portrait}) == len(painted[0]) == 4
     for curve in painted[0]:  # each is that of a run in the file, at the resolution of the screen
         ends = [(curve["x"][k], curve["y"][k]) for k in (0, -1)]
         runs = [[row for row in portrait if row["integrator"] == curve["method"] and row["start"] == n] for n in "12"]
         assert ends in [[(float(run[k]["x"]), float(run[k]["y"])) for k in (0, -1)] for run in runs]
+    for curve in painted[0]:
+        vertices = [row for row in drawn if row["integrator"] == curve["method"]]
+        assert (curve["x"][1], curve["y"][1]) in [(float(row["x"]), float(row["y"])) for row in vertices]
     for curve in painted[1]:
         rows = [row for row in drift if row["integrator"] == curve["method"]]
         assert np.allclose([float(row["t"]) for row in rows[1:]], curve["x"])

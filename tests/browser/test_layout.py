@@ -68,6 +68,7 @@ def phone(chromium, address):
     context = chromium.new_context(viewport={"width": 420, "height": 800}, has_touch=True, is_mobile=True)
     page = context.new_page()
     page.goto(address)
+    await_built(page)
     await_that(page, PORTRAIT)
     await_still(page)
     yield page

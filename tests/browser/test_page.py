@@ -19,7 +19,7 @@ from tests.browser.looking import (
     settled_picture,
     type_into,
 )
-from tests.browser.test_portrait import CONSERVED, await_that
+from tests.browser.test_portrait import CONSERVED, PORTRAIT, await_that
 
 pytestmark = pytest.mark.browser
 
@@ -148,7 +148,7 @@ def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_b
     await_painted(page, "Coordinate against time")
     page.get_by_role("tab", name="Conserved quantity").click()
     page.get_by_text(re.compile("no conserved quantity is known on either side")).wait_for()
-    page.get_by_text(re.compile("need a conserved quantity. None is known here")).wait_for()
+    page.get_by_text(re.compile("need a conserved quantity; none is known here")).wait_for()
     page.get_by_label("dmm2", exact=True).wait_for(state="detached")
     page.get_by_role("img", name=re.compile("conserved quantity")).wait_for(state="hidden")
     choose_system(page, "Elliptic curve")
@@ -160,14 +160,15 @@ def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_b
 @pytest.mark.deep
 def test_a_picture_in_more_dimensions_says_that_it_is_projected_and_is_not_left_faded(visit):
     page = visit()
-    before = await_painted(page, "Phase portrait").bounding_box()["height"]
+    await_painted(page, "Phase portrait")
+    before = await_that(page, PORTRAIT)["frame"]
     choose_system(page, "Rigid body")
     page.get_by_text(re.compile("Projected onto the plane of y1, y2")).wait_for(timeout=60_000)
     field(page, "y3 at start").wait_for()
     drawing = await_painted(page, "Phase portrait")
     page.wait_for_timeout(200)
     assert opacity(drawing) == 1
-    assert drawing.bounding_box()["height"] == before
+    assert page.evaluate(PORTRAIT)["frame"] == before, "what the legend needs is added below"
 
 
 @pytest.mark.deep
