@@ -133,12 +133,13 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def _aim(self) -> None:
         """Let the view show the window of the scene; without one, what suits the trajectories."""
-        self._told = self.scene.window
-        self._visible = None
+        self._told, before = self.scene.window, self.portrait.frame
         if self.scene.window is None:
             self.portrait.fit()
         else:
             self.portrait.look_at(Window(*self.scene.window))
+        if self.portrait.frame != before:  # else the browser, which shows it at equal scales, has nothing to report
+            self._visible = None
         self.limits.sync()
 
     def _seen(self) -> Ends:

@@ -92,8 +92,9 @@ class Scheduler:
         return True
 
     def forget(self, lane: str) -> None:
-        """Let the same inputs be submitted again."""
+        """Let the same inputs be submitted again, and show nothing of what was submitted before."""
         self._submitted.pop(lane, None)
+        self._numbers[lane] = self._shown[lane] = self._numbers.get(lane, 0) + 1
 
     def call_soon(self, callback: Callable[[], None]) -> None:
         """Call back from the event loop as soon as it is free, where figures may be changed; at once if there is none.

@@ -1,5 +1,6 @@
 """Work goes to threads by lanes, and only what is still wanted comes back."""
 
+from functools import partial
 from threading import Event
 from time import sleep
 
@@ -25,6 +26,21 @@ def test_the_same_is_computed_once(scheduler):
     assert scheduler.submit("a", 1, lambda _cancel, _report: "again", seen.append)
     assert scheduler.settle(5)
     assert seen == ["one", "again"]
+
+
+def test_an_outcome_on_its_way_is_not_shown_once_it_is_forgotten(scheduler, monkeypatch):
+    seen, under_way = [], []
+    monkeypatch.setattr(scheduler, "_delivery", lambda show, *outcome: under_way.append(partial(show, *outcome)))
+    for inputs in (1, 2):
+        scheduler.submit("a", inputs, lambda _cancel, _report: "of another start", seen.append)
+        assert scheduler.settle(5)
+    scheduler.forget("a")
+    scheduler.submit("a", 3, lambda _cancel, _report: "wanted", seen.append)
+    assert scheduler.settle(5)
+    assert len(under_way) == 3
+    for show in under_way:
+        show()
+    assert seen == ["wanted"]
 
 
 def test_what_was_cancelled_may_be_submitted_again(scheduler):
