@@ -37,7 +37,7 @@ RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
 
 FIRST = 0.15
-"""Seconds that a page waits for its first portrait: most often it is there already, or needs some milliseconds."""
+"""Seconds that a page waits for its first pictures: most often they are there already, or need some milliseconds."""
 
 ADDRESS_RESTS = 1000
 """Milliseconds without a change of the scene after which the address bar is updated."""
@@ -297,6 +297,7 @@ class Explorer(pn.viewable.Viewer):
     def page(self) -> Any:
         """Return the page, whose computations are cancelled when the session ends."""
         pn.state.on_session_destroyed(lambda _context: self.close())
+        self._refresh_view()
         self.scheduler.draw_first(FIRST)
         page = make_frame("pwsviz", [self._beside], [self])
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
@@ -311,8 +312,7 @@ class Explorer(pn.viewable.Viewer):
         return page
 
     def _furnish(self, page: Any) -> None:
-        """Add what can wait until the portrait is on screen: the view, the controls, dialogs that open at a click."""
-        self._refresh_view()
+        """Add what can wait until the pictures are on screen: the controls, and dialogs that open at a click."""
         self._beside.objects = [self.sidebar]
         page.header = self._header()
         self._below.objects = [self._about(), self.editing, self.export, self.help]

@@ -57,7 +57,6 @@ class Tab(pn.viewable.Viewer):
         self._system: core.PiecewiseSystem | None = None
         self.shown: Hashable = None
         self.built = False
-        self._parts: list[Any] = []
         self.plots: list[pn.pane.Bokeh] = []
         self._summaries: list[str] = []
         self._content = pn.Column(margin=0, sizing_mode="stretch_width")
@@ -111,14 +110,11 @@ class Tab(pn.viewable.Viewer):
     # For the page ----------------------------------------------------------------------------------------------------
 
     def reveal(self, portrait: PortraitView) -> None:
-        """Make the contents of the tab, the first time it is opened, and link them to the portrait.
-
-        They are put on the page with the first result: of data that come while the browser makes a figure, its legend
-        takes no note.
-        """
+        """Make the contents of the tab, the first time it is opened, and link them to the portrait."""
         if not self.built:
-            self._parts = [*self.build(), self.words]
+            parts = [*self.build(), self.words]
             self.link(portrait)
+            self._content.objects = parts
             self.built = True
 
     def begin(self) -> None:
@@ -174,12 +170,6 @@ class Tab(pn.viewable.Viewer):
 
     def _say(self, markup: str) -> None:
         self.words.param.update(object=markup, styles=PLAIN)
-        self._attach()
-
-    def _attach(self) -> None:
-        """Put the contents on the page, if they are made."""
-        if self.built and not len(self._content):
-            self._content.objects = self._parts
 
     def _fade(self, past: bool) -> None:
         for pane in self.plots:
@@ -208,7 +198,6 @@ class LongTab(Tab):
 
     def begin(self) -> None:
         """Show the progress bar, and fade figures and words: what they show is not what was asked for."""
-        self._attach()
         self.progress.begin()
         self.words.styles = FADED
         self._fade(past=True)
