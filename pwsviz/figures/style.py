@@ -54,15 +54,22 @@ ROOM = "var(--legend, 0px)"
 PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
 
 KEEP_PLACE = """
-const index = cb_context.index, view = index.find_one(legend), [entry] = view?.entries ?? []
+const found = id => cb_context.index.query_one(view => view.model.id == id)
+const view = found(legend), [entry] = view?.entries ?? []
 if (entry != null) {
-  const shown = legend.items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
-  const more = Math.ceil(shown.length / legend.ncols) - Math.ceil(usual / legend.ncols)
+  const { items, ncols } = view.model
+  const shown = items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
+  const more = Math.ceil(shown.length / ncols) - Math.ceil(usual / ncols)
   const row = entry.el.offsetHeight + (parseFloat(getComputedStyle(view.grid_el).rowGap) || 0)
-  index.find_one(plot)?.el.style.setProperty("--legend", `${more * row}px`)
+  found(plot)?.el.style.setProperty("--legend", `${more * row}px`)
 }
 """
-"""JavaScript that makes a figure as much taller as its legend is taller than with the usual number of entries."""
+"""JavaScript that makes a figure as much taller as its legend is taller than with the usual number of entries.
+
+It knows plot and legend by their ids, not as models: a legend in the browser makes its entries anew, without paint until
+the figure is painted next, at each change of any model that can be reached from them. Through the callbacks on the data
+of its glyphs these would be the whole figure, and from its other callbacks other figures, too.
+"""
 
 TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
@@ -275,7 +282,7 @@ def legend_below(
     legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
     fewer = f"legend.ncols = Math.max(1, Math.min({columns}, Math.floor(cb_obj.outer_width / {widest})))"
     plot.js_on_change("outer_width", CustomJS(args={"legend": legend}, code=fewer))
-    keep = CustomJS(args={"plot": plot, "legend": legend, "usual": usual}, code=KEEP_PLACE)
+    keep = CustomJS(args={"plot": plot.id, "legend": legend.id, "usual": usual}, code=KEEP_PLACE)
     legend.js_on_change("ncols", keep)
     for item in items:
         item.js_on_change("visible", keep)

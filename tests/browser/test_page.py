@@ -7,6 +7,7 @@ import pytest
 
 from pwsviz.text.numbers import PRINTED, printed
 from tests.browser.looking import (
+    BLANK_KEYS,
     GROUND,
     TIP,
     UNPRINTED,
@@ -64,6 +65,9 @@ def test_the_slider_moves_the_step_size(visit):
     await_other_picture(page, drawing, before)
     assert float(field(page, "Step size τ").input_value()) < 0.01
     page.get_by_text(re.compile(r"[2-9],\d{3} steps")).first.wait_for()
+    for one in ("Phase portrait", "Absolute change"):
+        settled_picture(page, canvas(page, one))
+    assert page.evaluate(BLANK_KEYS) == [], "a legend is painted again after what it reaches has changed"
 
 
 @pytest.mark.deep
