@@ -66,7 +66,7 @@ if (entry != null) {
 """
 """JavaScript that makes a figure as much taller as its legend is taller than with the usual number of entries.
 
-It knows plot and legend by their ids, not as models: a legend in the browser makes its entries anew, without paint until
+It knows plot and legend by their ids, not as models: in the browser a legend makes its entries anew, unpainted until
 the figure is painted next, at each change of any model that can be reached from them. Through the callbacks on the data
 of its glyphs these would be the whole figure, and from its other callbacks other figures, too.
 """
