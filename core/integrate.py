@@ -22,6 +22,7 @@ from core.systems import System, system_of
 __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
 
 _TRANSITIONS = ("mannshardt", "none")
+_SLIDING = ("stop", "continue")
 _RECORDS = ("steps", "crossings", "end")
 #: Default step size.
 _TAU = 1e-2
@@ -57,6 +58,7 @@ def integrate(
     cancel: Callable[[], bool] | None = None,
     progress: Callable[[float], object] | None = None,
     t_eval: ArrayLike | None = None,
+    sliding: str = "stop",
 ) -> Trajectory:
     """Integrate a piecewise system across its switching surface.
 
@@ -99,6 +101,10 @@ def integrate(
         first and the last state are recorded, too (``run.at(t_eval)`` returns those at `t_eval` alone), and a repeated
         time is recorded once. Crossings are recorded as `record` says; with "end", memory is used for these states
         only. Where the run stops early, later times are left out.
+    sliding
+        What happens where both fields point to the surface. "stop": the run ends there, as the paper's theory does.
+        "continue": it slides along the surface by Filippov's field, until one of the fields turns (see `core.symbolic.
+        sliding`); a system with a jump stops all the same.
 
     Returns
     -------
@@ -122,8 +128,9 @@ def integrate(
     if max_crossings is None and record == "end":
         max_crossings = _MAX_COUNTED
     settings = checked_settings(
-        chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel
-    )
+        chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel,
+        sliding,
+    )  # fmt: skip
     columns = 0 if envelope is None else count(envelope, "envelope")
     runner = Runner(system, chosen, t0, start, settings, columns)
     sampler = None if times is None or not times.size else Sampler(runner, chosen, times)
@@ -200,11 +207,14 @@ def checked_settings(
     max_crossings: int | None = None,
     max_steps: int | None = None,
     cancel: Callable[[], bool] | None = None,
+    sliding: str = "stop",
 ) -> Settings:
     """Return the settings of a run; ValueError if they make no sense."""
     step, accuracy = _step_size(method, tau), _accuracy(method, tolerance)
     if not isinstance(transition, str) or transition not in _TRANSITIONS:
         raise ValueError(f"transition = {transition!r}: choose from {', '.join(_TRANSITIONS)}")
+    if not isinstance(sliding, str) or sliding not in _SLIDING:
+        raise ValueError(f"sliding = {sliding!r}: choose from {', '.join(_SLIDING)}")
     shift = 0.0
     if perturbation_order is not None:
         order = number(perturbation_order, "perturbation_order")
@@ -215,7 +225,8 @@ def checked_settings(
         shift = _shift(number(perturbation_scale, "perturbation_scale"), step, order)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
     given = {name: min(count(n, name), _UNLIMITED) for name, n in limits.items() if n is not None}
-    return Settings(step, accuracy, transition == "mannshardt", shift, cancel=cancel, **given)
+    slides = sliding == "continue"
+    return Settings(step, accuracy, transition == "mannshardt", shift, slides=slides, cancel=cancel, **given)
 
 
 def _shift(scale: float, step: float, order: float) -> float:
@@ -260,10 +271,10 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
     rows = runner.rows if sampler is None else sampler.rows
     t = _with_ends(t0, rows.t, runner.t)
     x = _with_ends(x0, rows.x, runner.x)
-    side = _with_ends(runner.first_side, rows.side, runner.side)
+    mode = _with_ends(runner.first_mode, rows.mode, runner.mode)
     # Drop the last state where it was recorded already, or where the run has not moved.
     rest = slice(-1) if t[-1] == t[-2] and (x[-1] == x[-2]).all() else slice(None)
-    t, x, side = t[rest], x[rest], side[rest]
+    t, x, mode = t[rest], x[rest], mode[rest]
     if record == "end" and sampler is None:
         segment = np.arange(len(t))
     else:
@@ -281,10 +292,10 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
         entered_x = np.concatenate([x0[None], crossings.x_after])
     tau = runner.longest if method.adaptive else runner.settings.tau
     return Trajectory(
-        runner.system, method.name, tau, t, x, side, segment, entered_t, entered_x, crossings,
+        runner.system, method.name, tau, t, x, mode, segment, entered_t, entered_x, crossings,
         runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
         _envelope(runner), _warning, record, runner.settings.tolerance if method.adaptive else math.nan,
-        runner.samples,
+        runner.samples, runner.settings.slides,
     )  # fmt: skip
 
 
@@ -325,4 +336,4 @@ def _message(runner: Runner) -> str:
         where += ", " + ", ".join(
             f"{name} = {v:.6g}" for name, v in zip(runner.system.variables, runner.x, strict=True)
         )
-    return f"{where}: {status.reason}. {runner.advice}".strip()
+    return f"{where}: {runner.reason}. {runner.advice}".strip()

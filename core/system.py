@@ -16,7 +16,9 @@ from core.interface.arguments import listed, number
 from core.kernels.arrays import Floats
 from core.symbolic.declaration import Declaration, accepted, miscounted
 from core.symbolic.expressions import check_name, to_text
-from core.symbolic.laws import Laws, Mode
+from core.symbolic.laws import Laws
+from core.symbolic.mode import Mode
+from core.transition.records import SIDES_OF_MODES
 
 __all__ = ["Parameter", "PiecewiseSystem", "Start"]
 
@@ -161,6 +163,11 @@ class PiecewiseSystem:
         values.flags.writeable = False
         return values
 
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """The modes that a run may be in, `Trajectory.mode` their index: g < 0, g > 0, and sliding along g = 0."""
+        return tuple(self.laws.mode(side) for side in SIDES_OF_MODES.tolist())
+
     def with_parameters(self, **values: float) -> PiecewiseSystem:
         """The same system with other parameter values.
 
@@ -187,7 +194,7 @@ class PiecewiseSystem:
 
     def switching_rate(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """ġ = g_t + ∇g·f with the field of a side, at states (..., d) -> (...)."""
-        return self._evaluate(("g'", side), (self._side(side).g_dot,), t, x)[..., 0]
+        return self._evaluate(("g'", side), (self._side(side).guard_rate,), t, x)[..., 0]
 
     def conserved(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """ψ of a side at states (..., d) -> (..., m)."""

@@ -16,7 +16,8 @@ from core.codegen.rounding import rounding_bound
 from core.kernels import abi, divided_differences, stack_array, taylor_coefficients
 from core.kernels.doubledouble import arithmetic, error_free
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Mode
+from core.symbolic.laws import Laws
+from core.symbolic.mode import SLIDING, Mode
 
 __all__ = [
     "Names", "evaluate_switching_text", "function_text", "jump_text", "level_residual_lines", "levels_texts",
@@ -28,6 +29,8 @@ _EPS = 2.0**-52
 _FARTHEST = 1e-12
 #: The same where gradients of ψ are nearly dependent, and the state is determined to half the digits only.
 _FARTHEST_OF_HALF = 1e-6
+#: The same for a method that has drifted off the surface while sliding: its drift is of the size of its error.
+_FARTHEST_OF_DRIFT = 1e-2
 #: A gradient whose squared sine to the others is below this is left out of the projection, which it would enlarge.
 _TANGENT = 2.0**-25
 
@@ -75,7 +78,7 @@ class Names:
     """Names in generated text of a system's symbols (state x0, x1, …; parameters p0, p1, …; time t), and its frame."""
 
     def __init__(self, laws: Laws) -> None:
-        d, m = len(laws.x), max(len(mode.conserved) for mode in laws.modes.values())
+        d, m = len(laws.x), laws.most_conserved_sliding
         self.frame = abi.Frame(d, m)
         self.x, self.carry, self.p = named("x", d), named("c", d), named("p", len(laws.p))
         self.parameters = dict(zip(laws.p, self.p, strict=True))
@@ -101,13 +104,15 @@ class Names:
         return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries)
 
 
-def evaluate_switching_text(laws: Laws) -> str:
-    """Text of `evaluate_switching`: g, its rates and bounds on its rounding at `place`."""
-    names = Names(laws)
+def evaluate_switching_text(laws: Laws, modes: Sequence[Mode]) -> str:
+    """Text of `evaluate_switching`: the guard that modes share, its rate in the first and in the last of them, and
+    bounds on its rounding, at `place`.
+    """
+    names, guard = Names(laws), modes[0].guard
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
-    slack = sympy.Add(*(magnitude(u * v) for u, v in zip(laws.gradient, laws.x, strict=True))) * sympy.Float(_EPS)
-    doubt = rounding_bound(laws.g) * sympy.Float(_EPS)
-    values = names.own([laws.g, laws.modes[-1].g_dot, laws.modes[1].g_dot, slack, doubt])
+    slack = sympy.Add(*(magnitude(guard.diff(v) * v) for v in laws.x)) * sympy.Float(_EPS)
+    doubt = rounding_bound(guard) * sympy.Float(_EPS)
+    values = names.own([guard, modes[0].guard_rate, modes[-1].guard_rate, slack, doubt])
     places = (abi.G, abi.RATES, abi.RATES + 1, abi.ROUNDING_OF_STATE, abi.ROUNDING_OF_G)
     targets = [f"w[{k}]" for k in places]
     return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
@@ -154,27 +159,31 @@ def _row(u: Expr, laws: Laws, slowness: Sequence[Symbol], names: Names) -> list[
 
 
 def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool) -> str:
-    """Text of `project_to_surface`: one Newton correction of g = 0 (and ψ = level), with residuals in double-double.
+    """Text of `project_to_surface`: one Newton correction of guard = 0 (and ψ = level), residuals in double-double.
 
     A change a of the state takes the time a·q, q = f/|f|², along the flow, by which g and ψ change as well where they
     depend on t: their rows are ∇u + ∂u/∂t q. Where the surface and the orbit are nearly tangent the projection is
-    ill-conditioned, and the state is not changed.
+    ill-conditioned, and the state is not changed. A method that is not conservative has drifted off the surface while
+    sliding; it is put back on it here, where sliding ends.
     """
-    names = Names(laws)
+    names, d = Names(laws), len(laws.x)
     conserved = mode.conserved if conservative else ()
-    m, d = len(conserved), len(laws.x)
+    drifts = mode.side == SLIDING and d > 1 and not conservative
+    zeros = (laws.g, mode.guard) if drifts else (mode.guard,)
+    m = len(conserved)
     moves, fields, slowness = named("a", d), named("f", d), named("q", d)
     lines = [*names.unpack, *(level_residual_lines(names, mode) if conservative else [])]
-    lines += [*names.doubled([f"r{m}"], [laws.g]), f"r{m} += r{m}_low"]
+    lines += names.doubled([f"r{m + j}" for j in range(len(zeros))], zeros)
+    lines += [f"r{m + j} += r{m + j}_low" for j in range(len(zeros))]
     lines += assignments([str(f) for f in fields], names.own(mode.field), names.temporaries)
     speed = f"speed = max({', '.join(f'abs({f})' for f in fields)}, 0.0)"
     lines += [speed, f"w[{abi.DELAY}] = 0.0", "if not speed > 0.0:", "    return 0"]
     lines.append(f"square = {' + '.join(f'({f} / speed)**2' for f in fields)}")
     lines += [f"{q} = {f} / speed / square / speed" for q, f in zip(slowness, fields, strict=True)]
-    rows = [_row(u, laws, slowness, names) for u in (*conserved, laws.g)]
+    rows = [_row(u, laws, slowness, names) for u in (*conserved, *zeros)]
     entries, worked_out = row_lines(rows, names.temporaries)
     lines += [*worked_out, size_line(names.x), *least_change(entries, moves, names.temporaries, least=_TANGENT)]
-    most = str(_FARTHEST)
+    most = str(_FARTHEST_OF_DRIFT if drifts else _FARTHEST)
     if 1 < m < FEW:  # steps that keep dependent ψ are known to half the digits only; g, the last row, is not so
         most = f"({_FARTHEST} if independent or near else {_FARTHEST_OF_HALF})"
     lines += [f"if not max({', '.join(f'abs({a})' for a in moves)}, 0.0) <= {most} * state:", "    return 0"]

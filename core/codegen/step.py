@@ -24,7 +24,8 @@ from core.codegen.printing import assignments, named, printed
 from core.kernels import abi
 from core.kernels.taylor_coefficients import STRIDE
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Mode
+from core.symbolic.laws import Laws
+from core.symbolic.mode import Mode
 
 __all__ = ["StepCode"]
 
@@ -335,13 +336,13 @@ class StepCode:
         return list(self.increment)
 
     def text(self, increments: Sequence[Expr]) -> str:
-        """Text of the function with these increments; it also evaluates g and its rate at the end of the step."""
+        """Text of the function with these increments; it also evaluates the guard and its rate at the end."""
         names, d = self._names, len(self.x)
         lines = self._lines + self._assign([f"i{k}" for k in range(d)], increments)
         lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
         lines += [f"y{k} = x{k} + (c{k} + i{k})" for k in range(d)]
         at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
-        values = [e.xreplace(at_end) for e in (self._laws.g, self._mode.g_dot)]
+        values = [e.xreplace(at_end) for e in (self._mode.guard, self._mode.guard_rate)]
         targets = [f"w[{k}]" for k in (abi.G_END, abi.RATE_END)]
         lines += ["t1 = t + h", *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")

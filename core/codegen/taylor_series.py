@@ -21,7 +21,8 @@ from core.codegen.functions import Names
 from core.codegen.printing import printed
 from core.codegen.taylor_operations import Bag, Linear, Operations, single
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Mode
+from core.symbolic.laws import Laws
+from core.symbolic.mode import Mode
 
 __all__ = ["SeriesCode", "series_code"]
 
@@ -31,7 +32,7 @@ class SeriesCode:
     """Lines that read the frame and the parameters, and use t, order, c and `shrink`, a power of two.
 
     They write `unit`, the unit of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in powers of
-    time/unit, for i = d those of the guard height ±g; the rows from d + 1 on are scratch. The unit is chosen such that
+    time/unit, for i = d those of the guard height; the rows from d + 1 on are scratch. The unit is chosen such that
     the coefficients do not overflow.
     """
 
@@ -41,7 +42,7 @@ class SeriesCode:
 
 
 def series_code(laws: Laws, mode: Mode) -> SeriesCode:
-    """Generate the recurrences of one mode's field, and of the guard height ±g along its solution.
+    """Generate the recurrences of one mode's field, and of the guard height along its solution.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def series_code(laws: Laws, mode: Mode) -> SeriesCode:
         For a function without a recurrence.
     """
     names = Names(laws)
-    given = [e.xreplace(names.symbols) for e in (*mode.field, mode.sign * laws.g)]
+    given = [e.xreplace(names.symbols) for e in (*mode.field, mode.sign * mode.guard)]
     writer = _Writer(names)
     shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")
     for symbol, value in shared:

@@ -39,6 +39,8 @@ from core.kernels.digest import imported_modules, source_digest
 from core.methods import Method
 from core.methods.taylor_step import prepare_step_text
 from core.symbolic.laws import Laws
+from core.symbolic.mode import SLIDING
+from core.transition.records import SIDES_OF_MODES
 
 __all__ = ["Compiled", "compile_beside", "compile_run"]
 
@@ -63,22 +65,24 @@ class Compiled(NamedTuple):
 
 
 @lru_cache(maxsize=MAX_MODULES)
-def compile_run(laws: Laws, method: Method, levels: bool = False) -> Compiled:
+def compile_run(laws: Laws, method: Method, levels: bool = False, sliding: bool = False) -> Compiled:
     """Compile the functions that a run of a method calls.
 
     Parameters
     ----------
     levels
         Also compile ψ, so that a run that does not conserve it can be monitored.
+    sliding
+        Also compile the mode of sliding, which few runs enter; its addresses are 0 otherwise.
     """
     texts, submitted = [], []
     with _lock:
-        for modes, text in _texts(laws, method, levels):
+        for modes, text in _texts(laws, method, levels, sliding):
             texts.append((modes, text))
             if _pool is not None and not _is_compiled(text):
                 submitted.append(_pool.submit(text))
     wait(filter(None, submitted), _PATIENCE)
-    addresses, modules = np.zeros((len(laws.modes), len(FUNCTIONS)), dtype=np.int64), []
+    addresses, modules = np.zeros((len(SIDES_OF_MODES), len(FUNCTIONS)), dtype=np.int64), []
     for modes, text in texts:
         with _lock:
             module = _load(text)
@@ -126,17 +130,20 @@ def serve_worker() -> None:
     serve(_load)
 
 
-def _texts(laws: Laws, method: Method, levels: bool) -> Iterator[tuple[int | list[int], str]]:
-    """Texts of modules, each with its mode or modes; those that take longest to compile come first."""
-    sides = tuple(laws.modes.values())
-    codes = [(side, StepCode(laws, side)) for side in sides]
-    yield from enumerate(module_text([code.text(method.scheme.write(side, code))]) for side, code in codes)
+def _texts(laws: Laws, method: Method, levels: bool, sliding: bool = False) -> Iterator[tuple[int | list[int], str]]:
+    """Texts of modules, each with the number of its mode or modes; those that take longest to compile come first."""
+    modes = [(k, laws.mode(side)) for k, side in enumerate(SIDES_OF_MODES.tolist()) if side != SLIDING or sliding]
+    codes = [(k, mode, StepCode(laws, mode)) for k, mode in modes]
+    yield from ((k, module_text([code.text(method.scheme.write(mode, code))])) for k, mode, code in codes)
     if method.adaptive:
-        yield from enumerate(module_text([prepare_step_text(laws, side)]) for side in sides)
-    yield from enumerate(module_text([project_to_surface_text(laws, side, method.conservative)]) for side in sides)
+        yield from ((k, module_text([prepare_step_text(laws, mode)])) for k, mode in modes)
+    yield from ((k, module_text([project_to_surface_text(laws, mode, method.conservative)])) for k, mode in modes)
     if method.conservative or levels:
-        yield from enumerate(module_text(levels_texts(laws, side)) for side in sides)
-    yield list(range(len(sides))), module_text([evaluate_switching_text(laws), jump_text(laws)])
+        yield from ((k, module_text(levels_texts(laws, mode))) for k, mode in modes)
+    both = [mode for _, mode in modes[:2]]
+    yield [0, 1], module_text([evaluate_switching_text(laws, both), jump_text(laws)])
+    for k, mode in modes[2:]:
+        yield k, module_text([evaluate_switching_text(laws, [mode])])
 
 
 def _is_compiled(text: str) -> bool:

@@ -74,6 +74,7 @@ def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
     jumped = crossings.kind == "jump"
     left = np.concatenate([run.side[:1], crossings.side])[:count]
     entered = np.where(crossings.side == 0, -left, crossings.side)
+    left = np.where(left == 0, entered, left)  # sliding, which the theory does not cover: `_constants` leaves it out
     last = run.crossings.t[count] if count < len(run.crossings) else run.t[-1]
     gaps = np.minimum(np.abs(np.diff(np.concatenate([run.t[:1], t, [last]]))), run.tau)
     direction = 1.0 if run.t[-1] >= run.t[0] else -1.0
@@ -210,7 +211,7 @@ def _curvature(system: PiecewiseSystem, t: Floats, x: Floats, v: Floats) -> Floa
 @lru_cache(maxsize=64)
 def second_rate(laws: Laws, side: int) -> sympy.Expr:
     """d²g/dt² along the field of a side."""
-    return laws.modes[side].rate_of(laws.modes[side].g_dot)
+    return laws.modes[side].rate_of(laws.modes[side].guard_rate)
 
 
 @lru_cache(maxsize=64)

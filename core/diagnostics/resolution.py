@@ -11,6 +11,7 @@ from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
+from core.transition.records import SIDES_OF_MODES, SLIDING_MODE
 
 __all__ = ["unresolved"]
 
@@ -52,8 +53,8 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     if samples is None:
         return ()
     samples = samples[samples[:, 2] != 0.0]
-    t, side, h, x = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2], samples[:, 3:]
-    kept = _Steps(run, t, x, side, h)
+    t, mode, h, x = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2], samples[:, 3:]
+    kept = _Steps(run, t, x, mode, h)
     if run.status is Status.ESCAPED:  # no step is short enough for the field where the solution escapes
         return tuple(kept.too_long_for_g())
     return (*kept.too_long_for_g(), *kept.too_long_for_the_field(), *_first_steps(run).too_long_for_the_field())
@@ -68,15 +69,15 @@ def _first_steps(run: Trajectory) -> _Steps:
     length = crossings.t[k + 1] - crossings.t[k]
     h = np.sign(length) * np.minimum(run.tau, np.abs(length))
     k, h = k[h != 0.0], h[h != 0.0]
-    return _Steps(run, crossings.t[k], crossings.x_after[k], crossings.side[k].astype(np.int64), h)
+    return _Steps(run, crossings.t[k], crossings.x_after[k], crossings.mode[k], h)
 
 
 class _Steps:
-    """Some steps of a run's method: their start times, states and sides, and their lengths h."""
+    """Some steps of a run's method: their start times, states and modes, and their lengths h."""
 
-    def __init__(self, run: Trajectory, t: Floats, x: Floats, side: Integers, h: Floats) -> None:
+    def __init__(self, run: Trajectory, t: Floats, x: Floats, mode: Integers, h: Floats) -> None:
         self.run, self.method = run, METHODS[run.method]
-        self.t, self.x, self.side, self.h = t, x, side, h
+        self.t, self.x, self.mode, self.h = t, x, mode, h
         self.stepper = Stepper(run.system, self.method, run.tolerance)
 
     def too_long_for_g(self) -> Iterator[str]:
@@ -86,12 +87,14 @@ class _Steps:
         crossing where the cubic is positive. Here g on the scheme itself is compared with this cubic. It is unresolved
         where it is negative before the end, where the cubic is at most three times the difference of the two, and
         where g may dip below zero between two places. A variable-step method has a polynomial in place of the cubic,
-        so that the second test does not apply.
+        so that the second test does not apply. Steps of sliding, along which g is constant, are not examined.
         """
-        h, side = self.h[:, None], self.side[:, None]
+        off = self.mode != SLIDING_MODE
+        t, x, mode, h = self.t[off], self.x[off], self.mode[off], self.h[off, None]
+        side = SIDES_OF_MODES[mode][:, None]
         places = _places(len(h))
-        times = self.t[:, None] + h * places
-        states = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.side, times[:, 1:])], axis=1)
+        times = t[:, None] + h * places
+        states = np.concatenate([x[:, None], self._states(t, x, mode, times[:, 1:])], axis=1)
         with np.errstate(all="ignore"):
             g = side * self.run.system.switching(times, states)
             rates = (self.run.system.switching_rate(s, times, states) for s in (1, -1))
@@ -102,8 +105,8 @@ class _Steps:
                 hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:-1].any(axis=1)
         if hidden.any():
             yield (
-                f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
-                f"{self.t[hidden][0]:.6g} on g varies by more than its values and rates at both ends show, so "
+                f"A step of {abs(h[hidden][0, 0]):.3g} is too long for this surface: from t = "
+                f"{t[hidden][0]:.6g} on g varies by more than its values and rates at both ends show, so "
                 f"crossings may have been missed; {self._advice}"
             )
 
@@ -115,7 +118,7 @@ class _Steps:
         """
         places = _places(3 * len(self.t)) if self.method.adaptive else _FEW
         times = self.t[:, None] + self.h[:, None] * places
-        whole = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.side, times[:, 1:])], axis=1)
+        whole = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
         with np.errstate(all="ignore"):
             apart = np.abs(self._by_steps_between(times, whole) - whole[:, 2:]).max(axis=1)
             way = np.abs(whole - whole[:, :1]).max(axis=1)
@@ -145,11 +148,11 @@ class _Steps:
     def _by_steps_between(self, times: Floats, whole: Floats) -> Floats:
         """States at all places except the first two, each by a step from the place before."""
         t, x = times[:, 1:-1], whole[:, 1:-1]
-        side = np.repeat(self.side, t.shape[1])
-        found = self._states(t.ravel(), x.reshape(-1, x.shape[2]), side, times[:, 2:].reshape(-1, 1))
+        mode = np.repeat(self.mode, t.shape[1])
+        found = self._states(t.ravel(), x.reshape(-1, x.shape[2]), mode, times[:, 2:].reshape(-1, 1))
         return found.reshape(x.shape)
 
-    def _states(self, t: Floats, x: Floats, side: Integers, times: Floats) -> Floats:
+    def _states(self, t: Floats, x: Floats, mode: Integers, times: Floats) -> Floats:
         """States (k, places, d) on the scheme at the given times after k states; nan where a step has no solution."""
         states = np.empty((*times.shape, x.shape[1]))
         for first in (0, 1):  # every other step, so that each ends before the next one begins
@@ -157,7 +160,7 @@ class _Steps:
             if not len(t[rows]):
                 continue
             begin, start, number = t[rows].copy(), np.ascontiguousarray(x[rows]), np.arange(len(t[rows]))
-            track = Track(begin, start, side[rows].copy(), number, begin, start, side[rows].copy())
+            track = Track(begin, start, mode[rows].copy(), number, begin, start, mode[rows].copy())
             found = self.stepper.find(track, times[rows].ravel())
             found.x[found.solved :] = np.nan
             states[rows] = found.x.reshape(*times[rows].shape, x.shape[1])

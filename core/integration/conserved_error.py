@@ -20,7 +20,7 @@ from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS
 from core.methods import METHODS
 from core.system import PiecewiseSystem
-from core.transition.records import mode_of
+from core.transition.records import NO_MODE, SLIDING_MODE
 
 __all__ = ["level_residual_along", "psi_size", "with_exits"]
 
@@ -30,32 +30,36 @@ def level_residual_along(
     method: str,
     t: Floats,
     x: Floats,
-    side: NDArray[np.int64],
+    mode: NDArray[np.int64],
     segment: NDArray[np.int64],
     entered_t: Floats,
     entered_x: Floats,
+    sliding: bool = False,
 ) -> Floats:
-    """ψ of the side occupied, less its value where that side was entered.
+    """ψ of the mode occupied, less its value where that mode was entered.
 
     Parameters
     ----------
     method
         Name of the run's method, whose compiled functions are used here.
-    t, x, side, segment
+    t, x, mode, segment
         (n,), (n, d), (n,), (n,) as in `Trajectory`.
     entered_t, entered_x
         (s,), (s, d) as in `Trajectory`.
+    sliding
+        Whether the run may slide, so that there is a column for g where it may be a further conserved quantity.
 
     Returns
     -------
-    (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
+    (n, m) with m the largest number of conserved quantities; nan where the mode has fewer.
     """
-    d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
+    laws, frame = system.laws, Frame(system.dimension, system.laws.most_conserved_sliding)
+    d, m = frame.d, frame.m if sliding else laws.most_conserved
     residual = np.full((len(t), m), np.nan)
     if m and len(t):
-        functions = compile_run(system.laws, METHODS[method], levels=True)
-        w, scratch = Frame(d, m).empty(), np.empty((1, 1))
-        rows = (np.ascontiguousarray(a) for a in (t, x, side, segment, entered_t, entered_x))
+        functions = compile_run(laws, METHODS[method], levels=True, sliding=bool((mode == SLIDING_MODE).any()))
+        w, scratch = frame.empty(), np.empty((1, 1))
+        rows = (np.ascontiguousarray(a) for a in (t, x, mode, segment, entered_t, entered_x))
         _compiled()(functions.addresses, system.parameter_array.copy(), w, scratch, d, *rows, residual)
     return residual
 
@@ -120,14 +124,14 @@ def _compiled() -> Callable[..., None]:
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(signature, cache=True, nogil=True, **OPTIONS)
-    def along(functions, p, w, scratch, d, t, x, side, segment, entered_t, entered_x, residual):
+    def along(functions, p, w, scratch, d, t, x, modes, segment, entered_t, entered_x, residual):
         _ = sources  # closed over, it enters the key of numba's cache
-        place, found = w[head : head + d], w[w.size - residual.shape[1] :]
+        place, found = w[head : head + d], w[w.size - (w.size - head - 4 * d) // 3 :]
         now = -1
         for row in range(t.size):
-            if side[row] == 0:  # the run could not leave the surface on which it started
+            mode = modes[row]
+            if mode == NO_MODE:  # the run has stopped at the surface
                 continue
-            mode = mode_of(side[row])
             if segment[row] != now:
                 now = segment[row]
                 for i in range(d):
@@ -136,7 +140,7 @@ def _compiled() -> Callable[..., None]:
             for i in range(d):
                 place[i] = x[row, i]
             call(functions[mode, LEVEL_RESIDUAL], t[row], 0.0, p, w, scratch)
-            for j in range(found.size):
+            for j in range(residual.shape[1]):
                 residual[row, j] = found[j]
 
     return along  # type: ignore[no-any-return]

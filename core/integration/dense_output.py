@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from core.compilation.compiled import compile_run
+from core.compilation.compiled import Compiled, compile_run
 from core.kernels.abi import LEVELS_SET, ORDER, PREPARE, SET_LEVELS, STEP, TOLERANCE, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
@@ -29,7 +29,7 @@ from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
 from core.system import PiecewiseSystem
-from core.transition.records import mode_of
+from core.transition.records import SIDES_OF_MODES, SLIDING_MODE
 
 __all__ = ["Found", "Stepper", "Track"]
 
@@ -46,16 +46,16 @@ class Track(NamedTuple):
     """(n,) times in the order of the run, which may go back in time."""
     x: Floats
     """(n, d) states."""
-    side: Integers
-    """(n,) side occupied."""
+    mode: Integers
+    """(n,) mode occupied."""
     segment: Integers
     """(n,) index of the segment in which each state lies."""
     entered_t: Floats
     """(s,) times at which the segments from number `first` on were entered."""
     entered_x: Floats
     """(s, d) states there."""
-    entered_side: Integers
-    """(s,) sides entered."""
+    entered_mode: Integers
+    """(s,) modes entered."""
     first: int = 0
 
 
@@ -64,8 +64,8 @@ class Found(NamedTuple):
 
     x: Floats
     """(k, d) states."""
-    side: Integers
-    """(k,) side occupied."""
+    mode: Integers
+    """(k,) mode occupied."""
     segment: Integers
     """(k,) index of the segment in which each lies."""
     solved: int
@@ -76,13 +76,12 @@ class Stepper:
     """Takes steps of a method from recorded states of a run."""
 
     def __init__(self, system: PiecewiseSystem, method: Method, tolerance: float) -> None:
-        d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
-        self._compiled, self._along = compile_run(system.laws, method), _compiled()
-        self._p, self._w, self._scratch = system.parameter_array.copy(), Frame(d, m).empty(), np.empty((1, 1))
+        d, m = system.dimension, system.laws.most_conserved_sliding
+        self._laws, self._method = system.laws, method
+        self._along, self._p, self._w = _compiled(), system.parameter_array.copy(), Frame(d, m).empty()
         self._d, self._adaptive, self._conservative = d, method.adaptive, method.conservative
         if method.adaptive:
             self._w[ORDER], self._w[TOLERANCE] = order_of(tolerance), tolerance
-            self._scratch = np.empty((coefficient_rows(system.laws), STRIDE))
 
     def find(self, track: Track, times: Floats) -> Found:
         """States at times within the track, which must be in the order of the run.
@@ -90,14 +89,21 @@ class Stepper:
         At the time of a crossing this is the state after it, from which the run continued.
         """
         n = len(times)
-        x, side, segment = np.empty((n, self._d)), np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        x, mode, segment = np.empty((n, self._d)), np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         sign = 1.0 if track.t[-1] >= track.t[0] else -1.0
         arrays = (np.ascontiguousarray(a) for a in track[:-1])
+        compiled, scratch = self._functions(SLIDING_MODE in track.mode or SLIDING_MODE in track.entered_mode)
         solved = self._along(
-            self._compiled.addresses, self._p, self._w, self._scratch, self._d, self._adaptive, self._conservative,
-            sign, *arrays, track.first, times, x, side, segment,
+            compiled.addresses, self._p, self._w, scratch, self._d, self._adaptive, self._conservative,
+            sign, *arrays, track.first, times, x, mode, segment,
         )  # fmt: skip
-        return Found(x, side, segment, int(solved))
+        return Found(x, mode, segment, int(solved))
+
+    def _functions(self, sliding: bool) -> tuple[Compiled, Floats]:
+        """The compiled functions, those of sliding if needed, and memory for them."""
+        sides = SIDES_OF_MODES.tolist() if sliding else (-1, 1)
+        rows = coefficient_rows(self._laws, sides) if self._adaptive else 1
+        return compile_run(self._laws, self._method, sliding=sliding), np.empty((rows, STRIDE))
 
 
 @internal
@@ -173,7 +179,7 @@ def _compiled() -> Callable[..., int]:
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
     def along(
         functions, p, w, scratch, d, adaptive, conservative, sign,
-        t, x, side, segment, entered_t, entered_x, entered_side, first, times, found, sides, segments,
+        t, x, modes, segment, entered_t, entered_x, entered_mode, first, times, found, found_modes, segments,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
@@ -185,7 +191,7 @@ def _compiled() -> Callable[..., int]:
             row = last_row(t, sign, max(row, 0), time)
             if row != before:
                 here, start, begin, fresh = segment[row], x[row], t[row], True
-                mode = mode_of(side[row])
+                mode = max(modes[row], 0)  # where the run has stopped, no step is taken
             # A crossing displaced by a perturbation counts from its displaced time on, but within its step.
             while row + 1 < t.size and here < segment[row + 1]:
                 entry = here + 1 - first
@@ -193,9 +199,9 @@ def _compiled() -> Callable[..., int]:
                 if ahead or (time == t[row] and entered_t[entry] != time):
                     break
                 here, start, begin, fresh = here + 1, entered_x[entry], entered_t[entry], True
-                mode = mode_of(entered_side[entry])
+                mode = max(entered_mode[entry], 0)
             segments[k] = here
-            sides[k] = side[row] if here == segment[row] else entered_side[here - first]
+            found_modes[k] = modes[row] if here == segment[row] else entered_mode[here - first]
             h = time - begin
             if h == 0.0:
                 for i in range(d):

@@ -9,16 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.symbolic.laws import Laws
-from core.transition.records import GUARD, JUMP_ANYWHERE, JUMP_TO_SURFACE, NO_JUMP, SIGNS
+from core.transition.records import (
+    GUARD,
+    JUMP_ANYWHERE,
+    JUMP_TO_SURFACE,
+    NO_JUMP,
+    NO_MODE,
+    SIDES_OF_MODES,
+    SLIDING_MODE,
+)
 
 __all__ = ["guard_table"]
 
 
 @lru_cache(maxsize=256)
 def guard_table(laws: Laws) -> NDArray[Any]:
-    """Guards (modes,) of `records.GUARD`: both modes end at the same surface, where each is followed by the other."""
-    table = np.zeros(len(SIGNS), dtype=GUARD)
-    table["sign"], table["to"], table["jump"] = SIGNS, [1, 0], NO_JUMP
+    """Guards (modes,) of `records.GUARD`: both sides end at the same surface, where each is followed by the other.
+
+    Sliding ends where a field turns, on the side of that field.
+    """
+    table = np.zeros(len(SIDES_OF_MODES), dtype=GUARD)
+    table["sign"], table["to"], table["jump"] = np.where(SIDES_OF_MODES < 0, -1, 1), [1, 0, NO_MODE], NO_JUMP
     if laws.jump is not None:
-        table["jump"] = JUMP_TO_SURFACE if laws.jump_stays else JUMP_ANYWHERE
+        table["jump"][:SLIDING_MODE] = JUMP_TO_SURFACE if laws.jump_stays else JUMP_ANYWHERE
     return table

@@ -9,6 +9,7 @@ from core.integration.runner import Rows, Runner
 from core.integration.trajectory import Status
 from core.kernels.arrays import Floats
 from core.methods import Method
+from core.transition.records import NO_MODE
 
 __all__ = ["Sampler"]
 
@@ -35,7 +36,7 @@ class Sampler:
         self._runner, self._times, self._done = runner, times, 0
         self._stepper = Stepper(runner.system, method, runner.settings.tolerance)
         self._crossings = 0
-        self._track = _point(runner.t, runner.x, 0, 0)
+        self._track = _point(runner.t, runner.x, NO_MODE, 0)
         self.rows = Rows([], [], [], [])
         self.entered: list[tuple[int, float, Floats]] = []
 
@@ -43,7 +44,7 @@ class Sampler:
         """Evaluate the states at times that the loop has passed; if `final`, also those up to where it stopped."""
         runner, track = self._runner, self._go_on()
         if final:
-            track = _joined(track, _point(runner.t, runner.x, runner.side, runner.segment))
+            track = _joined(track, _point(runner.t, runner.x, runner.mode, runner.segment))
         along = 1.0 if self._times[-1] >= self._track.t[0] else -1.0
         # A crossing may follow at exactly the time of the last row, so that time waits for the next call.
         end = int(np.searchsorted(along * self._times, along * track.t[-1], "right" if final else "left"))
@@ -54,20 +55,20 @@ class Sampler:
     def _go_on(self) -> Track:
         """The part of the run since the last row of the previous call; removes the rows written since."""
         runner, known = self._runner, self._track
-        if known.side[0] == 0:
-            first = np.array([runner.first_side])
-            known = known._replace(side=first, entered_side=first)
+        if known.mode[0] == NO_MODE:
+            first = np.array([runner.first_mode])
+            known = known._replace(mode=first, entered_mode=first)
         rows, runner.rows = runner.rows, Rows([], [], [], [])
         new = runner.latest(runner.crossing_count - self._crossings)
         self._crossings = runner.crossing_count
         return Track(
             np.concatenate([known.t, *rows.t]),
             np.concatenate([known.x, *rows.x]),
-            np.concatenate([known.side, *rows.side]),
+            np.concatenate([known.mode, *rows.mode]),
             np.concatenate([known.segment, *rows.segment]),
             np.concatenate([known.entered_t, new.t]),
             np.concatenate([known.entered_x, new.x_after]),
-            np.concatenate([known.entered_side, new.side]),
+            np.concatenate([known.entered_mode, new.mode]),
             known.first,
         )
 
@@ -76,7 +77,7 @@ class Sampler:
         n, rows = found.solved, self.rows
         rows.t.append(times[:n])
         rows.x.append(found.x[:n])
-        rows.side.append(found.side[:n])
+        rows.mode.append(found.mode[:n])
         rows.segment.append(found.segment[:n])
         for k in np.unique(found.segment[:n]).tolist():
             if not self.entered or self.entered[-1][0] != k:
@@ -87,11 +88,11 @@ class Sampler:
             self._runner.status = Status.NO_CONVERGENCE
 
 
-def _point(t: float, x: Floats, side: int, segment: int) -> Track:
+def _point(t: float, x: Floats, mode: int, segment: int) -> Track:
     """The track of one state at which its segment is entered."""
     times, states = np.array([t]), x[None].copy()
-    sides, segments = np.array([side]), np.array([segment])
-    return Track(times, states, sides, segments, times, states, sides, segment)
+    modes, segments = np.array([mode]), np.array([segment])
+    return Track(times, states, modes, segments, times, states, modes, segment)
 
 
 def _joined(track: Track, last: Track) -> Track:
@@ -99,7 +100,7 @@ def _joined(track: Track, last: Track) -> Track:
     return track._replace(
         t=np.concatenate([track.t, last.t]),
         x=np.concatenate([track.x, last.x]),
-        side=np.concatenate([track.side, last.side]),
+        mode=np.concatenate([track.mode, last.mode]),
         segment=np.concatenate([track.segment, last.segment]),
     )
 
@@ -111,10 +112,10 @@ def _tail(track: Track) -> Track:
     return Track(
         track.t[-1:].copy(),
         track.x[-1:].copy(),
-        track.side[-1:].copy(),
+        track.mode[-1:].copy(),
         track.segment[-1:].copy(),
         track.entered_t[entry:].copy(),
         track.entered_x[entry:].copy(),
-        track.entered_side[entry:].copy(),
+        track.entered_mode[entry:].copy(),
         first,
     )

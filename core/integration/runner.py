@@ -28,7 +28,7 @@ from core.methods.taylor_step import coefficient_rows
 from core.symbolic.declaration import MAX_DIMENSION
 from core.system import PiecewiseSystem
 from core.transition.event_location import MAX_NODES
-from core.transition.records import HIT, NO_MODE, ROW, RUN, SIGNS
+from core.transition.records import HIT, NO_MODE, ROW, RUN, SIDES_OF_MODES, SLIDING_MODE
 from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
@@ -64,16 +64,18 @@ class Settings:
     """Perturbation c·τᵖ, added to every crossing time."""
     max_crossings: int = 5_000_000
     max_steps: int = 10**9
+    slides: bool = False
+    """Whether the run slides along the surface where both fields point to it; else it stops there."""
     cancel: Callable[[], bool] | None = None
 
 
 @dataclass
 class Rows:
-    """Recorded steps: chunks of times, states, sides, and indices of segments."""
+    """Recorded steps: chunks of times, states, modes, and indices of segments."""
 
     t: list[Floats]
     x: list[Floats]
-    side: list[NDArray[np.int64]]
+    mode: list[NDArray[np.int64]]
     segment: list[NDArray[np.int64]]
 
 
@@ -82,9 +84,9 @@ class Runner:
 
     Attributes
     ----------
-    status, t, x, side, first_side
-        Current status, time, state and side, and the side on which the run began. A side is 0 before the first step,
-        and where the run could not leave the surface.
+    status, t, x, mode, first_mode
+        Current status, time, state and mode, and the mode in which the run began. A mode is `NO_MODE` before the first
+        step, and where the run could not leave the surface.
     rows
         States recorded at every step, if requested.
     envelope
@@ -99,10 +101,11 @@ class Runner:
     ) -> None:  # fmt: skip
         self.system, self.settings = system, settings
         self._march = compiled_march()
-        self._compiled = compile_run(system.laws, method, levels=columns > 0)
+        self._method, self._levels = method, columns > 0
+        self._compiled = compile_run(system.laws, method, self._levels)
         self._p = system.parameter_array.copy()
-        d, m = system.dimension, max(len(mode.conserved) for mode in system.laws.modes.values())
-        frame = Frame(d, m)
+        d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
+        m = frame.m if settings.slides else system.laws.most_conserved
         self._w = frame.empty()
         self._x = self._w[frame.x : frame.x + d]
         self._x[:] = x0
@@ -115,6 +118,7 @@ class Runner:
         self._run["t"] = self._run["last_hit"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._run["follow"] = settings.transition
+        self._run["slides"] = settings.slides and system.jump is None
         self._run["mode"] = self._run["first_mode"] = NO_MODE
         self._run["partly_defined"] = system.laws.edged
         self._guards = guard_table(system.laws)
@@ -143,22 +147,23 @@ class Runner:
         return self._x.copy()
 
     @property
-    def side(self) -> int:
-        """Side occupied; 0 before the first step."""
-        return self._side_of("mode")
+    def mode(self) -> int:
+        """Number of the mode occupied; `NO_MODE` before the first step."""
+        return int(self._run["mode"][0])
 
     @property
-    def first_side(self) -> int:
-        """Side on which the run began; 0 before the first step."""
-        return self._side_of("first_mode")
+    def first_mode(self) -> int:
+        """Number of the mode in which the run began; `NO_MODE` before the first step."""
+        return int(self._run["first_mode"][0])
 
-    def _side_of(self, field: str) -> int:
-        mode = int(self._run[field][0])
-        return 0 if mode == NO_MODE else int(SIGNS[mode])
+    @property
+    def side(self) -> int:
+        """Side occupied, −1 or +1; 0 while sliding, and before the first step."""
+        return int(SIDES_OF_MODES[self.mode])
 
     @property
     def samples(self) -> Floats:
-        """(k, 3 + d) time, side, length and state at the start of some steps; the length ends at a crossing."""
+        """(k, 3 + d) time, mode, length and state at the start of some steps; the length ends at a crossing."""
         return self._samples[: int(self._run["samples"][0])]
 
     @property
@@ -205,18 +210,30 @@ class Runner:
             elif self.settings.cancel is not None and self.settings.cancel():
                 self.status = Status.CANCELLED
             else:
+                if self._run["pending"][0]:
+                    self._compile_sliding()
                 self.status = self._chunk(record, keep_hits)
                 if after is not None:
                     after()
-        if self.status in _UNDECIDED and self.side == 0 and self.first_side == 0:
+        if self.status in _UNDECIDED and self.first_mode == NO_MODE:
             sides = sides_entered(self.system, self.t, self.x, sign)
             if len(sides) == 1:
-                self._run["first_mode"] = SIGNS.tolist().index(sides[0])
+                self._run["first_mode"] = SIDES_OF_MODES.tolist().index(sides[0])
                 return self.advance(t_end, record, keep_hits, after)
             self.status = Status.REPELLING if sides else self.status
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
             self.status = self._refined_status()
         return self.status
+
+    def _compile_sliding(self) -> None:
+        """Compile the mode of sliding, unless it is; the run is about to enter it."""
+        if self._compiled.addresses[SLIDING_MODE].any():
+            return
+        laws = self.system.laws
+        self._compiled = compile_run(laws, self._method, self._levels, sliding=True)
+        if self._method.adaptive:
+            rows = coefficient_rows(laws, SIDES_OF_MODES.tolist())
+            self._coefficients = np.empty((rows, STRIDE))
 
     def copy(self) -> Runner:
         """An independent copy."""
@@ -252,6 +269,11 @@ class Runner:
         return _crossings(hits, places)
 
     @property
+    def reason(self) -> str:
+        """Why the run ended, in plain words."""
+        return self.status.reason_while_sliding if self.mode == SLIDING_MODE else self.status.reason
+
+    @property
     def advice(self) -> str:
         """Advice on the status; where a field is not defined ahead, to write it differently."""
         failed = self.status is Status.NO_CONVERGENCE and self.side != 0
@@ -261,6 +283,8 @@ class Runner:
                 f"{word} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
                 "there too: (u**2)**0.75 for u**1.5."
             )
+        if self.status is Status.SLIDING and self.system.jump is not None:
+            return "A system with a jump does not slide here: continue it with another system."
         return self.status.advice_without_tau if self._run["adaptive"][0] else self.status.advice
 
     def _step_length(self) -> float:
@@ -297,7 +321,7 @@ class Runner:
         if n:
             self.rows.t.append(rows["t"][:n])
             self.rows.x.append(rows_x[:n])
-            self.rows.side.append(SIGNS[rows["mode"][:n]])
+            self.rows.mode.append(rows["mode"][:n])
             self.rows.segment.append(rows["segment"][:n])
 
     def _refined_status(self) -> Status:
@@ -324,8 +348,8 @@ class Runner:
 def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
     surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
     columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "rate_before", "rate_after")}
-    side = SIGNS[hits["mode"]] * hits["passed"]
-    return Crossings(x=x, x_after=after, surface=surface, side=side, kind=_KINDS[hits["kind"]], **columns)
+    mode, kind = np.ascontiguousarray(hits["mode"]), _KINDS[hits["kind"]]
+    return Crossings(x=x, x_after=after, surface=surface, mode=mode, kind=kind, **columns)
 
 
 @lru_cache(maxsize=MAX_DIMENSION)

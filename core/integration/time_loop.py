@@ -15,9 +15,9 @@ from numba import njit, types
 from core.kernels.abi import G_END, RATE_END, STEP, Frame, call
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
-from core.kernels.jit import OPTIONS, internal
+from core.kernels.jit import OPTIONS, inlined, internal
 from core.transition.event_location import BOUND, StepContext
-from core.transition.mannshardt import RUNNING, accept_plain_step, advance, enter_first_mode
+from core.transition.mannshardt import RUNNING, accept_plain_step, advance, enter_first_mode, enter_sliding
 from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 from core.transition.surface import Log, contradicts, widen_envelope
@@ -39,7 +39,7 @@ def write_sample(run, x, samples):
         for k in range(run.samples):
             for i in range(samples.shape[1]):
                 samples[k, i] = samples[2 * k, i]
-    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.sign, 0.0
+    samples[run.samples, 0], samples[run.samples, 1], samples[run.samples, 2] = run.t, run.mode, 0.0
     for i in range(x.size):
         samples[run.samples, 3 + i] = x[i]
     run.samples += 1
@@ -69,6 +69,19 @@ def write_row(run, x, rows, rows_x):
     run.rows += 1
 
 
+@inlined
+def finish_step(run, x, rows, rows_x, samples):
+    """Count a step that has ended, end its sample, and record it."""
+    sampled = run.samples > 0 and run.next_sample == run.steps + run.stride
+    if sampled and samples[run.samples - 1, 2] == 0.0:
+        samples[run.samples - 1, 2] = (run.t - samples[run.samples - 1, 0]) + run.t_carry
+    run.steps += 1
+    if run.final == 1:
+        run.t, run.t_carry = run.t_end, 0.0
+    if run.record == 1:
+        write_row(run, x, rows, rows_x)
+
+
 def _signature() -> Any:
     guards, run, row, hit = (numba.from_dtype(d)[::1] for d in (GUARD, RUN, ROW, HIT))
     vector, matrix, places = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
@@ -88,8 +101,8 @@ def compiled_march() -> Callable[..., int]:
     march(functions, guards, run, p, w, d, scratch, nodes, pieces, budget,
           rows, rows_x, hits, places, envelope, samples) -> int
         A Status. Takes up to `budget` steps or parts of steps, and leaves the records ready for the next call; RUNNING
-        means that the budget or a buffer is used up. See `abi` for functions (modes, functions), p, the frame
-        w and scratch, `records` for the guards (modes,) and records.
+        means that the budget or a buffer is used up, or that the mode to be entered is not compiled yet. See `abi` for
+        functions (modes, functions), p, the frame w and scratch, `records` for the guards (modes,) and records.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
@@ -102,7 +115,8 @@ def compiled_march() -> Callable[..., int]:
         run = records[0]
         x, carry = w[head : head + d], w[head + d : head + 2 * d]
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
-        residual = w[w.size - envelope.shape[1] :]
+        m = (w.size - head - 4 * d) // 3  # quantities for which the frame has room: see `Frame`
+        residual = w[w.size - m : w.size - m + envelope.shape[1]]
         context = StepContext(functions, guards, run, p, w, scratch, x, carry, increment, place, nodes, pieces)
         log = Log(hits, places, residual, envelope)
         run.rows = 0
@@ -111,6 +125,12 @@ def compiled_march() -> Callable[..., int]:
             status = enter_first_mode(context)
             if status != RUNNING:
                 return status
+        if run.pending == 1:
+            status = enter_sliding(context)
+            if status != RUNNING or run.pending == 1:
+                return status
+            if run.rest == 0.0 and run.steps > 0 and run.monitored > 0:
+                widen_envelope(context, log)
         for _ in range(budget):
             if run.rows == rows.size or run.hits == hits.size:
                 return RUNNING
@@ -145,18 +165,17 @@ def compiled_march() -> Callable[..., int]:
                 status = advance(context, log, h)
                 if run.hits != hits_before:
                     end_sample(run, hits[run.hits - 1].t, samples)
+                if status == RUNNING and run.pending == 1:
+                    status = enter_sliding(context)
+                    if run.pending == 1:
+                        if run.rest == 0.0:
+                            finish_step(run, x, rows, rows_x, samples)
+                        return status
                 if status != RUNNING:
                     return status
             if run.rest != 0.0:
                 continue
-            sampled = run.samples > 0 and run.next_sample == run.steps + run.stride
-            if sampled and samples[run.samples - 1, 2] == 0.0:
-                samples[run.samples - 1, 2] = (run.t - samples[run.samples - 1, 0]) + run.t_carry
-            run.steps += 1
-            if run.final == 1:
-                run.t, run.t_carry = run.t_end, 0.0
-            if run.record == 1:
-                write_row(run, x, rows, rows_x)
+            finish_step(run, x, rows, rows_x, samples)
             if run.monitored > 0:
                 widen_envelope(context, log)
             if run.final == 1:

@@ -17,6 +17,7 @@ from core.interface.arguments import listed, numbers
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.system import PiecewiseSystem
+from core.transition.records import NO_MODE, SIDES_OF_MODES
 from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["CROSSING_KINDS", "Crossing", "Crossings", "Status", "Trajectory"]
@@ -39,8 +40,8 @@ class Crossing:
     """(d,) state from which the run continued: x, or the state after the jump."""
     surface: Floats
     """(d,) state where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
-    side: int
-    """Side entered, −1 or +1; 0 if the run stopped there."""
+    mode: int
+    """Index into `PiecewiseSystem.modes` of the mode entered; −1 if the run stopped there."""
     g: float
     """Residual of the switching function at x."""
     kind: str
@@ -49,6 +50,11 @@ class Crossing:
     """∇g·f + g_t of the side left, at the surface."""
     rate_after: float
     """The same of the side entered."""
+
+    @property
+    def side(self) -> int:
+        """Side entered, −1 or +1; 0 if the run slides from there, or stopped there."""
+        return int(SIDES_OF_MODES[self.mode])
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +73,8 @@ class Crossings:
     """(k, d) states from which the run continued: x, or the states after the jump."""
     surface: Floats
     """(k, d) states where the scheme itself met the surface: x, unless it was perturbed or stepped over."""
-    side: Integers
-    """(k,) side entered, −1 or +1; 0 if the run stopped there."""
+    mode: Integers
+    """(k,) index into `PiecewiseSystem.modes` of the mode entered; −1 if the run stopped there."""
     g: Floats
     """(k,) residual of the switching function at x."""
     kind: NDArray[np.str_]
@@ -77,6 +83,11 @@ class Crossings:
     """(k,) ∇g·f + g_t of the side left, at the surface."""
     rate_after: Floats
     """(k,) the same of the side entered."""
+
+    @property
+    def side(self) -> Integers:
+        """(k,) side entered, −1 or +1; 0 if the run slides from there, or stopped there."""
+        return SIDES_OF_MODES[self.mode]
 
     def __repr__(self) -> str:
         if not len(self):
@@ -105,7 +116,7 @@ class Crossings:
     @property
     def passed(self) -> Crossings:
         """The crossings after which the run continued: where it stops on the surface it does not cross."""
-        continued: NDArray[np.bool_] = self.side != 0
+        continued: NDArray[np.bool_] = self.mode != NO_MODE
         return self[continued]
 
     def first(self, count: int) -> Crossings:
@@ -156,8 +167,9 @@ class Trajectory:
     """(n,) times recorded; the first and the last state are always among them."""
     x: Floats
     """(n, d) states."""
-    side: Integers
-    """(n,) side occupied, −1 or +1 (0 if the run started on the surface and could not leave it)."""
+    mode: Integers
+    """(n,) index into `PiecewiseSystem.modes` of the mode occupied (−1 if the run started on the surface and could not
+    leave it)."""
     segment: Integers
     """(n,) index, into `entered_t`, of the segment between crossings in which each row lies."""
     entered_t: Floats
@@ -186,7 +198,14 @@ class Trajectory:
     tolerance: float = math.nan
     """Tolerance of a method that chooses its own step size; else nan."""
     samples: Floats | None = field(default=None, repr=False)
-    """(k, 3 + d) time, side, length and state at the start of some steps; the length ends at a crossing."""
+    """(k, 3 + d) time, mode, length and state at the start of some steps; the length ends at a crossing."""
+    slides: bool = False
+    """Whether the run was asked to slide along the surface where both fields point to it."""
+
+    @property
+    def side(self) -> Integers:
+        """(n,) side occupied, −1 or +1; 0 while sliding (or if the run could not leave the surface at its start)."""
+        return SIDES_OF_MODES[self.mode]
 
     def __repr__(self) -> str:
         step = f"tolerance = {self.tolerance:g}" if METHODS[self.method].adaptive else f"tau = {self.tau:g}"
@@ -213,9 +232,7 @@ class Trajectory:
         -------
         (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
         """
-        error = level_residual_along(
-            self.system, self.method, self.t, self.x, self.side, self.segment, self.entered_t, self.entered_x
-        )
+        error = self._level_residual(self.t, self.x, self.mode, self.segment, self.entered_t, self.entered_x)
         return with_exits(error, self.segment, self.exit_error()) if exits else error
 
     def exit_error(self) -> Floats:
@@ -227,11 +244,8 @@ class Trajectory:
         `envelope` includes them all the same.
         """
         met = self.crossings
-        left = np.concatenate([self.side[:1], met.side])[: len(met)]
-        segments = np.arange(len(met))
-        return level_residual_along(
-            self.system, self.method, met.t, met.x, left, segments, self.entered_t, self.entered_x
-        )
+        left = np.concatenate([self.mode[:1], met.mode])[: len(met)]
+        return self._level_residual(met.t, met.x, left, np.arange(len(met)), self.entered_t, self.entered_x)
 
     def carried_error(self) -> Floats:
         """Total error of ψ that the integrator has made before each segment between crossings.
@@ -244,15 +258,20 @@ class Trajectory:
         (s, m) for the entries of `entered_t`; the first row is 0.
         """
         met = self.crossings
-        off_surface = level_residual_along(
-            self.system, self.method, met.t, met.x_after, met.side, np.arange(len(met)), met.t, met.surface
-        )
+        off_surface = self._level_residual(met.t, met.x_after, met.mode, np.arange(len(met)), met.t, met.surface)
         off_surface[met.kind == "jump"] = 0.0
         errors = np.nan_to_num(self.exit_error()) + np.nan_to_num(off_surface)
         total = np.zeros((len(self.entered_t), errors.shape[1]))
         if len(errors):
             total[1:] = np.cumsum(errors, axis=0)[: len(total) - 1]
         return total
+
+    def _level_residual(
+        self, t: Floats, x: Floats, mode: Integers, segment: Integers, entered_t: Floats, entered_x: Floats
+    ) -> Floats:
+        """`level_residual_along` at some states of this run."""
+        entries = entered_t, entered_x
+        return level_residual_along(self.system, self.method, t, x, mode, segment, *entries, sliding=self.slides)
 
     def accumulated_error(self) -> Floats:
         """Total error of ψ that the integrator has made since the start: in the current segment and in those before.
@@ -362,11 +381,11 @@ class Trajectory:
 
     def _between(self, times: Floats) -> Floats:
         """States at times between recorded steps, nan where there is no solution."""
-        entered = np.concatenate([self.side[:1], self.crossings.side])
+        entered = np.concatenate([self.mode[:1], self.crossings.mode])
         # A perturbation may have moved the crossing at which the run stopped back beyond the last step.
         back = len(self.t) > 2 and (self.t[-1] - self.t[-2]) * (self.t[-2] - self.t[0]) < 0.0
         n = len(self.t) - back
-        rows = self.t[:n], self.x[:n], self.side[:n], self.segment[:n]
+        rows = self.t[:n], self.x[:n], self.mode[:n], self.segment[:n]
         track = Track(*rows, self.entered_t, self.entered_x, entered)
         along = times if track.t[-1] >= track.t[0] else -times
         order = None if (along[1:] >= along[:-1]).all() else np.argsort(along)

@@ -12,7 +12,8 @@ prepare_step
     level residual. The residual is zero where w[LEVELS_SET] is 1, because the levels have just been set at this state;
     the function resets w[LEVELS_SET] to 0.
 step
-    Take one step of length h from x + carry: write its increment to w, and g and ġ at its end to w[G_END], w[RATE_END].
+    Take one step of length h from x + carry: write its increment to w, and the mode's guard and its rate at the end to
+    w[G_END], w[RATE_END].
     h may have any length and either sign, because crossings are located on the scheme itself. Return the number of
     evaluations of the field, or `NO_SOLUTION`.
 set_levels
@@ -20,13 +21,14 @@ set_levels
 level_residual
     Evaluate ψ at x + carry, less its level.
 project_to_surface
-    Project x + carry to g = 0 (and to the levels of ψ, if the method keeps them), in double-double. Write to w[DELAY]
-    how much later than x + carry the solution reaches the projected state.
+    Project x + carry to guard = 0 (and to the levels of ψ, if the method keeps them), in double-double. Write to
+    w[DELAY] how much later than x + carry the solution reaches the projected state.
 evaluate_switching
-    Evaluate g at `place`, and its rate ġ = g_t + ∇g·f with the fields on both sides. Bound the change of g by rounding
-    the state alone (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
+    Evaluate the guard at `place` and its rate: of g, both rates ġ = g_t + ∇g·f with the fields of the sides; of the
+    guard of sliding, twice its rate along the sliding field. Bound the change of the guard by rounding the state alone
+    (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
 jump
-    Write the state after the jump from x to `place`.
+    Write the state after the jump from x to `place`; sliding has none.
 """
 
 # mypy: disable-error-code="no-untyped-call"
@@ -89,10 +91,10 @@ FUNCTIONS = (
 PREPARE, STEP, SET_LEVELS, LEVEL_RESIDUAL, PROJECT, EVALUATE, JUMP = range(len(FUNCTIONS))
 
 # Scalars at the head of a frame.
-G_END = 0  #: g at the end of the last trial step
-RATE_END = 1  #: ġ at the end of the last trial step, with the field of the mode
-G = 2  #: g where switching was evaluated last
-RATES = 3  #: ġ where switching was evaluated last: w[RATES] with the field of g < 0, w[RATES + 1] with that of g > 0
+G_END = 0  #: guard at the end of the last trial step: g, or that of sliding
+RATE_END = 1  #: its rate at the end of the last trial step, with the field of the mode
+G = 2  #: guard where switching was evaluated last
+RATES = 3  #: its rates there: of g, w[RATES] with the field of g < 0, w[RATES + 1] with that of g > 0
 ROUNDING_OF_STATE = 5  #: bound on the change of g by rounding the state alone, likewise
 LENGTH = 6  #: length of the step that a variable-step method takes
 UNIT = 7  #: unit of time of the Taylor coefficients

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sympy import Add, Expr
 
 from core.codegen.step import StepCode
-from core.symbolic.laws import Mode
+from core.symbolic.mode import Mode
 
 __all__ = ["Method", "Scheme", "written_sum"]
 

@@ -10,7 +10,7 @@ from sympy import Expr, Float, Integer, Matrix, cbrt, symbols
 
 from core.codegen.step import StepCode
 from core.methods.base import Method, Scheme, written_sum
-from core.symbolic.laws import Mode
+from core.symbolic.mode import Mode
 
 __all__ = ["DMM2", "DMM4", "DMM6", "DMM8", "Composition", "DiscreteMultiplier"]
 

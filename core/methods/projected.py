@@ -10,7 +10,7 @@ from sympy import Expr
 from core.codegen.step import StepCode
 from core.methods.base import Method, Scheme
 from core.methods.runge_kutta import DOP853, ButcherTableau
-from core.symbolic.laws import Mode
+from core.symbolic.mode import Mode
 
 __all__ = ["PRK8", "TAYLOR", "Projected", "TaylorSeries"]
 

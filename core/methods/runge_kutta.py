@@ -13,7 +13,7 @@ from core.codegen.printing import fma
 from core.codegen.step import StepCode
 from core.methods.base import Method, Scheme, written_sum
 from core.methods.dop853 import ROWS, WEIGHTS
-from core.symbolic.laws import Mode
+from core.symbolic.mode import Mode
 
 __all__ = ["CLASSICAL", "DOP853", "GAUSS4", "RK2", "RK4", "RK8", "ButcherTableau"]
 

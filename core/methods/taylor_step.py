@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 
 from sympy import Expr, Symbol
@@ -13,7 +13,8 @@ from core.codegen.taylor_series import SeriesCode, series_code
 from core.kernels.abi import LENGTH, LEVELS_SET, ORDER, PER_UNIT, TOLERANCE, UNIT
 from core.kernels.taylor_coefficients import LEAST_ORDER, STRIDE
 from core.symbolic.expressions import TIME
-from core.symbolic.laws import Laws, Mode
+from core.symbolic.laws import Laws
+from core.symbolic.mode import Mode
 
 __all__ = ["coefficient_rows", "prepare_step_text"]
 
@@ -32,18 +33,18 @@ _PRIME = 7
 
 
 @lru_cache(maxsize=64)
-def _series(laws: Laws, sign: int) -> SeriesCode:
-    return series_code(laws, laws.modes[sign])
+def _series(laws: Laws, side: int) -> SeriesCode:
+    return series_code(laws, laws.mode(side))
 
 
-def coefficient_rows(laws: Laws) -> int:
-    """Number of rows of coefficients that a step of any mode needs."""
-    return max(_series(laws, sign).rows for sign in laws.modes)
+def coefficient_rows(laws: Laws, sides: Iterable[int] = (-1, 1)) -> int:
+    """Number of rows of coefficients that a step of any of these modes needs."""
+    return max(_series(laws, side).rows for side in sides)
 
 
 def prepare_step_text(laws: Laws, mode: Mode) -> str:
     """Text of `prepare_step`: writes coefficients to scratch, with the height in row d, and the length to w[LENGTH]."""
-    code = _series(laws, mode.sign)
+    code = _series(laws, mode.side)
     lines = [f"order = int(w[{ORDER}])", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
     lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
     lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, mode, code))]
@@ -74,12 +75,12 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
 
 
 def _degree_in_time(laws: Laws, mode: Mode) -> float:
-    """Bound the degree of the solution, and of g along it, as polynomials in time; inf where they are none."""
+    """Bound the degree of the solution, and of the guard along it, as polynomials in time; inf where they are none."""
     degrees: dict[Symbol, float] = {TIME: 1, **dict.fromkeys(laws.x, 0)}
     for _ in range(len(laws.x) + 1):
         found = {v: _degree(f, degrees) + float(f != 0) for v, f in zip(laws.x, mode.field, strict=True)}
         if all(degrees[v] == n for v, n in found.items()):
-            return max(*found.values(), _degree(laws.g, degrees))
+            return max(*found.values(), _degree(mode.guard, degrees))
         degrees |= found
     return math.inf  # a coordinate depends on itself
 

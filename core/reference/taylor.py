@@ -13,6 +13,7 @@ from core.integration.trajectory import Crossings, Status
 from core.interface.cancelling import Cancel, Cancelled
 from core.methods import METHODS
 from core.system import PiecewiseSystem
+from core.transition.records import SIDES_OF_MODES
 
 __all__ = ["TaylorSolution"]
 
@@ -124,7 +125,7 @@ class _Path:
 
     def side(self, t: float) -> int:
         """Side occupied at time t."""
-        return self._at(t).side or self._runner.first_side
+        return self._at(t).side or int(SIDES_OF_MODES[self._runner.first_mode])
 
     def _at(self, t: float) -> Runner:
         while self._kept[-1].t < t and not (self._ended and t < self._runner.t):

@@ -122,7 +122,7 @@ class ScalarFunctions:
     @cached_property
     def rate(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
         """(t, x) -> (ġ,), of each side."""
-        return {side: self._function((self.laws.modes[side].g_dot,)) for side in (-1, 1)}
+        return {side: self._function((self.laws.modes[side].guard_rate,)) for side in (-1, 1)}
 
     @cached_property
     def jump(self) -> Callable[[float, Floats], Floats] | None:

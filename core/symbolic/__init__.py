@@ -2,7 +2,8 @@
 
 from core.symbolic.declaration import SIDES, Declaration, Problem, Verdict, miscounted
 from core.symbolic.expressions import OPERATORS, TIME, parse, quoted, to_text
-from core.symbolic.laws import Laws, Mode
+from core.symbolic.laws import Laws
+from core.symbolic.mode import Mode
 from core.symbolic.multiplier import DIFFERENCES, DividedDifference
 
 __all__ = [

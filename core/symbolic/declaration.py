@@ -13,7 +13,8 @@ import sympy
 from sympy import Expr, Symbol
 
 from core.symbolic.expressions import TIME, check_name, parse, quoted, to_text
-from core.symbolic.laws import Laws, derive, rate_along
+from core.symbolic.laws import Laws, derive
+from core.symbolic.mode import rate_along
 from core.symbolic.stream_function import stream_function
 from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, tidied
 

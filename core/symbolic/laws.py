@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from typing import TypeAlias
 
@@ -16,9 +15,10 @@ from sympy import Expr, Symbol
 from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME
 from core.symbolic.impacts import stays_on_surface
-from core.symbolic.multiplier import DiscreteField, Endpoints
+from core.symbolic.mode import SLIDING, Mode
+from core.symbolic.sliding import sliding_mode
 
-__all__ = ["Laws", "Mode", "derive", "rate_along"]
+__all__ = ["Laws", "derive"]
 
 Vector: TypeAlias = "tuple[Symbol, ...]"
 Pair: TypeAlias = "tuple[tuple[Expr, ...], tuple[Expr, ...]]"
@@ -28,27 +28,6 @@ _LONGEST_PRODUCT = 4
 
 #: Largest integer up to which every integer is a double.
 _LARGEST_EXACT = 2**53
-
-
-@dataclass(frozen=True)
-class Mode:
-    """The law where g has one sign: its field f, its conserved quantities ψ, and ġ = g_t + ∇g·f."""
-
-    sign: int
-    variables: tuple[Symbol, ...]
-    field: tuple[Expr, ...]
-    conserved: tuple[Expr, ...]
-    g_dot: Expr
-    taken: frozenset[str]
-
-    @cached_property
-    def discrete(self) -> DiscreteField:
-        """The Discrete Multiplier Method of this law."""
-        return DiscreteField(self.field, self.conserved, Endpoints.of(self.variables, set(self.taken)))
-
-    def rate_of(self, psi: Expr) -> Expr:
-        """Time derivative of ψ along the field: zero if ψ is conserved."""
-        return rate_along(self.field, self.variables, psi)
 
 
 class Laws:
@@ -74,10 +53,29 @@ class Laws:
         taken = frozenset(map(str, (*x, *p)))
         #: Sign of g -> mode.
         self.modes = {
-            sign: Mode(sign, x, field, conserved, rate_along(field, x, g), taken)
+            sign: Mode(sign, x, field, conserved, g, taken)
             for sign, field, conserved in zip((-1, 1), fields, quantities, strict=True)
         }
         self._functions: dict[object, Callable[..., Floats]] = {}
+
+    @cached_property
+    def sliding(self) -> Mode:
+        """The mode of sliding along the surface; derived when it is first asked for."""
+        return sliding_mode(self.modes[-1], self.modes[1])
+
+    def mode(self, side: int) -> Mode:
+        """The mode of a side, −1 or +1, or that of sliding, 0."""
+        return self.sliding if side == SLIDING else self.modes[side]
+
+    @property
+    def most_conserved(self) -> int:
+        """The larger number of conserved quantities of the two sides."""
+        return max(len(mode.conserved) for mode in self.modes.values())
+
+    @property
+    def most_conserved_sliding(self) -> int:
+        """Bound on the number of conserved quantities of any mode, sliding included, which keeps g as well."""
+        return max(self.most_conserved, min(self.most_conserved + 1, len(self.x) - 1))
 
     @cached_property
     def edged(self) -> bool:
@@ -150,11 +148,6 @@ def _nearest(number: sympy.Rational) -> float:
         return float(number.p / number.q)
     except OverflowError:
         return math.copysign(math.inf, number.p)
-
-
-def rate_along(field: Sequence[Expr], variables: Sequence[Symbol], u: Expr) -> Expr:
-    """Time derivative of u along a field: u_t + ∇u·f."""
-    return sympy.Add(u.diff(TIME), *(u.diff(v) * f for v, f in zip(variables, field, strict=True)))
 
 
 #: `Laws`, cached: they are derived once for all parameter values.

@@ -219,7 +219,7 @@ def locate_crossing(context, t, h, f_end, r_end):
     run, nodes = context.run, context.nodes
     s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
     noise = _MARGIN * context.w[ROUNDING_OF_G]  # at the last crossing
-    if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 < r * abs(h) <= noise:
+    if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 <= r * abs(h) <= noise:
         return NONE  # the step is too short to tell whether the state has left the surface
     if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):
         return NONE  # the perturbation has moved it off the surface, to either side, and it is not back
@@ -305,6 +305,8 @@ def _newton(context, t, low, high):
 def isolate_root_of_series(context, h):
     """Isolate the first root of the Taylor polynomial of the height by `first_root`, in its own unit of time."""
     run, order, w = context.run, int(context.w[ORDER]), context.w
+    if run.leaving == 1 and run.rate == 0.0:
+        context.scratch[context.x.size, 1] = 0.0  # at a fold the rate is zero, and not its rounding
     return first_root(context.scratch[context.x.size], order, h * w[PER_UNIT], run.leaving, context.pieces)
 
 

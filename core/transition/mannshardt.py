@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, G_END, JUMP, PROJECT, ROUNDING_OF_G, ROUNDING_OF_STATE, SET_LEVELS, G, call
+from core.kernels.abi import DELAY, G_END, JUMP, PROJECT, ROUNDING_OF_G, ROUNDING_OF_STATE, SET_LEVELS, STEP, G, call
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -31,7 +31,7 @@ from core.transition.event_location import (
     try_step,
     write_end,
 )
-from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE, mode_of
+from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE, SLIDING_MODE, mode_of
 from core.transition.status import CROSSING_KINDS, Status
 from core.transition.surface import (
     MARGIN,
@@ -46,14 +46,16 @@ from core.transition.surface import (
     widen_envelope,
 )
 
-__all__ = ["RUNNING", "accept_plain_step", "advance", "enter_first_mode"]
+__all__ = ["RUNNING", "accept_plain_step", "advance", "enter_first_mode", "enter_sliding"]
 
 RUNNING = int(Status.RUNNING)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
 _NO_CONVERGENCE, _ESCAPED, _ZENO = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.ZENO)
 _CROSSING_LIMIT, _CONTRADICTION = int(Status.CROSSING_LIMIT), int(Status.CONTRADICTION)
 _UNSTABLE = int(Status.UNSTABLE)
-_TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND = range(len(CROSSING_KINDS))
+(
+    _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND, _LEAVING_KIND,
+) = range(len(CROSSING_KINDS))  # fmt: skip
 
 _EPS = 2.0**-52
 #: Crossings accumulate if the times between them have shrunk this many times in a row …
@@ -94,6 +96,25 @@ def enter_mode(context, mode, rate):
 
 
 @internal
+def enter_sliding(context):
+    """Enter the mode of sliding, where both fields point to the surface; it stays pending until compiled."""
+    run, w = context.run, context.w
+    if context.functions[SLIDING_MODE, STEP] == 0:
+        return RUNNING
+    run.pending = 0
+    for i in range(context.x.size):
+        context.place[i] = context.x[i]
+    _, rate = evaluate_rates(context, SLIDING_MODE, run.t)
+    run.mode, run.sign, run.leaving = SLIDING_MODE, 1, 0
+    run.height, run.rate, run.entered = w[G], rate, rate
+    if not run.height > 0.0:
+        return _GRAZING  # one of the fields is tangent to the surface
+    if run.conservative == 1 or run.monitored > 0:
+        call(context.functions[SLIDING_MODE, SET_LEVELS], run.t, 0.0, context.p, w, context.scratch)
+    return RUNNING
+
+
+@internal
 def enter_first_mode(context):
     """Enter the mode of the initial value, given by the sign of g; on the surface, by the directions of the fields."""
     run, w = context.run, context.w
@@ -110,8 +131,14 @@ def enter_first_mode(context):
     elif abs(g) <= w[ROUNDING_OF_STATE]:  # on the surface to round-off
         if into_plus > 0.0 and into_minus > 0.0:
             return _REPELLING
+        if into_plus < 0.0 and into_minus < 0.0:
+            if run.slides == 0:
+                return _SLIDING
+            run.mode = run.first_mode = SLIDING_MODE
+            run.pending = 1
+            return RUNNING
         if not (into_plus * into_minus < 0.0):
-            return _SLIDING if into_plus < 0.0 and into_minus < 0.0 else _GRAZING
+            return _GRAZING
         mode = mode_of(into_plus)
         enter_mode(context, mode, into_plus if mode == 1 else into_minus)
     else:
@@ -209,6 +236,8 @@ def accumulates(run):
 def switch_mode(context, log, found):
     """At the surface: jump, classify, record the crossing, and enter the next mode."""
     run, x = context.run, context.x
+    if run.mode == SLIDING_MODE:
+        return leave_sliding(context, log, found)
     hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
     guard = context.guards[run.mode]
     hit.t = run.t
@@ -237,18 +266,65 @@ def switch_mode(context, log, found):
         status, kind = classify(run)
         status = _UNSTABLE if status == _GRAZING and against else status
         mode = guard.to
+        if status == _SLIDING and run.slides == 1:
+            status, mode = RUNNING, SLIDING_MODE
     leaving = run.leaving
     record_place(context, log, 2)
-    hit.kind, hit.mode, hit.passed = kind, mode, status == RUNNING
-    run.hits += 1
-    run.crossings += 1
+    record_crossing(run, hit, kind, mode, status)
     if status != RUNNING:
         return status
-    enter_mode(context, mode, rate)
-    if leaving == 0:  # it has jumped off the surface
-        run.height, run.leaving = run.sign * context.w[G], 0
-    elif is_contradicted(context, run.hit):  # the step is so stiff that its rounding hides the surface
-        return _UNSTABLE
+    if mode == SLIDING_MODE:
+        run.mode, run.pending = mode, 1
+    else:
+        enter_mode(context, mode, rate)
+        if leaving == 0:  # it has jumped off the surface
+            run.height, run.leaving = run.sign * context.w[G], 0
+        elif is_contradicted(context, run.hit):  # the step is so stiff that its rounding hides the surface
+            return _UNSTABLE
+    return limit_crossings(run)
+
+
+@internal
+def leave_sliding(context, log, found):
+    """Where sliding ends: find the field that has turned, record the crossing, and enter the mode of its side.
+
+    Its rate vanishes there, as at a fold. If both rates vanish to round-off, or the one that does so does not change
+    its sign, the rates do not tell where the solution leads.
+    """
+    run, x, w = context.run, context.x, context.w
+    hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
+    for i in range(x.size):
+        context.place[i] = x[i]
+    evaluate_switching(context, run.t)
+    rounding = w[ROUNDING_OF_G]
+    into_minus, into_plus = evaluate_rates(context, 0, run.t)
+    mode, rate, other = (0, into_minus, into_plus) if into_minus > into_plus else (1, into_plus, into_minus)
+    hit.t, hit.g = run.t, w[G]
+    hit.rate_before, hit.rate_after = 0.0, along * context.guards[mode].sign * rate
+    record_place(context, log, 1)
+    record_place(context, log, 2)
+    if run.monitored > 0:
+        widen_envelope(context, log)
+    tangent = found == TOUCH or other * other <= MARGIN * rounding
+    status = _GRAZING if tangent else RUNNING
+    record_crossing(run, hit, _GRAZING_KIND if tangent else _LEAVING_KIND, mode, status)
+    if status != RUNNING:
+        return status
+    enter_mode(context, mode, 0.0 if run.shift == 0.0 and run.follow == 1 else rate)
+    return limit_crossings(run)
+
+
+@inlined
+def record_crossing(run, hit, kind, mode, status):
+    """Record how a crossing ends, and count it."""
+    hit.kind, hit.mode = kind, mode if status == RUNNING else NO_MODE
+    run.hits += 1
+    run.crossings += 1
+
+
+@inlined
+def limit_crossings(run):
+    """Status after a crossing: Zeno, at the limit of crossings, or running."""
     if accumulates(run):
         return _ZENO
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else RUNNING

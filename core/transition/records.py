@@ -4,21 +4,26 @@ import numpy as np
 
 from core.kernels.jit import inlined
 
-__all__ = ["GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN", "SIGNS", "mode_of"]
+__all__ = [
+    "GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN", "SIDES_OF_MODES",
+    "SLIDING_MODE", "mode_of",
+]  # fmt: skip
 
-#: Sign of g in each mode: mode 1 has g > 0, mode 0 has g < 0.
-SIGNS = np.array([-1, 1])
-#: Mode of a run that has not entered any yet.
+#: Side of each mode: 0 has g < 0, 1 has g > 0, 2 slides along g = 0. The last is that of `NO_MODE`, −1, too.
+SIDES_OF_MODES = np.array([-1, 1, 0])
+#: Number of the mode of sliding.
+SLIDING_MODE = 2
+#: Mode of a run that has not entered any yet, or that has stopped at the surface.
 NO_MODE = -1
 
 #: Jump of a guard: none; to a state whose mode is given by the sign of g there; or to a state on the surface.
 NO_JUMP, JUMP_ANYWHERE, JUMP_TO_SURFACE = 0, 1, 2
 
-#: The guard that ends a mode: its height is sign·g, positive inside; where it is zero, a transition follows.
+#: The guard that ends a mode: its height is sign·guard, positive inside; where it is zero, a transition follows.
 GUARD = np.dtype(
     [
         ("sign", np.int64),
-        ("to", np.int64),  # mode on the other side of the surface
+        ("to", np.int64),  # mode on the other side of the surface; sliding ends on either side
         ("jump", np.int64),  # one of the codes above
     ],
     align=True,
@@ -52,6 +57,8 @@ RUN = np.dtype(
         ("first_mode", np.int64),  # in which the run begins; NO_MODE until that is known
         ("leaving", np.int64),  # 1 while g has not yet taken the sign of the mode
         ("follow", np.int64),  # 1: Mannshardt's transition; 0: step over the surface
+        ("slides", np.int64),  # 1: where both fields point to the surface, the run slides along it; 0: it stops there
+        ("pending", np.int64),  # 1: the mode of sliding is to be entered before the next step
         ("adaptive", np.int64),  # 1: a variable-step method
         ("conservative", np.int64),  # 1: the method holds ψ at its level
         ("monitored", np.int64),  # number of ψ whose level residual is recorded in the envelope
@@ -80,8 +87,7 @@ HIT = np.dtype(
         ("g", np.float64),
         ("rate_before", np.float64),
         ("rate_after", np.float64),
-        ("passed", np.int64),  # 1: the run continued from here
-        ("mode", np.int64),  # mode after the crossing
+        ("mode", np.int64),  # mode entered; NO_MODE if the run stopped here
         ("kind", np.int64),
     ],
     align=True,

@@ -35,6 +35,11 @@ class Status(IntEnum):
         return _WORDS[self][1]
 
     @property
+    def reason_while_sliding(self) -> str:
+        """Why a run that slides stops so."""
+        return _WHILE_SLIDING.get(self, self.reason)
+
+    @property
     def advice_without_tau(self) -> str:
         """What to do about it, for a method that chooses its steps."""
         return _WITHOUT_TAU.get(self, self.advice)
@@ -45,7 +50,7 @@ _WORDS = {
     Status.COMPLETED: ("reached the end time", ""),
     Status.SLIDING: (
         "both fields point to the surface, so the state slides along it",
-        "Sliding motion is not integrated here.",
+        'It can be followed along the surface: sliding="continue".',
     ),
     Status.REPELLING: (
         "both fields point away from the surface, so the solution does not continue uniquely",
@@ -83,6 +88,11 @@ _WORDS = {
     ),
 }
 
+_WHILE_SLIDING = {
+    Status.GRAZING: "sliding ends where a field is tangent to the surface without turning, or both are, so the rates do "
+    "not tell where the solution leads",
+}
+
 _WITHOUT_TAU = {
     Status.GRAZING: "Change the initial condition or a parameter slightly.",
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8 instead.",
@@ -92,4 +102,4 @@ _WITHOUT_TAU = {
 }
 
 #: Names of the kinds of crossing, in the order of the compiled codes.
-CROSSING_KINDS = ("transversal", "grazing", "sliding", "repelling", "jump")
+CROSSING_KINDS = ("transversal", "grazing", "sliding", "repelling", "jump", "leaving")

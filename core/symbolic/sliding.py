@@ -1,0 +1,74 @@
+r"""Sliding along the surface g = 0, where both fields point to it: Filippov's field, derived from those of the sides.
+
+On the surface the state obeys the convex combination of both fields that keeps g,
+
+    f_s = (ġ₋ f₊ − ġ₊ f₋) / (ġ₋ − ġ₊),      ġ± = g_t + ∇g·f±.
+
+With this formula f_s is defined beside the surface, too, and keeps g at every level. So g is a conserved quantity of
+sliding, and the Discrete Multiplier Method holds the state on the surface. The sides may have quantities that f_s keeps
+as well, as angular momentum about an axis of symmetry.
+
+Reference: Filippov, Differential Equations with Discontinuous Righthand Sides (1988), §4, (10).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import sympy
+from sympy import Expr
+
+from core.symbolic.mode import SLIDING, Mode
+from core.symbolic.zero_testing import Domain, independent, is_larger, is_zero
+
+__all__ = ["sliding_mode"]
+
+#: Most nodes of the tree of a quotient whose common factors are cancelled, as sympy takes long for more.
+_CANCELLED_NODES = 200
+
+
+def sliding_mode(minus: Mode, plus: Mode) -> Mode:
+    """The mode of sliding between two modes that a surface separates.
+
+    Its guard −ġ₋ġ₊ is positive while both fields point to the surface, whichever way time runs (backward, the surface
+    attracts where it repels forward), and vanishes where one of them turns.
+    """
+    below, above = minus.guard_rate, plus.guard_rate
+    pairs = zip(minus.field, plus.field, strict=True)
+    field = tuple(_cancelled((below * b - above * a) / (below - above)) for a, b in pairs)
+    guard = -_cancelled(below) * _cancelled(above)
+    bare = Mode(SLIDING, minus.variables, field, (), guard, minus.taken)
+    return Mode(SLIDING, minus.variables, field, tuple(_kept(bare, minus, plus)), guard, minus.taken)
+
+
+def _kept(sliding: Mode, minus: Mode, plus: Mode) -> Iterator[Expr]:
+    """Quantities of the sides that the field of sliding keeps on the surface; last, g: d − 1 at most in all."""
+    g, d = minus.guard, len(sliding.variables)
+    if d == 1:
+        return
+    chosen: list[Expr] = []
+    most = min(d - 2, max(len(minus.conserved), len(plus.conserved)))
+    for psi in dict.fromkeys((*minus.conserved, *plus.conserved)):
+        rows = sympy.Matrix([[u.diff(v) for v in sliding.variables] for u in (*chosen, psi, g)])
+        domain = Domain(positive=sliding.guard)
+        if len(chosen) < most and _is_zero_on(g, sliding, sliding.rate_of(psi)) and independent(rows, domain):
+            chosen.append(psi)
+    yield from chosen
+    yield g
+
+
+def _is_zero_on(g: Expr, sliding: Mode, u: Expr) -> bool:
+    """Whether u vanishes where g does; if g is not linear in any variable, only a u that vanishes everywhere counts."""
+    for v in sliding.variables:
+        slope = g.diff(v)
+        if slope != 0 and not slope.free_symbols & set(sliding.variables):
+            return is_zero(u.xreplace({v: v - g / slope}), Domain(positive=sliding.guard))
+    return is_zero(u, Domain(positive=sliding.guard))
+
+
+def _cancelled(u: Expr) -> Expr:
+    """u without common factors of numerator and denominator, if that makes it shorter."""
+    if is_larger(u, _CANCELLED_NODES):
+        return u
+    short = sympy.cancel(sympy.together(u))
+    return short if short.count_ops() < u.count_ops() else u
