@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from core.integration.recording import Sampler
 from core.integration.runner import Runner, Settings, no_crossings
 from core.integration.trajectory import Status, Trajectory
-from core.interface.arguments import count, number, numbers
+from core.interface.arguments import checked_sliding, choice, count, number, numbers
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method, method_named
 from core.system import PiecewiseSystem, Start
@@ -22,7 +22,6 @@ from core.systems import System, system_of
 __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
 
 _TRANSITIONS = ("mannshardt", "none")
-_SLIDING = ("stop", "continue")
 _RECORDS = ("steps", "crossings", "end")
 #: Default step size.
 _TAU = 1e-2
@@ -118,8 +117,7 @@ def integrate(
     """
     system = system_of(system)
     chosen = checked_method(system, method)
-    if not isinstance(record, str) or record not in _RECORDS:
-        raise ValueError(f"record = {record!r}: choose from {', '.join(_RECORDS)}")
+    choice(record, "record", _RECORDS)
     t0, t1 = _span(t_span)
     start = checked_start(system, t0, x0)
     times = None if t_eval is None else _checked_times(t_eval, t0, t1)
@@ -211,10 +209,7 @@ def checked_settings(
 ) -> Settings:
     """Return the settings of a run; ValueError if they make no sense."""
     step, accuracy = _step_size(method, tau), _accuracy(method, tolerance)
-    if not isinstance(transition, str) or transition not in _TRANSITIONS:
-        raise ValueError(f"transition = {transition!r}: choose from {', '.join(_TRANSITIONS)}")
-    if not isinstance(sliding, str) or sliding not in _SLIDING:
-        raise ValueError(f"sliding = {sliding!r}: choose from {', '.join(_SLIDING)}")
+    located, slides = choice(transition, "transition", _TRANSITIONS) == "mannshardt", checked_sliding(sliding)
     shift = 0.0
     if perturbation_order is not None:
         order = number(perturbation_order, "perturbation_order")
@@ -225,8 +220,7 @@ def checked_settings(
         shift = _shift(number(perturbation_scale, "perturbation_scale"), step, order)
     limits = {"max_crossings": max_crossings, "max_steps": max_steps}
     given = {name: min(count(n, name), _UNLIMITED) for name, n in limits.items() if n is not None}
-    slides = sliding == "continue"
-    return Settings(step, accuracy, transition == "mannshardt", shift, slides=slides, cancel=cancel, **given)
+    return Settings(step, accuracy, located, shift, slides=slides, cancel=cancel, **given)
 
 
 def _shift(scale: float, step: float, order: float) -> float:

@@ -181,7 +181,7 @@ class PiecewiseSystem:
     # Values at states ------------------------------------------------------------------------------------------------
 
     def field(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
-        """f of a side (−1 or +1) at states (..., d) -> (..., d)."""
+        """f of a side, −1 or +1, or of sliding, 0, at states (..., d) -> (..., d)."""
         return self._evaluate(("f", side), self._side(side).field, t, x)
 
     def switching(self, t: ArrayLike, x: ArrayLike) -> Floats:
@@ -194,10 +194,10 @@ class PiecewiseSystem:
 
     def switching_rate(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
         """ġ = g_t + ∇g·f with the field of a side, at states (..., d) -> (...)."""
-        return self._evaluate(("g'", side), (self._side(side).guard_rate,), t, x)[..., 0]
+        return self._evaluate(("g'", side), (self._side(side).rate_of(self.laws.g),), t, x)[..., 0]
 
     def conserved(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
-        """ψ of a side at states (..., d) -> (..., m)."""
+        """ψ of a side, or what sliding (side 0) keeps, at states (..., d) -> (..., m)."""
         return self._evaluate(("psi", side), self._side(side).conserved, t, x)
 
     def latex(self) -> dict[str, str]:
@@ -224,9 +224,9 @@ class PiecewiseSystem:
         return self.laws.evaluate(key, expressions, times, states, self.parameter_array)
 
     def _side(self, side: int) -> Mode:
-        if np.ndim(side) or side not in (-1, 1):
-            raise ValueError(f"side = {side!r}: it is -1 where g < 0 and +1 where g > 0")
-        return self.laws.modes[int(side)]
+        if np.ndim(side) or side not in (-1, 0, 1):
+            raise ValueError(f"side = {side!r}: it is -1 where g < 0, +1 where g > 0, and 0 for sliding along g = 0")
+        return self.laws.mode(int(side))
 
     # Checks ----------------------------------------------------------------------------------------------------------
 

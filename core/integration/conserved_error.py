@@ -99,7 +99,7 @@ def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> 
     Parameters
     ----------
     side
-        Side whose ψ is taken, −1 or +1.
+        Side whose ψ is taken, −1 or +1; 0: what sliding keeps.
     t, x
         (...) times and (..., d) states.
 
@@ -108,7 +108,7 @@ def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> 
     (...), the largest over the conserved quantities; 0 where none is known, or where it is not finite.
     """
     laws = system.laws
-    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.modes[side].conserved]
+    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.mode(side).conserved]
     values = laws.evaluate(("size of psi", side), sizes, t, x, system.parameter_array)
     largest: Floats = np.where(np.isfinite(values), values, 0.0).max(axis=-1, initial=0.0)
     return largest

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["count", "listed", "number", "numbers"]
+__all__ = ["checked_sliding", "choice", "count", "listed", "number", "numbers"]
 
 #: Types that Python would convert to numbers, but that are refused.
 _NO_NUMBERS = (str, bytes, bytearray, bool, np.bool_, np.complexfloating, np.datetime64, np.timedelta64)
@@ -54,6 +54,18 @@ def listed(values: Any, what: str, wanted: str, alone: type | tuple[type, ...] =
         return tuple(values)
     except TypeError:
         raise ValueError(f"{what} = {values!r}: {wanted}") from None
+
+
+def choice(value: Any, what: str, options: tuple[str, ...]) -> str:
+    """Return one of some words, else raise ValueError."""
+    if not isinstance(value, str) or value not in options:
+        raise ValueError(f"{what} = {value!r}: choose from {', '.join(options)}")
+    return value
+
+
+def checked_sliding(value: Any) -> bool:
+    """Return whether a run slides, from "stop" or "continue"."""
+    return choice(value, "sliding", ("stop", "continue")) == "continue"
 
 
 def numbers(values: Any, what: str) -> NDArray[np.float64]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from core.interface.arguments import number
+from core.interface.arguments import checked_sliding, number
 from core.interface.cancelling import Cancel, raise_if
+from core.reference.continued import ContinuedSolution
 from core.reference.exact import exact_solution
 from core.reference.external import external_solution
 from core.reference.solution import Solution
@@ -24,6 +27,7 @@ def reference_solution(
     t0: float = 0.0,
     independent: bool = False,
     cancel: Cancel | None = None,
+    sliding: str = "stop",
 ) -> Solution:
     """Exact solution where both fields have a known closed form, else the Taylor method at two tolerances.
 
@@ -43,6 +47,9 @@ def reference_solution(
     independent
         Where there is no closed form, use SciPy's DOP853 at its tightest tolerance: slower and less accurate, but an
         external solver, independent of this package's methods.
+    sliding
+        As in `integrate`. With "continue" the Taylor method takes over from where an exact solution would slide, and
+        no external solver can be asked for.
     cancel
         Called again and again; once it returns True, whatever is asked for raises `core.reference.Cancelled`.
 
@@ -66,11 +73,19 @@ def reference_solution(
     numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
     fields = {side: tuple(f.xreplace(numbers) for f in laws.modes[side].field) for side in (-1, 1)}
     jump = None if laws.jump is None else tuple(u.xreplace(numbers) for u in laws.jump)
-    exact = exact_solution(fields[-1], fields[1], laws.g.xreplace(numbers), laws.x, t0, start, jump=jump, cancel=cancel)
+    g, slides = laws.g.xreplace(numbers), checked_sliding(sliding)
+    if slides and independent:
+        raise ValueError('independent = True: the external solver does not slide; leave out sliding="continue"')
+    try:
+        exact = exact_solution(fields[-1], fields[1], g, laws.x, t0, start, jump=jump, cancel=cancel)
+    except ValueError:  # it cannot leave the surface to one side
+        if not slides:
+            raise
+        exact = None
     if exact is not None:
-        return exact
+        return ContinuedSolution(exact, partial(TaylorSolution, system, start, t0, cancel, True)) if slides else exact
     if not independent:
-        return TaylorSolution(system, start, t0, cancel)
+        return TaylorSolution(system, start, t0, cancel, slides)
 
     def field(side: int, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         raise_if(cancel)

@@ -128,6 +128,10 @@ class ExactSolution:
         """State (d,) from which the solution continues after crossing k: on the surface, or after the jump."""
         return as_doubles(self._agreed(lambda solution: solution.crossing_in_digits(k))[2])
 
+    def entered(self, k: int) -> int:
+        """Side entered at crossing k, −1 or +1."""
+        return int(self._agreed(lambda solution: (solution.entered(k),))[0])
+
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
         return as_doubles(self._agreed(lambda solution: (solution.state_in_digits(t),))[0])

@@ -104,6 +104,9 @@ class Solution(Protocol):
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution continues after crossing k."""
 
+    def entered(self, k: int) -> int:
+        """Side entered at crossing k, −1 or +1; 0 where sliding begins."""
+
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t."""
 
@@ -147,6 +150,11 @@ class ReferenceSolution:
     def after(self, k: int) -> NDArray[np.float64]:
         """State (d,) from which the solution continues after crossing k: on the surface, or after the jump."""
         return self.crossing_in_digits(k)[2].astype(float)
+
+    def entered(self, k: int) -> int:
+        """Side entered at crossing k, −1 or +1."""
+        self._extend_to(k)
+        return self._arcs[k].side
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""

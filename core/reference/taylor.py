@@ -13,7 +13,7 @@ from core.integration.trajectory import Crossings, Status
 from core.interface.cancelling import Cancel, Cancelled
 from core.methods import METHODS
 from core.system import PiecewiseSystem
-from core.transition.records import SIDES_OF_MODES
+from core.transition.records import NO_MODE, SIDES_OF_MODES
 
 __all__ = ["TaylorSolution"]
 
@@ -43,15 +43,20 @@ class TaylorSolution:
         Initial time.
     cancel
         As in `integrate`; what is asked for then raises `Cancelled`.
+    slides
+        Whether it slides along the surface where both fields point to it; else it ends there.
     """
 
     exact = False
     name = f"Taylor method at tolerances {_FINE:g} and {_COARSE:g}"
 
     def __init__(
-        self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, cancel: Cancel | None = None
-    ) -> None:
-        self._fine, self._coarse = (_Path(system, x0, t0, tolerance, cancel) for tolerance in (_FINE, _COARSE))
+        self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, cancel: Cancel | None = None,
+        slides: bool = False,
+    ) -> None:  # fmt: skip
+        settings = [Settings(np.inf, accuracy, max_steps=_MAX_STEPS, slides=slides, cancel=cancel)
+                    for accuracy in (_FINE, _COARSE)]  # fmt: skip
+        self._fine, self._coarse = (_Path(system, x0, t0, one) for one in settings)
         self._t0 = t0
         self._error = 0.0
         for path in (self._fine, self._coarse):
@@ -75,6 +80,11 @@ class TaylorSolution:
         self.crossing(k)
         return np.array(self._fine.crossings(k).x_after[k - 1])
 
+    def entered(self, k: int) -> int:
+        """Side entered at crossing k, −1 or +1; 0 where sliding begins."""
+        self.crossing(k)
+        return int(self._fine.crossings(k).side[k - 1])
+
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
         if not self._t0 <= t < np.inf:
@@ -84,7 +94,7 @@ class TaylorSolution:
         return fine
 
     def side(self, t: float) -> int:
-        """Side, −1 or +1, occupied at time t ≥ t0."""
+        """Side, −1 or +1, occupied at time t ≥ t0; 0 while sliding."""
         return self._fine.side(t)
 
     def _compare(self, fine: NDArray[np.float64], coarse: NDArray[np.float64]) -> None:
@@ -101,10 +111,7 @@ class _Snapshot(NamedTuple):
 class _Path:
     """One run, with snapshots from which it can be continued to any time."""
 
-    def __init__(
-        self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, tolerance: float, cancel: Cancel | None
-    ) -> None:
-        settings = Settings(np.inf, tolerance, max_steps=_MAX_STEPS, cancel=cancel)
+    def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, settings: Settings) -> None:
         self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
         self._kept, self._ended = [_Snapshot(t0, self._runner.copy())], False
         self._stride = float(np.linalg.norm(x0)) / (float(np.linalg.norm(system.field(1, t0, x0))) or 1.0) or 1.0
@@ -125,7 +132,8 @@ class _Path:
 
     def side(self, t: float) -> int:
         """Side occupied at time t."""
-        return self._at(t).side or int(SIDES_OF_MODES[self._runner.first_mode])
+        mode = self._at(t).mode
+        return int(SIDES_OF_MODES[self._runner.first_mode if mode == NO_MODE else mode])
 
     def _at(self, t: float) -> Runner:
         while self._kept[-1].t < t and not (self._ended and t < self._runner.t):

@@ -127,6 +127,7 @@ def work_precision(
     progress: Callable[[int, int, WorkPrecision], object] | None = None,
     cancel: Cancel | None = None,
     transition: str = "mannshardt",
+    sliding: str = "stop",
 ) -> WorkPrecision:
     """Measure run time and error of several integrators, each at several step sizes or tolerances.
 
@@ -165,6 +166,8 @@ def work_precision(
         Called twenty times a second; once it returns True, what has been measured is returned.
     transition
         As in `integrate`, for the methods of this package; an external solver always stops on the surface.
+    sliding
+        As in `integrate`, for all: to slide, an external solver is restarted with Filippov's field.
 
     Raises
     ------
@@ -177,15 +180,17 @@ def work_precision(
     start = checked_start(system, span[0], x0)
     repeats, budget = count(repeats, "repeats", _MAX_REPEATS), _checked_budget(budget)
     given = _checked_ladders(names, settings if settings is not None else {})
-    checked_settings(METHODS[_METHODS[0]], None, transition=transition)
+    checked_settings(METHODS[_METHODS[0]], None, transition=transition, sliding=sliding)
     try:
-        target = target_of(system, reference_solution(system, start, span[0], cancel=cancel), start, span)
+        target = target_of(
+            system, reference_solution(system, start, span[0], cancel=cancel, sliding=sliding), start, span
+        )
     except Cancelled:
         target = Target.unknown(start, span)
     ladders = {name: given.get(name) or _ladder(name, target, budget) for name in names}
     study, given_up = _Study(target, ladders), GivenUp()
     most = 2 * len(target.crossings) + 10
-    problem = Problem(system, span[0], target.end, start, most, repeats, budget, transition, given_up)
+    problem = Problem(system, span[0], target.end, start, most, repeats, budget, transition, sliding, given_up)
     tasks = [(problem, name, setting) for _, name, setting in study.places]
     for done, (place, measured) in enumerate(as_completed(measure, tasks, executor, cancel, given_up), 1):
         study.put(place, measured)

@@ -43,7 +43,7 @@ class Arcs:
     """The ends of all segments of a run: k crossings, k + 1 segments."""
 
     side: list[int] = field(default_factory=list)
-    """Side, −1 or +1, of each segment."""
+    """Side, −1 or +1, of each segment; 0 while sliding."""
     entered: list[tuple[float, Floats]] = field(default_factory=list)
     """Time and state at the start, and after each crossing."""
     left: list[tuple[float, Floats]] = field(default_factory=list)
@@ -59,11 +59,11 @@ class Arcs:
     def conserved_error(self, system: PiecewiseSystem) -> float:
         """Largest change of any ψ over a segment; nan where there is no ψ."""
         worst = np.nan
-        for sign in (-1, 1):
-            ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == sign]
-            if ends and system.laws.modes[sign].conserved:
+        for side in sorted(set(self.side)):
+            ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == side]
+            if system.laws.mode(side).conserved:
                 psi = [
-                    system.conserved(sign, np.array([t for t, _ in one]), np.array([x for _, x in one]))
+                    system.conserved(side, np.array([t for t, _ in one]), np.array([x for _, x in one]))
                     for one in zip(*ends, strict=True)
                 ]
                 worst = np.fmax(worst, np.abs(psi[1] - psi[0]).max())
@@ -102,22 +102,30 @@ class ExternalSolver(NamedTuple):
 
 
 class ScalarFunctions:
-    """A system as Python functions of plain numbers: half a microsecond a call, less than a call of compiled code."""
+    """A system as Python functions of plain numbers: half a microsecond a call, less than a call of compiled code.
 
-    def __init__(self, system: PiecewiseSystem) -> None:
+    Parameters
+    ----------
+    slides
+        Whether it slides along the surface, as side 0.
+    """
+
+    def __init__(self, system: PiecewiseSystem, slides: bool = False) -> None:
         laws = self.laws = system.laws
+        self.slides = slides and laws.jump is None
+        self.sides = (-1, 1, 0) if self.slides else (-1, 1)
         self.system, self._p = system, system.parameter_array.tolist()
         self._names = {s: sympy.Symbol(f"u{k}") for k, s in enumerate((TIME, *laws.x, *laws.p))}
 
     @cached_property
     def field(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
         """(t, x) -> f (d,), of each side."""
-        return {side: self._function(self.laws.modes[side].field) for side in (-1, 1)}
+        return {side: self._function(self.laws.mode(side).field) for side in self.sides}
 
     @cached_property
-    def height(self) -> Callable[[float, Floats], Floats]:
-        """(t, x) -> (g,)."""
-        return self._function((self.laws.g,))
+    def guard(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
+        """(t, x) -> what ends a segment where it vanishes, (1,), of each side: g, or of sliding its own guard."""
+        return {side: self._function((self.laws.mode(side).guard,)) for side in self.sides}
 
     @cached_property
     def rate(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
@@ -146,16 +154,18 @@ class ScalarFunctions:
         return self._side(t, x, 0.0)
 
     def landing(self, t: float, x: Floats, side: int, since: float) -> tuple[int, Floats]:
-        """Side and state (d,) after a segment on `side`, begun at time `since`, has reached the surface at (t, x)."""
+        """Side and state (d,) after a segment on `side`, begun at time `since`, has met its guard at (t, x)."""
+        if side == 0:  # it leaves to the side whose field has turned
+            return (-1 if abs(self.rate[-1](t, x)[0]) < abs(self.rate[1](t, x)[0]) else 1), x
         if self.jump is None:
-            return -side, x
+            return (0 if self.slides and side * self.rate[-side](t, x)[0] > 0 else -side), x
         reach = _OFF_SURFACE * abs(self.rate[side](t, x)[0]) * (t - since)
         after = self.jump(t, x)
         return self._side(t, after, reach), after
 
     def _side(self, t: float, x: Floats, reach: float) -> int:
         """The sign of g; where |g| ≤ `reach`, the side to which f₊ leads."""
-        height = self.height(t, x)[0]
+        height = self.guard[1](t, x)[0]
         if abs(height) > reach:
             return 1 if height > 0 else -1
         return 1 if self.rate[1](t, x)[0] > 0 else -1
@@ -207,16 +217,16 @@ class _PreparedScipy:
         self._field = functions.field
         self._options: dict[str, Any] = {"method": "DOP853", "rtol": tolerance, "atol": tolerance * size}
         self._check: Callable[[], None]
-        self._events = {side: self._leaving(functions, side) for side in (-1, 1)}
+        self._events = {side: self._leaving(functions, side) for side in functions.sides}
 
     def _leaving(self, functions: ScalarFunctions, side: int) -> Any:
-        height = functions.height
+        guard = functions.guard[side]
 
         def event(t: float, x: Floats) -> float:  # called once a step, so the time used is checked here
             self._check()
-            return float(height(t, x)[0])
+            return float(guard(t, x)[0])
 
-        event.terminal, event.direction = True, -side  # type: ignore[attr-defined]
+        event.terminal, event.direction = True, -(side or 1)  # type: ignore[attr-defined]
         return event
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
@@ -241,7 +251,9 @@ class _PreparedHeyoka:
         except ImportError:
             raise Stopped("heyoka is not installed") from None
         self._outcomes = heyoka.taylor_outcome
-        self._integrators = {side: _heyoka_integrator(heyoka, functions.system, side, tolerance) for side in (-1, 1)}
+        self._integrators = {
+            side: _heyoka_integrator(heyoka, functions.system, side, tolerance) for side in functions.sides
+        }
         # Looked up once, as each access is slow.
         self._states = {side: one.state for side, one in self._integrators.items()}
 
@@ -260,12 +272,13 @@ class _PreparedHeyoka:
 def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: float) -> Any:
     laws, d = system.laws, system.dimension
     variables = [hy.expression(f"u{k}") for k in range(d)]
-    wanted = [_in_floats(e) for e in (*laws.modes[side].field, laws.g)]
+    mode = laws.mode(side)
+    wanted = [_in_floats(e) for e in (*mode.field, mode.guard)]
     used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # heyoka accepts no unused ones
     names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}
     *rates, height = (hy.from_sympy(e, names) for e in wanted)
-    height += side * _ROOT_SHIFT
-    way = hy.event_direction.negative if side > 0 else hy.event_direction.positive
+    height += mode.sign * _ROOT_SHIFT
+    way = hy.event_direction.negative if mode.sign > 0 else hy.event_direction.positive
     return hy.taylor_adaptive(
         list(zip(variables, rates, strict=True)), [0.0] * d, tol=tolerance,
         pars=[system.values[str(q)] for q in used], t_events=[hy.t_event(height, direction=way)],

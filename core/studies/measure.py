@@ -41,6 +41,7 @@ class Problem(NamedTuple):
     budget: float
     """Seconds that one run may take."""
     transition: str
+    sliding: str
     """As in `integrate`, for the methods of this package."""
     cancel: Cancel
     """Returns True once nobody waits for the result."""
@@ -123,6 +124,7 @@ def _own_method(problem: Problem, name: str, setting: float) -> tuple[Callable[[
     """A method of METHODS: a run that records its crossings, and one that records only the end, to be timed."""
     key = "tolerance" if METHODS[name].adaptive else "tau"
     options: dict[str, Any] = {key: setting, "method": name, "transition": problem.transition}
+    options["sliding"] = problem.sliding
     system, span, start = problem.system, (problem.t0, problem.end), problem.x0
 
     def explore(clock: _Clock) -> Arcs:
@@ -144,7 +146,7 @@ def _arcs(run: Trajectory) -> Arcs:
 
 def _external(problem: Problem, name: str, setting: float) -> tuple[Callable[[_Clock], Arcs], Callable[[], object]]:
     """An external solver: a run within the budget, and the same run, to be timed."""
-    start, functions = np.array(problem.x0), ScalarFunctions(problem.system)
+    start, functions = np.array(problem.x0), ScalarFunctions(problem.system, problem.sliding == "continue")
     prepared = EXTERNAL_SOLVERS[name].prepare(functions, setting, float(np.abs(start).max()) or 1.0)
 
     def run(check: Callable[[], None]) -> Arcs:

@@ -95,6 +95,7 @@ def order_study(
     t0: float = 0.0,
     cancel: Cancel | None = None,
     progress: Progress | None = None,
+    sliding: str = "stop",
 ) -> OrderStudy:
     """Measure the order of a method before the first crossing and after later ones.
 
@@ -107,8 +108,8 @@ def order_study(
         Step sizes, 2 to 64 of them.
     crossings
         Numbers of the crossings to compare, increasing, from 1.
-    system, x0, method, perturbation_order, perturbation_scale, transition, cancel
-        As in `integrate`.
+    system, x0, method, perturbation_order, perturbation_scale, transition, cancel, sliding
+        As in `integrate`; sliding begins and ends with a crossing.
     progress
         Called as ``progress(done, total, partial)`` after each step size.
 
@@ -125,9 +126,9 @@ def order_study(
     steps = _checked_taus(taus)
     numbers = _checked_crossings(crossings)
     options = (transition, perturbation_order, perturbation_scale)
-    settings = [checked_settings(chosen, tau, None, *options, cancel=cancel) for tau in steps]
+    settings = [checked_settings(chosen, tau, None, *options, cancel=cancel, sliding=sliding) for tau in steps]
     try:
-        exact = reference_solution(system, start, t0, cancel=cancel)
+        exact = reference_solution(system, start, t0, cancel=cancel, sliding=sliding)
         times, states, crossing_times = _targets(exact, t0, numbers)
     except Cancelled:
         return _nothing(chosen, steps, numbers)

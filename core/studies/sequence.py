@@ -13,17 +13,21 @@ from core.kernels.arrays import Floats
 __all__ = ["CrossingSequence"]
 
 
+#: What happens at a crossing, by the side entered.
+_WAYS = {-1: "enters the side g < 0", 0: "begins to slide", 1: "enters the side g > 0"}
+
+
 @dataclass(frozen=True, eq=False)
 class CrossingSequence:
-    """When a trajectory crosses the surface, and which side it enters.
+    """When a trajectory crosses the surface, and which side it enters, or that it slides from there.
 
-    Their kind is that of the system: all are jumps, or all are transversal.
+    Their kind follows from that, and from the system: all are jumps, or none is.
     """
 
     t: Floats
     """(k,) times, increasing."""
     side: NDArray[np.int64]
-    """(k,) sides entered, −1 or +1."""
+    """(k,) sides entered, −1 or +1; 0 where sliding begins."""
 
     @classmethod
     def of(cls, crossings: Crossings) -> CrossingSequence:
@@ -51,5 +55,5 @@ class CrossingSequence:
             return ""
         k = int(wrong[0])
         if self.side[k] != expected.side[k]:
-            return f"crossing {k + 1} enters the side {'g < 0' if self.side[k] < 0 else 'g > 0'} instead of the other"
+            return f"crossing {k + 1} {_WAYS[int(self.side[k])]}, where the solution {_WAYS[int(expected.side[k])]}"
         return f"crossing {k + 1} is at t = {self.t[k]:.4g} instead of {expected.t[k]:.4g}, nearer to another one"

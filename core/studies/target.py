@@ -60,7 +60,9 @@ def target_of(
     except ValueError as why:
         raise ValueError(f"t_span ends at {end:g}, after the solution: {why}; take an earlier end") from None
     times = _crossing_times(exact, end)
-    crossings = CrossingSequence(np.array(times), np.array([exact.side(t) for t in times], dtype=np.int64))
+    crossings = CrossingSequence(
+        np.array(times), np.array([exact.entered(k + 1) for k in range(len(times))], dtype=np.int64)
+    )
     size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
     estimate = _OF_ESTIMATE * exact.error
     floor = {

@@ -26,12 +26,15 @@ class Exact:
             self.m, self.z0, self.end = {-1: below, 1: above, 0: sliding}, mp.matrix(z0), mp.mpf(end)
 
     def height(self, z):
+        """n·z, the height above the surface."""
         return (self.n * z)[0]
 
     def rates(self, z):
+        """Rates of n·z with the fields of both sides."""
         return (self.n * self.m[-1] * z)[0], (self.n * self.m[1] * z)[0]
 
     def guard(self, side, z):
+        """What ends an arc where it becomes negative."""
         below, above = self.rates(z)
         return side * self.height(z) if side else -below * above
 
@@ -70,10 +73,12 @@ class Exact:
 
     @property
     def kinds(self):
+        """Kinds of the events."""
         return [kind for *_, kind in self.arcs[1:]]
 
     @property
     def times(self):
+        """Times of the events."""
         return np.array([float(t) for t, *_ in self.arcs[1:]])
 
     def state(self, t, d):

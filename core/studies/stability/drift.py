@@ -86,8 +86,9 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     found = Drift(
         plan.tau, plan.steps, t, np.full((n, len(t)), np.nan), (Status.RUNNING,) * n, ("",) * n, (0,) * n, np.zeros(n)
     )
-    counts = [len(mode.conserved) for mode in plan.system.laws.modes.values()]
-    at = [_Piece(plan.x0, np.zeros(max(counts)), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
+    laws = plan.system.laws
+    count = laws.most_conserved_sliding if plan.sliding == "continue" else laws.most_conserved
+    at = [_Piece(plan.x0, np.zeros(count), np.empty(0), Status.COMPLETED, "", 0, 0.0)] * n
     for number, (start, end) in enumerate(pairwise(edges)):
         given_up = GivenUp()
         going = [k for k in range(n) if at[k].status is Status.COMPLETED]
@@ -135,7 +136,7 @@ def _piece(
     most = _ADAPTIVE * steps + _FIRST if METHODS[method].adaptive else steps + _FIRST
     part = integrate(
         plan.system, span, x0, plan.tau, method, max_steps=most, max_crossings=most, transition=plan.transition,
-        cancel=cancel,
+        sliding=plan.sliding, cancel=cancel,
     )  # fmt: skip
     raise_if(cancel)
     x, change = tuple(map(float, part.x[-1])), offset + part.accumulated_error()

@@ -129,14 +129,14 @@ def _runs_from(
 ) -> tuple[float, int, list[tuple[int, float, int]]]:
     """End time of the runs from a start, the solution's crossings, and (crossings, error, status) per method."""
     t0 = plan.t_span[0]
-    times, solution = exact_times(plan.system, x0, t0, float(horizons.max()), cancel)
+    times, solution = exact_times(plan, x0, float(horizons.max()), cancel)
     clear = [float(np.abs(times - t).min(initial=np.inf)) for t in horizons]
     horizon = float(horizons[int(np.argmax(clear))])
     rows = []
     for method in plan.methods:
         one = integrate(
             plan.system, (t0, horizon), x0, plan.tau, method, max_steps=MAX_STEPS, max_crossings=MAX_STEPS,
-            transition=plan.transition, cancel=cancel,
+            transition=plan.transition, sliding=plan.sliding, cancel=cancel,
         )  # fmt: skip
         raise_if(cancel)
         rows.append((len(one.crossings.passed), worst_error(one), int(one.status)))

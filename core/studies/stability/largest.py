@@ -60,7 +60,7 @@ def count(plan: Plan) -> int:
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[LargestTau]:
     """Yield the results so far after each method."""
-    expected = expected_of(plan.system, plan.x0, plan.t_span, cancel)
+    expected = expected_of(plan.system, plan.x0, plan.t_span, plan.sliding, cancel)
     n, given_up = len(plan.methods), GivenUp()
     found = LargestTau(
         plan.taus, np.full(n, np.nan), np.full(n, np.nan), ("",) * n, np.zeros(n, dtype=bool),
@@ -83,8 +83,8 @@ def _largest(plan: Plan, expected: Expected, method: str, cancel: Cancel) -> tup
     """The largest step size that works, the smallest that fails, and why."""
 
     def trouble(tau: float) -> str:
-        start = (plan.x0, plan.t_span[0])
-        verdict = judge(plan.system, *start, expected, method, tau, MAX_STEPS, plan.transition, cancel)
+        start, options = (plan.x0, plan.t_span[0]), (plan.transition, plan.sliding)
+        verdict = judge(plan.system, *start, expected, method, tau, MAX_STEPS, *options, cancel)
         if verdict.outcome != expected.status:
             return verdict.message
         if METHODS[method].conservative and verdict.error > _KEPT * expected.size:

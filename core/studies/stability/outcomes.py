@@ -77,11 +77,11 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
 def _column(plan: Plan, x0: tuple[float, ...], method: str, cancel: Cancel) -> tuple[int, int, list[Verdict]]:
     """How the solution from one start ends, its crossings, and a verdict for each step size."""
     try:
-        expected = expected_of(plan.system, x0, plan.t_span, cancel)
+        expected = expected_of(plan.system, x0, plan.t_span, plan.sliding, cancel)
     except ValueError as why:  # f or g is undefined there
         return NO_START, 0, [Verdict(NO_START, 0, np.nan, str(why))] * len(plan.taus)
+    options = (plan.transition, plan.sliding, cancel)
     verdicts = [
-        judge(plan.system, x0, plan.t_span[0], expected, method, float(tau), MAX_STEPS, plan.transition, cancel)
-        for tau in plan.taus
+        judge(plan.system, x0, plan.t_span[0], expected, method, float(tau), MAX_STEPS, *options) for tau in plan.taus
     ]
     return int(expected.status), len(expected.crossings), verdicts

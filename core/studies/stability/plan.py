@@ -63,12 +63,15 @@ class Plan:
     """Number of steps of the long run."""
     transition: str
     """As in `integrate`."""
+    sliding: str
+    """As in `integrate`."""
 
 
 def checked_plan(
     system: PiecewiseSystem, t_span: tuple[float, float] | None, x0: Start | None,
     methods: Sequence[str | Method] | str | Method, taus: Iterable[float] | None, coordinate: int | str,
-    values: Iterable[float] | None, tau: float | None, steps: int, transition: str, cancel: Cancel | None,
+    values: Iterable[float] | None, tau: float | None, steps: int, transition: str, sliding: str,
+    cancel: Cancel | None,
 ) -> Plan:  # fmt: skip
     """Return the plan of a study; ValueError if an argument makes no sense."""
     span = _span(_T_SPAN if t_span is None else t_span)
@@ -77,11 +80,15 @@ def checked_plan(
     ladder = np.geomspace(length / _FINEST, length / _COARSEST, _TAUS) if taus is None else _increasing(taus, "taus")
     chosen = [checked_method(system, name) for name in names]
     for one in (*ladder, length / _DEFAULT_STEPS if tau is None else tau):
-        step = checked_settings(chosen[0], one, transition=transition).tau
+        step = checked_settings(chosen[0], one, transition=transition, sliding=sliding).tau
     index = _coordinate(system, coordinate)
-    wanted = _default_values(system, start, span, index, cancel) if values is None else _increasing(values, "values")
+    wanted = (
+        _default_values(system, start, span, index, sliding, cancel)
+        if values is None
+        else _increasing(values, "values")
+    )
     most = count(steps, "steps", _MOST_STEPS)
-    return Plan(system, span, start, names, ladder, index, wanted, step, most, transition)
+    return Plan(system, span, start, names, ladder, index, wanted, step, most, transition, sliding)
 
 
 def _span(t_span: Any) -> tuple[float, float]:
@@ -125,10 +132,10 @@ def _coordinate(system: PiecewiseSystem, coordinate: int | str) -> int:
 
 def _default_values(
     system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], coordinate: int,
-    cancel: Cancel | None,
+    sliding: str, cancel: Cancel | None,
 ) -> Floats:  # fmt: skip
     """Default values: the range of the coordinate along the trajectory from x₀, and a margin, as in its portrait."""
-    seen = reference_run(system, x0, t_span, record="steps", cancel=cancel).x[:, coordinate]
+    seen = reference_run(system, x0, t_span, record="steps", sliding=sliding, cancel=cancel).x[:, coordinate]
     away = np.abs(seen - x0[coordinate])
     seen = seen[away <= _FAR * max(float(np.median(away)), float(away.max()) / 1e6)]
     low, high = float(seen.min()), float(seen.max())

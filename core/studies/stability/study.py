@@ -80,6 +80,7 @@ def stability_study(
     tau: float | None = None,
     steps: int = 1_000_000,
     transition: str = "mannshardt",
+    sliding: str = "stop",
     executor: Executor | None = None,
     progress: Callable[[int, int, StabilityStudy], object] | None = None,
     cancel: Cancel | None = None,
@@ -115,6 +116,8 @@ def stability_study(
         Number of steps of the long run; all methods run to the same time, tau · steps.
     transition
         As in `integrate`, for all runs but the reference.
+    sliding
+        As in `integrate`, for all runs.
     executor
         Where tasks run; threads of its own where not given. See `as_completed`.
     progress
@@ -128,7 +131,7 @@ def stability_study(
         On arguments that make no sense, naming the value and what would do.
     """
     system, wanted = system_of(system), _checked_parts(parts)
-    plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps, transition, cancel)
+    plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps, transition, sliding, cancel)
     name = system.variables[plan.coordinate]
     study = StabilityStudy(system.name, plan.methods, plan.t_span, plan.x0, plan.coordinate, name, REFERENCE)
     total, before = sum(_PARTS[part].count(plan) for part in wanted), 0

@@ -15,7 +15,6 @@ from core.kernels.arrays import Floats
 from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
 from core.studies.stability.verdict import ENDINGS, reference_run, start_at
-from core.system import PiecewiseSystem
 
 __all__ = ["Tangency", "exact_times", "find_tangency"]
 
@@ -90,7 +89,8 @@ def _in_gap(plan: Plan, low: float, high: float, cancel: Cancel | None) -> Tange
 def _run(plan: Plan, value: float, cancel: Cancel | None) -> Trajectory | None:
     """Return the reference run from a value of the coordinate; None where it cannot start, or does not finish."""
     try:
-        run = reference_run(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span, cancel=cancel)
+        start = start_at(plan.x0, plan.coordinate, value)
+        run = reference_run(plan.system, start, plan.t_span, sliding=plan.sliding, cancel=cancel)
     except ValueError:  # f or g is undefined there
         return None
     raise_if(cancel)
@@ -152,13 +152,16 @@ def _first_difference(more: Trajectory, less: Trajectory, apart: float) -> int:
 def _is_touch(plan: Plan, run: Trajectory, k: int) -> bool:
     """Whether a run that starts off the surface meets it nearly tangentially at crossing k, and does not rest there."""
     system, met = plan.system, run.crossings
-    steps = reference_run(system, tuple(run.x[0]), (plan.t_span[0], float(met.t[k])), record="steps")
+    before = int(met.side[k - 1] if k else run.side[0])
+    if before == 0:  # it slides up to there
+        return False
+    span = (plan.t_span[0], float(met.t[k]))
+    steps = reference_run(system, tuple(run.x[0]), span, record="steps", sliding=plan.sliding)
     heights, rates, speeds = np.abs(system.switching(steps.t, steps.x)), np.zeros(len(steps.t)), np.zeros(len(steps.t))
     for side in (-1, 1):
         rows = steps.side == side
         rates[rows] = np.abs(system.switching_rate(side, steps.t[rows], steps.x[rows]))
         speeds[rows] = np.linalg.norm(system.field(side, steps.t[rows], steps.x[rows]), axis=1)
-    before = int(met.side[k - 1] if k else run.side[0])
     speed = np.linalg.norm(system.field(before, met.t[k], met.x[k]))
     off, flat = heights[0] > _OFF * heights.max(), abs(met.rate_before[k]) < _FLAT * rates.max()
     return bool(off and flat and speed > _FLAT * speeds.max())
@@ -168,9 +171,7 @@ def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
     """Return the tangency of the exact solution, where known: that of the integrator has its round-off."""
 
     def crossings(value: float) -> int:
-        return len(
-            exact_times(plan.system, start_at(plan.x0, plan.coordinate, value), plan.t_span[0], horizon, cancel)[0]
-        )
+        return len(exact_times(plan, start_at(plan.x0, plan.coordinate, value), horizon, cancel)[0])
 
     horizon = tangency.horizon
     if not _is_exact(plan, tangency.value, cancel):
@@ -192,19 +193,19 @@ def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:
 def _is_exact(plan: Plan, value: float, cancel: Cancel | None) -> bool:
     start = start_at(plan.x0, plan.coordinate, value)
     try:
-        return reference_solution(plan.system, start, plan.t_span[0], cancel=cancel).exact
+        return reference_solution(plan.system, start, plan.t_span[0], sliding=plan.sliding, cancel=cancel).exact
     except ValueError:  # the start is on the surface
         return False
 
 
 def exact_times(
-    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, until: float, cancel: Cancel | None
+    plan: Plan, x0: tuple[float, ...], until: float, cancel: Cancel | None
 ) -> tuple[NDArray[np.float64], Solution | None]:
     """Times of the crossings of the reference solution up to `until`, or to its end, and the solution."""
     times: list[float] = []
     solution = None
     try:
-        solution = reference_solution(system, x0, t0, cancel=cancel)
+        solution = reference_solution(plan.system, x0, plan.t_span[0], sliding=plan.sliding, cancel=cancel)
         while not times or times[-1] <= until:
             times.append(solution.crossing(len(times) + 1)[0])
     except ValueError:  # no further crossing, or no start

@@ -106,22 +106,24 @@ def reference_run(
     x0: tuple[float, ...],
     t_span: tuple[float, float],
     record: str = "crossings",
+    sliding: str = "stop",
     cancel: Cancel | None = None,
 ) -> Trajectory:
     """Run the reference; ValueError where it cannot start."""
     return integrate(
         system, t_span, x0, method="taylor", tolerance=_TOLERANCE, record=record, max_steps=_REFERENCE_STEPS,
-        cancel=cancel,
+        sliding=sliding, cancel=cancel,
     )  # fmt: skip
 
 
 def expected_of(
-    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], cancel: Cancel | None = None
-) -> Expected:
+    system: PiecewiseSystem, x0: tuple[float, ...], t_span: tuple[float, float], sliding: str = "stop",
+    cancel: Cancel | None = None,
+) -> Expected:  # fmt: skip
     """Return what to expect of a run from x0; ValueError where it cannot start."""
     t0, t1 = t_span
     beyond = t1 + _BEYOND * (t1 - t0)
-    run = reference_run(system, x0, (t0, beyond), cancel=cancel)
+    run = reference_run(system, x0, (t0, beyond), sliding=sliding, cancel=cancel)
     t, size = run.crossings.t, run.psi_size()
     if run.status is not Status.COMPLETED and run.t[-1] <= t1:
         return Expected(run.status, CrossingSequence.of(run.crossings), beyond, size)
@@ -136,12 +138,12 @@ def expected_of(
 
 def judge(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, tau: float,
-    max_steps: int, transition: str = "mannshardt", cancel: Cancel | None = None,
+    max_steps: int, transition: str = "mannshardt", sliding: str = "stop", cancel: Cancel | None = None,
 ) -> Verdict:  # fmt: skip
     """Run a method, and compare ending and crossings with the solution; raise `Cancelled` if told to stop."""
     run = integrate(
         system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps,
-        transition=transition, cancel=cancel,
+        transition=transition, sliding=sliding, cancel=cancel,
     )  # fmt: skip
     raise_if(cancel)
     outcome, message, passed = int(run.status), run.status.reason, CrossingSequence.of(run.crossings)
