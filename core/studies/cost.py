@@ -182,9 +182,8 @@ def work_precision(
     given = _checked_ladders(names, settings if settings is not None else {})
     checked_settings(METHODS[_METHODS[0]], None, transition=transition, sliding=sliding)
     try:
-        target = target_of(
-            system, reference_solution(system, start, span[0], cancel=cancel, sliding=sliding), start, span
-        )
+        reference = reference_solution(system, start, span[0], cancel=cancel, sliding=sliding)
+        target = target_of(system, reference, start, span)
     except Cancelled:
         target = Target.unknown(start, span)
     ladders = {name: given.get(name) or _ladder(name, target, budget) for name in names}

@@ -89,8 +89,8 @@ _WORDS = {
 }
 
 _WHILE_SLIDING = {
-    Status.GRAZING: "sliding ends where a field is tangent to the surface without turning, or both are, so the rates do "
-    "not tell where the solution leads",
+    Status.GRAZING: "sliding ends where a field is tangent to the surface without turning, or both are, so the rates "
+    "do not tell where the solution leads",
 }
 
 _WITHOUT_TAU = {
