@@ -17,7 +17,7 @@ from core.interface.arguments import listed, numbers
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.system import PiecewiseSystem
-from core.transition.records import NO_MODE, SIDES_OF_MODES
+from core.transition.records import NO_MODE, SIDES_OF_MODES, SLIDING_MODE
 from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["CROSSING_KINDS", "Crossing", "Crossings", "Status", "Trajectory"]
@@ -251,7 +251,8 @@ class Trajectory:
         """Total error of ψ that the integrator has made before each segment between crossings.
 
         At a crossing ψ becomes another function, and a jump is part of the system: these changes are not errors. The
-        errors added up are those at the end of every segment, and those of continuing from a state off the surface.
+        errors added up are those at the end of every segment, and those of continuing from a state off the surface;
+        those of sliding, where g is a conserved quantity too, are not carried on.
 
         Returns
         -------
@@ -259,8 +260,10 @@ class Trajectory:
         """
         met = self.crossings
         off_surface = self._level_residual(met.t, met.x_after, met.mode, np.arange(len(met)), met.t, met.surface)
-        off_surface[met.kind == "jump"] = 0.0
-        errors = np.nan_to_num(self.exit_error()) + np.nan_to_num(off_surface)
+        off_surface[(met.kind == "jump") | (met.mode == SLIDING_MODE)] = 0.0
+        left = np.nan_to_num(self.exit_error())
+        left[met.kind == "leaving"] = 0.0
+        errors = left + np.nan_to_num(off_surface)
         total = np.zeros((len(self.entered_t), errors.shape[1]))
         if len(errors):
             total[1:] = np.cumsum(errors, axis=0)[: len(total) - 1]
@@ -278,9 +281,11 @@ class Trajectory:
 
         Returns
         -------
-        (n, m); nan where the side occupied has fewer conserved quantities.
+        (n, m); nan where the mode occupied has fewer conserved quantities. While sliding, only the error of that.
         """
-        return self.conserved_error(exits=False) + self.carried_error()[self.segment]
+        carried = self.carried_error()[self.segment]
+        carried[self.mode == SLIDING_MODE] = 0.0
+        return self.conserved_error(exits=False) + carried
 
     def change_of_psi(self) -> Floats:
         """|Δψ|: size of the accumulated error, the largest over the conserved quantities.
@@ -305,7 +310,7 @@ class Trajectory:
         """
         rows = np.arange(0, len(self.t), max(1, len(self.t) // _SAMPLE))
         largest = 0.0
-        for side in (-1, 1):
+        for side in (-1, 1, 0) if self.slides else (-1, 1):
             there = rows[self.side[rows] == side]
             sizes = psi_size(self.system, side, self.t[there], self.x[there])
             largest = max(largest, float(sizes.max(initial=0.0)))

@@ -13,5 +13,5 @@ SYSTEM = PiecewiseSystem(
     parameters=(Parameter("mu", 0.4, (0.01, 2.0), "friction, against the motion"),),
     x0=(3.0, 0.0),
     doc="A block on a spring rubs on a dry table. Each turning point is closer by 2μ, until the spring is too weak to "
-    "move the block and it sticks: the run ends there, sliding along v = 0.",
+    "move the block and it sticks: the state stays on the surface v = 0.",
 )

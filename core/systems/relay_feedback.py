@@ -15,5 +15,5 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(4.0, 0.0),
     doc="A motor pushes a cart back with full force, to the left or to the right by the sign of x + θv. The swings die "
-    "down until both pushes point to the line and the relay chatters: the run ends there, sliding.",
+    "down until both pushes point to the line and the relay chatters: in the limit the state slides along it, to rest.",
 )

@@ -15,5 +15,5 @@ SYSTEM = PiecewiseSystem(
         Parameter("v_plus", 0.1, (0.02, 1.0), "downward speed where y > 0"),
     ),
     x0=(0.0, 2.0),
-    doc="Both fields point to y = 0: a trajectory reaches it from either side and cannot leave, so the run ends there.",
+    doc="Both fields point to y = 0: a trajectory reaches it from either side, cannot leave it, and slides along it.",
 )

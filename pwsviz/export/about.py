@@ -103,6 +103,8 @@ def _integration(scene: Scene) -> str:
     if scene.locate and scene.perturbation_order is not None:
         order = str(scene.perturbation_order).translate(RAISED)
         crossings += printed(f", their times perturbed by {scene.perturbation_scale:g}·τ{order}")
+    if scene.slides:
+        crossings += "; where the surface attracts, sliding along it (Filippov)"
     return f"integrated by {listed(used)} with {' and '.join(steps)} to t = {scene.t_end:.15g}; {crossings}"
 
 

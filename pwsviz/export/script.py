@@ -9,7 +9,15 @@ from collections.abc import Iterable, Mapping
 from textwrap import indent
 
 import core
-from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, StudyInputs, run_inputs, transition_of
+from pwsviz.results.requests import (
+    CostInputs,
+    Scheme,
+    StabilityInputs,
+    StudyInputs,
+    run_inputs,
+    sliding_of,
+    transition_of,
+)
 from pwsviz.results.studies import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.scene.scene import OWN, Scene
 from pwsviz.scene.validation import MAX_STEPS
@@ -22,6 +30,7 @@ _USUAL: Mapping[str, object] = {
     "method": "dmm2",
     "tolerance": 1e-12,
     "transition": "mannshardt",
+    "sliding": "stop",
     "perturbation_order": None,
     "perturbation_scale": 1.0,
     "coordinate": 0,
@@ -123,7 +132,7 @@ def order_program(scene: Scene, inputs: tuple[StudyInputs, ...]) -> str:
     looked = _call(
         "run = core.integrate",
         ("system", f"(0.0, {STUDY_HORIZON!r})"),
-        start | _unusual({"tau": STUDY_PROBE}) | method
+        start | _unusual({"tau": STUDY_PROBE, "sliding": inputs[0].scheme.sliding}) | method
         | {"record": "'crossings'", "max_crossings": repr(STUDY_CROSSINGS[-1] + 1)},
     )  # fmt: skip
     study = _call(
@@ -146,7 +155,7 @@ print(f"times of crossings {{study.crossings}}: slopes {{study.time_slope}}")"""
 def cost_program(scene: Scene, inputs: CostInputs) -> str:
     """Return the lines that repeat a comparison of run times."""
     keywords = _x0(scene) | {"methods": repr(inputs.methods)}
-    keywords |= _unusual({"peers": inputs.peers, "transition": transition_of(inputs.locate)})
+    keywords |= _unusual({"peers": inputs.peers}) | _at_surface(inputs)
     return f"""\
 # The cost of accuracy.
 {_call("study = core.work_precision", ("system", _span(scene)), keywords)}
@@ -180,7 +189,7 @@ def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
     parts = ("largest_tau", "map") if inputs.part == "map" else (inputs.part,)
     keywords = _x0(scene) | {"methods": repr(inputs.methods)} | _unusual({"coordinate": inputs.coordinate})
     keywords |= {"parts": repr(parts)} | ({} if inputs.tau is None else {"tau": repr(inputs.tau)})
-    keywords |= _unusual({"transition": transition_of(inputs.locate)})
+    keywords |= _at_surface(inputs)
     call = _call("study = core.stability_study", ("system", f"(0.0, {inputs.t_end!r})"), keywords)
     return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
 
@@ -190,9 +199,14 @@ def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
 
 def _scheme(scheme: Scheme) -> dict[str, object]:
     """Return the settings of a scheme that differ from their defaults, except its method."""
-    names = ("tolerance", "transition", "perturbation_order", "perturbation_scale")
+    names = ("tolerance", "transition", "sliding", "perturbation_order", "perturbation_scale")
     given = {name: getattr(scheme, name) for name in names}
     return {name: value for name, value in given.items() if value is not None and value != _USUAL[name]}
+
+
+def _at_surface(inputs: CostInputs | StabilityInputs) -> dict[str, str]:
+    """Return the arguments that say what happens at the surface."""
+    return _unusual({"transition": transition_of(inputs.locate), "sliding": sliding_of(inputs.slide)})
 
 
 def _adaptive(method: str) -> bool:

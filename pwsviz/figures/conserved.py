@@ -12,7 +12,7 @@ from bokeh.models.glyphs import Scatter
 
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
-    SIDES,
+    OCCUPIED,
     assign,
     describe,
     fit_to_corners,
@@ -23,6 +23,7 @@ from pwsviz.figures.style import (
     mark_levels,
     plain_figure,
     run_lines,
+    segments,
     show_methods,
     side_strips,
     tips,
@@ -79,18 +80,17 @@ class ConservedView:
             4,
             [
                 ({"field": "method"}, self.keys),
-                ("g < 0", self.bands[-1]),
-                ("g > 0", self.bands[1]),
+                *((name if side else f"{name}: |g|", self.bands[side]) for side, (name, _) in OCCUPIED.items()),
                 ({"field": "label"}, self.ticks),
             ],
             usual=5,
         )
-        self.entries = dict(zip(SIDES, entries, strict=True))
+        self.entries = dict(zip(OCCUPIED, entries, strict=True))
 
     def _band_glyphs(self) -> None:
         plot = self.figure
         self.segments, self.bands = {}, {}
-        for side in SIDES:
+        for side in OCCUPIED:
             self.segments[side] = ColumnDataSource({"start": [], "end": []})
             self.bands[side] = plot.add_glyph(self.segments[side], side_strips(side))
         self.levels = mark_levels(
@@ -165,12 +165,12 @@ class ConservedView:
         }
 
     def _show_segments(self, first: ErrorCurve) -> None:
-        few = len(first.crossings) <= MOST_BANDS
         bounds = np.concatenate([[0.0], first.crossings, [first.t_end]])
         for side, source in self.segments.items():
-            there = np.flatnonzero(first.sides == side) if few else np.empty(0, dtype=int)
-            assign(source, start=bounds[there], end=bounds[there + 1])
-            self.entries[side].visible = bool(len(there))
+            few = slice(None) if len(first.crossings) <= MOST_BANDS else slice(0)
+            shaded = segments(bounds, first.sides[few], side)
+            assign(source, **shaded)
+            self.entries[side].visible = len(shaded["start"]) > 0
 
     def _show_ticks(self, first: ErrorCurve, landmarks: Landmarks | None) -> None:
         t = first.crossings if len(first.crossings) <= MOST_BANDS else first.crossings[:0]
@@ -212,7 +212,7 @@ def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = N
         Of the first run, with the round-off of ψ that is drawn; that of a ψ of size 1 where it is not given.
     """
     round_off = ROUND_OFF * MACHINE_EPSILON if landmarks is None else landmarks.round_off
-    told = [words for curve in curves if (words := _drift(curve, round_off))]
+    told = [words for curve in curves for words in (_drift(curve, round_off), _off_surface(curve)) if words]
     many = len(curves[0].crossings)
     missing = f" {many:,} crossings are too many to mark them or to shade the sides." * (many > MOST_BANDS)
     whose = f" Sides and crossings are those of {curves[0].method}." * (len(curves) > 1)
@@ -221,7 +221,7 @@ def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = N
 
 def _drift(curve: ErrorCurve, round_off: float) -> str:
     """Say whether the error of one integrator is round-off, stays below a bound or drifts; empty if no ψ is known."""
-    known = np.isfinite(curve.error) | np.isinf(curve.error)
+    known = (np.isfinite(curve.error) | np.isinf(curve.error)) & ~curve.sliding
     t, error = curve.t[known], curve.error[known]
     if not len(error):
         return ""
@@ -238,6 +238,12 @@ def _drift(curve: ErrorCurve, round_off: float) -> str:
     if late <= 2 * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
     return f"{curve.method} drifts to {rounded_up(worst)}{_relative(worst, size)} by t = {curve.t_end:.4g}"
+
+
+def _off_surface(curve: ErrorCurve) -> str:
+    """Say how far one integrator leaves the surface while it slides; empty if it does not slide."""
+    error = curve.error[curve.sliding & np.isfinite(curve.error)]
+    return f"{curve.method} slides at |g| ≤ {rounded_up(float(error.max()))}" if len(error) else ""
 
 
 def _relative(error: float, size: float) -> str:

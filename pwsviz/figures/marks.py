@@ -16,9 +16,11 @@ __all__ = ["ENDS", "KIND_COLOURS", "KIND_MARKERS", "crossing_columns", "end_colu
 
 KIND_MARKERS = {
     "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
+    "leaving": "inverted_triangle",
 }  # fmt: skip
 KIND_COLOURS = {
     "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": ORANGE,
+    "leaving": GREEN,
 }  # fmt: skip
 """Colours of crossings; kinds of the same colour differ in their marker."""
 

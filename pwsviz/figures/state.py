@@ -14,14 +14,15 @@ import core
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     HEIGHT,
+    OCCUPIED,
     ROOM,
-    SIDES,
     assign,
     invisible,
     legend_below,
     line_of,
     plain_figure,
     run_lines,
+    segments,
     side_strips,
     tips,
     unseen,
@@ -55,7 +56,7 @@ class Shared:
 
     def __init__(self) -> None:
         self.across = Range1d(start=0.0, end=1.0)
-        self.segments = {side: ColumnDataSource({"start": [], "end": []}) for side in SIDES}
+        self.segments = {side: ColumnDataSource({"start": [], "end": []}) for side in OCCUPIED}
         columns = ("t", "x", "y", "label", "kind", "marker", "colour", "number", "method")
         self.t_end = 1.0
         self.instants = unseen((*columns, *map(_column, range(MOST_PANELS))))
@@ -88,7 +89,8 @@ class Panel:
         self.corners = ColumnDataSource({"x": [0.0, 0.0], "y": [-1.0, 1.0]})
         self.up.renderers = [self.figure.add_glyph(self.corners, invisible(size=1))]
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
-        entries = [({"field": "method"}, self.lines), ("g < 0", self.bands[-1]), ("g > 0", self.bands[1])]
+        sides = [(name, self.bands[side]) for side, (name, _) in OCCUPIED.items()]
+        entries = [({"field": "method"}, self.lines), *sides]
         self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)], usual=5)
 
     def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
@@ -169,11 +171,12 @@ class StateView:
         self._show_crossings(first.crossings.first(MOST_MARKS), first.method, places[:MOST_MARKS])
 
     def _show_segments(self, run: core.Trajectory) -> None:
-        bounds = np.concatenate([[run.t[0]], run.crossings.t, [run.t[-1]]])
+        bounds = np.concatenate([[run.t[0]], run.crossings.t, [run.t[-1]]])[: MOST_MARKS + 1]
         sides = np.concatenate([run.side[:1], run.crossings.side])[:MOST_MARKS]
-        for side, source in self.shared.segments.items():
-            there = np.flatnonzero(sides == side)
-            assign(source, start=bounds[there], end=bounds[there + 1])
+        for k, (side, source) in enumerate(self.shared.segments.items()):
+            assign(source, **segments(bounds, sides, side))
+            for panel in self.panels:
+                panel.entries[1 + k].visible = side != 0 or len(source.data["start"]) > 0
 
     def _show_crossings(self, crossings: core.Crossings, method: str, places: Floats) -> None:
         count = len(crossings)

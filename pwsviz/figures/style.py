@@ -22,8 +22,10 @@ from bokeh.models import (
 from bokeh.models.annotations import Legend, LegendItem, Span
 from bokeh.models.glyphs import MultiLine, Scatter, VStrip
 from bokeh.plotting import figure
+from numpy.typing import NDArray
 
 import core
+from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
 
 # The palette of Okabe and Ito, which is legible in the common kinds of colour blindness, on light and on dark ground.
@@ -44,6 +46,9 @@ SAND = "#A89A80"
 
 SIDES = {-1: SKY, 1: SAND}
 """Colour of each side of the surface."""
+
+OCCUPIED = {-1: ("g < 0", SIDES[-1]), 1: ("g > 0", SIDES[1]), 0: ("sliding", GREEN)}
+"""Name and colour of where a run is: on a side, or sliding along the surface."""
 
 HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
@@ -226,8 +231,15 @@ def run_lines() -> MultiLine:
 
 
 def side_strips(side: int) -> VStrip:
-    """Return the shade of the times between ``start`` and ``end``, which a run spends on one side."""
-    return VStrip(x0="start", x1="end", fill_color=SIDES[side], fill_alpha=0.16, line_width=0)
+    """Return the shade of the times between ``start`` and ``end``, which a run spends on one side, or sliding."""
+    return VStrip(x0="start", x1="end", fill_color=OCCUPIED[side][1], fill_alpha=0.16, line_width=0)
+
+
+def segments(t: Floats, sides: NDArray[np.int64], side: int) -> dict[str, Floats]:
+    """Return the columns of `side_strips` for one side, from the ends of segments and the sides of the first ones."""
+    count = len(sides)
+    there = np.flatnonzero((sides == side) & (t[1 : 1 + count] > t[:count]))
+    return {"start": t[there], "end": t[there + 1]}
 
 
 def ranges(plot: figure) -> tuple[DataRange1d, DataRange1d]:

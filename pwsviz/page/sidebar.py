@@ -33,12 +33,14 @@ COORDINATES_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 
 METHOD_NOTES = {name: method.doc for name, method in core.METHODS.items()}
 """What each integrator is, for its tooltip."""
 
-LOCATE = {
+AT_SURFACE = {
     LABELS["locate"]: "End a step on the surface and begin the next one there with the field of "
     "the other side (Mannshardt), which preserves the order. Otherwise a step across the surface is completed with the "
-    "field of the side on which it began."
+    "field of the side on which it began.",
+    LABELS["slide"]: "Where both fields point to the surface, go on along it with the combination of both that stays "
+    "on it (Filippov), and leave where one of them turns. Otherwise the run ends there, as the paper’s theory does.",
 }
-"""The one box of its group, and what it does."""
+"""The boxes of the group of crossings, and what they do."""
 
 START = "Coordinate of the selected start. A start can also be dragged in the portrait."
 """Tooltip of a coordinate."""
@@ -76,7 +78,7 @@ class Sidebar(pn.viewable.Viewer):
         self._preset: core.PiecewiseSystem | None = None  # of the preset whose note is shown
         scene.param.watch(self._sync, [*NUMBERS, "system", "own", "starts", "selected", "values"])
         scene.param.watch(self._choose, ["system", "own", "axes"])
-        scene.param.watch(self._enable, ["system", "own", "methods", "locate", "perturbation_order"])
+        scene.param.watch(self._enable, ["system", "own", "methods", "locate", "slide", "perturbation_order"])
         self._sync()
         self._choose()
         self._enable()
@@ -135,10 +137,10 @@ class Sidebar(pn.viewable.Viewer):
         self.methods.param.watch(self._take_methods, "value")
 
     def _make_crossings(self) -> None:
-        self.locate = Choices(
-            label="Crossings", options=list(LOCATE), about=LOCATE, margin=(4, 0), sizing_mode="stretch_width"
+        self.at_surface = Choices(
+            label="Crossings", options=list(AT_SURFACE), about=AT_SURFACE, margin=(4, 0), sizing_mode="stretch_width"
         )
-        self.locate.param.watch(lambda event: self.scene.param.update(locate=bool(event.new)), "value")
+        self.at_surface.param.watch(self._take_at_surface, "value")
         self.order = Dropdown(
             LABELS["perturbation_order"],
             description="Perturb every crossing time on purpose, to see which p preserves the order of the method.",
@@ -214,7 +216,7 @@ class Sidebar(pn.viewable.Viewer):
     def _enable(self, *_: Any) -> None:
         """Enable the controls that have an effect, and say which methods are left out."""
         self.methods.param.update(options=self.scene.offered, value=self.scene.used)
-        self.locate.value = list(LOCATE) if self.scene.locate else []
+        self.at_surface.value = [LABELS[key] for key in ("locate", "slide") if getattr(self.scene, key)]
         self.methods_note.object = method_notes(self.scene)
         self.tolerance.show_if(any(core.METHODS[name].adaptive for name in self.scene.used))
         self.order.disabled = not self.scene.locate
@@ -242,6 +244,9 @@ class Sidebar(pn.viewable.Viewer):
             self._preset = self.scene.declaration
             self.presets.value = ""
 
+    def _take_at_surface(self, event: Any) -> None:
+        self.scene.param.update(**{key: LABELS[key] in event.new for key in ("locate", "slide")})
+
     def _take_methods(self, event: Any) -> None:
         if event.new == self.scene.used:
             return
@@ -260,7 +265,7 @@ class Sidebar(pn.viewable.Viewer):
             heading("Starts"), self.trajectories, self.coordinates,
             heading("Integrators"), self.methods, self.methods_message, self.methods_note,
             self.tau, self.tolerance, self.t_end,
-            heading("Crossings"), self.locate, self.order, self.scale,
+            heading("Crossings"), self.at_surface, self.order, self.scale,
             margin=(4, 12), sizing_mode="stretch_width",
         )  # fmt: skip
 

@@ -38,6 +38,11 @@ def transition_of(locate: bool) -> str:
     return "mannshardt" if locate else "none"
 
 
+def sliding_of(slide: bool) -> str:
+    """Return the argument ``sliding`` of `core.integrate` that slides along the surface, or stops there."""
+    return "continue" if slide else "stop"
+
+
 @dataclass(frozen=True)
 class Scheme:
     """How to integrate: a method, and what it does at crossings."""
@@ -47,20 +52,26 @@ class Scheme:
     perturbation_order: int | None = None
     perturbation_scale: float = 1.0
     tolerance: float | None = None
+    slide: bool = True
 
     @classmethod
     def of(cls, scene: Scene, method: str) -> Scheme:
         """Read it from a scene, leaving out settings that have no effect on this method."""
         if core.METHODS[method].adaptive:  # no fixed step size, of which a perturbation could be a power
-            return cls(method, scene.locate, tolerance=scene.tolerance)
+            return cls(method, scene.locate, tolerance=scene.tolerance, slide=scene.slides)
         if not scene.locate or scene.perturbation_order is None:
-            return cls(method, scene.locate)
-        return cls(method, True, scene.perturbation_order, scene.perturbation_scale)
+            return cls(method, scene.locate, slide=scene.slides)
+        return cls(method, True, scene.perturbation_order, scene.perturbation_scale, slide=scene.slides)
 
     @property
     def transition(self) -> str:
         """The argument ``transition`` of `core.integrate`."""
         return transition_of(self.locate)
+
+    @property
+    def sliding(self) -> str:
+        """The argument ``sliding`` of `core.integrate`."""
+        return sliding_of(self.slide)
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `core.integrate`, other than a tolerance, and of `core.order_study`."""
@@ -69,6 +80,7 @@ class Scheme:
             "transition": self.transition,
             "perturbation_order": self.perturbation_order,
             "perturbation_scale": self.perturbation_scale,
+            "sliding": self.sliding,
         }
 
 
@@ -109,11 +121,13 @@ class CostInputs:
     methods: tuple[str, ...]
     peers: tuple[str, ...]
     locate: bool = True
+    slide: bool = True
 
     @classmethod
     def of(cls, scene: Scene) -> CostInputs:
         """Read it from a scene."""
-        return cls(InitialValueProblem.of(scene), scene.t_end, tuple(scene.used), tuple(scene.peers), scene.locate)
+        methods, peers, at_surface = tuple(scene.used), tuple(scene.peers), (scene.locate, scene.slides)
+        return cls(InitialValueProblem.of(scene), scene.t_end, methods, peers, *at_surface)
 
 
 @dataclass(frozen=True)
@@ -128,6 +142,7 @@ class StabilityInputs:
     tau: float | None = None
     """Step size of the scene; None for the map, which has many."""
     locate: bool = True
+    slide: bool = True
 
     @classmethod
     def of(cls, scene: Scene) -> StabilityInputs:
@@ -135,7 +150,8 @@ class StabilityInputs:
         part = scene.stability_part
         coordinate = scene.stability_coordinate if part != "drift" else 0
         tau, end = scene.tau if part != "map" else None, min(scene.t_end, STABILITY_END)
-        return cls(InitialValueProblem.of(scene), end, tuple(scene.used), part, coordinate, tau, scene.locate)
+        problem, at_surface = InitialValueProblem.of(scene), (scene.locate, scene.slides)
+        return cls(problem, end, tuple(scene.used), part, coordinate, tau, *at_surface)
 
 
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:

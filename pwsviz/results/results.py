@@ -76,7 +76,12 @@ class ErrorCurve:
     t_end: float
     crossings: Floats
     sides: NDArray[np.int64]
-    """(1 + len(crossings),) side occupied from the start, and from each crossing on; 0 if the run ended there."""
+    """(1 + len(crossings),) side occupied from the start, and from each crossing on; 0 where it slides, or ended."""
+
+    @property
+    def sliding(self) -> NDArray[np.bool_]:
+        """(n,) which of the times lie in sliding, where the error is |g| and what else sliding keeps."""
+        return np.asarray(self.sides[np.searchsorted(self.crossings, self.t)] == 0)
 
 
 @dataclass(frozen=True)
@@ -326,7 +331,7 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
         crossings=len(passed),
         jumps=bool(len(passed) and (passed.kind == "jump").all() and (run.side == run.side[0]).all()),
         seconds=float(run.seconds),
-        worst_error=float(np.fmax.reduce(error)),
+        worst_error=float(np.fmax.reduce(error[run.side != 0], initial=np.nan)),
         status=run.status,
         message=run.message if run.status is not core.Status.COMPLETED else "",
     )

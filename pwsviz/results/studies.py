@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 import numpy as np
 
 import core
-from pwsviz.results.requests import CostInputs, StabilityInputs, StudyInputs, transition_of
+from pwsviz.results.requests import CostInputs, StabilityInputs, StudyInputs, sliding_of, transition_of
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 
@@ -45,6 +45,7 @@ def _studied_crossings(inputs: StudyInputs, cancel: Cancel) -> tuple[int, ...]:
         method=inputs.scheme.method,
         record="crossings",
         max_crossings=STUDY_CROSSINGS[-1] + 1,
+        sliding=inputs.scheme.sliding,
         cancel=cancel,
     )
     if cancel():
@@ -81,6 +82,7 @@ def studied_cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Rep
         STUDY_PROBE,
         inputs.methods[0],
         record="end",
+        sliding=sliding_of(inputs.slide),
         cancel=cancel,
         max_steps=MAX_STEPS,
     )
@@ -92,6 +94,7 @@ def studied_cost(inputs: CostInputs, pool: Executor, cancel: Cancel, report: Rep
         methods=inputs.methods,
         peers=inputs.peers,
         transition=transition_of(inputs.locate),
+        sliding=sliding_of(inputs.slide),
         executor=pool,
         cancel=cancel,
         progress=report,
@@ -110,6 +113,7 @@ def studied_stability(inputs: StabilityInputs, pool: Executor, cancel: Cancel, r
         parts=parts,
         tau=inputs.tau,
         transition=transition_of(inputs.locate),
+        sliding=sliding_of(inputs.slide),
         executor=pool,
         cancel=cancel,
         progress=report,

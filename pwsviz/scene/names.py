@@ -14,7 +14,7 @@ LABELS: Mapping[str, str] = {
     "system": "System", "own": "Your own system", "starts": "Starts", "selected": "Selected start",
     "axes": "Portrait in the plane of", "window": "Limits of the portrait", "methods": "Integrators",
     "tau": "Step size τ", "tolerance": "Tolerance of taylor", "t_end": "End time",
-    "locate": "Locate crossings (transition scheme)",
+    "locate": "Locate crossings (transition scheme)", "slide": "Slide along the surface (Filippov)",
     "perturbation_order": "Perturb crossing times by c·τᵖ; order p", "perturbation_scale": "Factor c",
     "view": "View", "study_method": "Integrator of the view", "peers": "External solvers",
     "cost_across": "Horizontal axis of Cost", "cost_up": "Vertical axis of Cost",

@@ -18,8 +18,10 @@ from pwsviz.scene.scene import MAX_STARTS, Scene, Start
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 
-VERSION = 1
-"""Of the format; a link of another version is read as this one, with a complaint."""
+VERSION = 2
+"""Of the format; a link of an unknown version is read as this one, with a complaint."""
+STOPPING = "1"
+"""The version whose runs stopped where they would slide: they still do."""
 MAX_LENGTH = 32_000
 """Characters of a link that are read: more than `query` ever writes."""
 MAX_OWN = 8_000
@@ -38,8 +40,8 @@ _FIRST = ("methods", "own", "system")
 the system, which sets the defaults of the other settings."""
 _WORDS = ("view", "study_method", "cost_across", "cost_up", "stability_part", "stability_shown")
 _LAST = (
-    "selected", "axes", "window", "tolerance", "locate", "perturbation_order", "perturbation_scale", "peers", *_WORDS,
-    "stability_coordinate", "order_all",
+    "selected", "axes", "window", "tolerance", "locate", "slide", "perturbation_order", "perturbation_scale", "peers",
+    *_WORDS, "stability_coordinate", "order_all",
 )  # fmt: skip
 _SETTINGS = (*_FIRST, "starts", "tau", "t_end", *_LAST)
 _LISTS = {"methods": core.METHODS, "peers": EXTERNAL_SOLVERS}
@@ -99,7 +101,7 @@ def _text(scene: Scene, key: str) -> str:
             return "auto" if value is None else ",".join(map(_decimal, value))
         case "stability_coordinate":
             return str(variables[value])
-        case "locate" | "order_all":
+        case "locate" | "slide" | "order_all":
             return "on" if value else "off"
         case "methods" | "peers":
             return ",".join(value)
@@ -203,7 +205,10 @@ class _Reader:
                 self._complain(f"“{shown(key)}” stands in the link again.", "The first is used.")
             else:
                 given[key] = unquote(value)
-        if (version := given.pop("v", str(VERSION))) != str(VERSION):
+        version = given.pop("v", str(VERSION))
+        if version == STOPPING:
+            given.setdefault("slide", "off")
+        elif version != str(VERSION):
             wrong = f"The link is of version “{shown(version)}”, which this page does not know."
             self._complain(wrong, f"It is read as version {VERSION}.")
         return given
@@ -308,7 +313,7 @@ def _take(scene: Scene, key: str, text: str) -> None:
             value = _index(text, variables)
         case "selected":
             value = int(text) if re.fullmatch("[0-9]{1,3}", text) else text
-        case "locate" | "order_all":
+        case "locate" | "slide" | "order_all":
             value = {"on": True, "off": False}.get(text, text)
         case "methods" | "peers":
             value = text.split(",") if text else []

@@ -69,8 +69,8 @@ def _field_types() -> tuple[Preset, ...]:
         Preset(
             "vf_sliding", "Field types: sliding", figure,
             "Both fields point to y = 0: every run reaches the line at t = 20 and ends there, where sliding begins.",
-            "Lower v₋ or v₊: trajectories of that side arrive later, and cannot leave either.",
-            {**common, "system": "type_sliding", "starts": (*below, *above)},
+            "Let the runs slide along the surface: all go to the right, at the speed 0.1 that both fields have there.",
+            {**common, "system": "type_sliding", "starts": (*below, *above), "slide": False},
         ),
     )  # fmt: skip
 
@@ -169,8 +169,8 @@ def _stopping() -> tuple[Preset, ...]:
         ),
         Preset(
             "sticking", "Dry friction sticks", "",
-            "Each turning point is closer by 2μ = 0.8; at the fourth, y = −0.2, the spring is too weak and the block "
-            "sticks.",
+            "Each turning point is closer by 2μ = 0.8. At the fourth, y = −0.2, the block sticks, and the state stays "
+            "on v = 0.",
             "Less friction: more swings. With μ = 2 the block sticks at the first turning point.",
             {"system": "coulomb_friction", "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved"},
         ),

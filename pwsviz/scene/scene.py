@@ -96,6 +96,7 @@ class Scene(param.Parameterized):
     tolerance = param.Number(default=1e-12, bounds=TOLERANCES, doc="Of integrators that choose their own steps.")
     t_end = param.Number(default=END_TIME, bounds=(1e-3, 1e5), doc="End time; the run starts at 0.")
     locate = param.Boolean(default=True, doc="Land on the surface at crossings (Mannshardt), or step over it.")
+    slide = param.Boolean(default=True, doc="Slide along the surface where both fields point to it, or stop there.")
     perturbation_order: Any = param.Selector(
         default=None, objects=list(PERTURBATION_ORDERS), doc="Order p of the perturbation c·τᵖ of crossing times."
     )
@@ -163,6 +164,11 @@ class Scene(param.Parameterized):
         """The integrators whose order is studied: all of `fixed_step`, or one of them."""
         names = self.fixed_step
         return names if self.order_all else [self.study_method if self.study_method in names else names[0]]
+
+    @property
+    def slides(self) -> bool:
+        """Whether runs slide along the surface: those of a system with a jump do not."""
+        return bool(self.slide) and self.declaration.jump is None
 
     def build(self) -> core.PiecewiseSystem:
         """Return the chosen system at the chosen parameter values."""
@@ -319,6 +325,7 @@ class Scene(param.Parameterized):
             "axes": lambda _, value: plane(value, len(self.declaration.variables)),
             "values": self._checked_values,
             "locate": lambda _, value: switch(value),
+            "slide": lambda _, value: switch(value),
             "order_all": lambda _, value: switch(value),
             "stability_coordinate": self._checked_coordinate,
             "system": self._checked_system,

@@ -110,8 +110,11 @@ def test_changes_of_psi_are_added_up_as_on_the_page(monkeypatch, capsys):
 def test_only_what_is_unusual_is_said():
     program = program_of(Scene())
     assert "system = core.CATALOGUE['elliptic_curve']\n" in program
-    assert "core.integrate(system, (0.0, 20.0), method=method, max_steps=2_000_000)" in program
+    assert "sliding='continue'" in program
     assert not any(word in program for word in ("x0", "tau", "transition", "tolerance", "with_parameters"))
+    stopping = program_of(Scene(slide=False))
+    assert "core.integrate(system, (0.0, 20.0), method=method, max_steps=2_000_000)" in stopping
+    assert "sliding" not in program_of(Scene(system="bouncing_ball")), "a system with a jump does not slide"
 
 
 def test_the_program_uses_core_and_numpy_alone():
@@ -225,7 +228,7 @@ def test_the_long_studies_are_asked_for_as_the_page_does(settings, function, exp
     with pytest.raises(Asked):
         executed(scene, monkeypatch)
     assert asked["args"] == (scene.build(), (0.0, 2.5))
-    assert asked["keywords"] == {"x0": (0.5, 0.25), **expected}
+    assert asked["keywords"] == {"x0": (0.5, 0.25), "sliding": "continue", **expected}
 
 
 def test_what_the_long_studies_find_is_printed(monkeypatch, capsys):

@@ -337,7 +337,7 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     assert portrait.figure is explorer.portrait_panel.portrait.figure
     assert len(order.tables["errors"]()["error"]) > 20
     explorer.export.open("http://here/app")
-    assert explorer.export.link.value.startswith("http://here/app?v=1")
+    assert explorer.export.link.value.startswith("http://here/app?v=2")
     assert "core.integrate" in explorer.export.program.object
 
 

@@ -37,6 +37,7 @@ CHOICES = {
     "perturbation_scale": st.floats(-10.0, 10.0),
     "perturbation_order": st.sampled_from(PERTURBATION_ORDERS),
     "locate": st.booleans(),
+    "slide": st.booleans(),
     "order_all": st.booleans(),
     "view": st.sampled_from(list(VIEWS)),
     "peers": st.lists(st.sampled_from(list(EXTERNAL_SOLVERS)), unique=True),
@@ -102,15 +103,15 @@ def test_a_link_holds_every_setting_there_is():
 
 
 def test_the_usual_scene_has_the_shortest_link():
-    assert query(Scene()) == "v=1"
-    assert query(Scene(system="pendulum")) == "v=1&system=pendulum"
-    assert query(Scene(system="type_upward")) == "v=1&system=type_upward", "its longer end time is usual"
+    assert query(Scene()) == "v=2"
+    assert query(Scene(system="pendulum")) == "v=2&system=pendulum"
+    assert query(Scene(system="type_upward")) == "v=2&system=type_upward", "its longer end time is usual"
 
 
 def test_a_window_is_in_the_link_once_it_is_chosen():
     scene = Scene()
     scene.accept("window", (-2.5, 1.0, -1.0, 0.125))
-    assert query(scene) == "v=1&window=-2.5,1.0,-1.0,0.125"
+    assert query(scene) == "v=2&window=-2.5,1.0,-1.0,0.125"
     assert read(query(scene)) == (scene.settings(), [])
     scene.accept("axes", (1, 0))
     assert scene.window is None, "another plane has another window"
@@ -128,13 +129,20 @@ def test_a_link_can_be_read_by_people():
     scene.accept("axes", (1, 0))
     scene.accept("locate", False)
     assert query(scene) == (
-        "v=1&methods=dmm4,taylor&a_minus=0.1&starts=-1.0,-1.0;0.5,-2.0&selected=1&axes=y,x&locate=off"
+        "v=2&methods=dmm4,taylor&a_minus=0.1&starts=-1.0,-1.0;0.5,-2.0&selected=1&axes=y,x&locate=off"
     )
 
 
 def test_an_empty_link_is_the_usual_scene_and_no_reason_to_complain():
-    for link in ("", "?", "?v=1", "&&"):
+    for link in ("", "?", "?v=2", "&&"):
         assert read(link) == (Scene().settings(), [])
+
+
+def test_a_link_made_when_runs_could_not_slide_still_stops_them():
+    found, complaints = read("v=1&system=coulomb_friction")
+    assert (found["slide"], complaints) == (False, [])
+    assert read("v=1&slide=on")[0]["slide"]
+    assert read("v=2&system=coulomb_friction")[0]["slide"]
 
 
 def test_a_link_may_come_with_its_question_mark_and_without_its_version():
@@ -213,8 +221,8 @@ HOSTILE = [
     ("__init__=1", "__init__", "left out"),
     ("own=1&own=2", "“own”", "first is used"),
     ("tau=0.02&tau=0.03", "“tau”", "The first is used."),
-    ("v=2", "version", "It is read as version 1."),
-    ("v=1.0", "version", "It is read as version 1."),
+    ("v=3", "version", "It is read as version 2."),
+    ("v=1.0", "version", "It is read as version 2."),
     ("nonsense", "nonsense", "has no value"),
     ("starts=1,2;1;3,4", "Start 2", "Used instead: -1.0, -1.0."),
     ("starts=1,nan", "Start 1", "not a number"),
