@@ -237,13 +237,16 @@ def _drift(curve: ErrorCurve, round_off: float) -> str:
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
     if late <= 2 * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
-    return f"{curve.method} drifts to {rounded_up(worst)}{_relative(worst, size)} by t = {curve.t_end:.4g}"
+    return f"{curve.method} drifts to {rounded_up(worst)}{_relative(worst, size)} by t = {t[-1]:.4g}"
 
 
 def _off_surface(curve: ErrorCurve) -> str:
     """Say how far one integrator leaves the surface while it slides; empty if it does not slide."""
     error = curve.error[curve.sliding & np.isfinite(curve.error)]
-    return f"{curve.method} slides at |g| ≤ {rounded_up(float(error.max()))}" if len(error) else ""
+    if not len(error):
+        return ""
+    worst = float(error.max())
+    return f"{curve.method} slides at " + (f"|g| ≤ {rounded_up(worst)}" if worst > 0 else "g = 0 exactly")
 
 
 def _relative(error: float, size: float) -> str:

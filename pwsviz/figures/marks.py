@@ -14,6 +14,9 @@ from pwsviz.results.orbits import End, Orbit
 
 __all__ = ["ENDS", "KIND_COLOURS", "KIND_MARKERS", "crossing_columns", "end_columns", "kind_columns"]
 
+KIND_WORDS = {"transversal": "crossing", "sliding": "sliding begins", "leaving": "sliding ends"}
+"""What legends call crossings of some kinds; others by their own name."""
+
 KIND_MARKERS = {
     "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
     "leaving": "inverted_triangle",
@@ -56,7 +59,7 @@ ENDS = {
 def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
     """Return the columns that give the look of crossings of these kinds; "crossing" stands for an unknown kind."""
     return {
-        "label": ["crossing" if kind == "transversal" else kind for kind in kinds],
+        "label": [KIND_WORDS.get(kind, kind) for kind in kinds],
         "kind": kinds,
         "marker": [KIND_MARKERS.get(kind, "circle") for kind in kinds],
         "colour": [KIND_COLOURS.get(kind, PURPLE) for kind in kinds],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from html import escape
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import sympy
 from sympy import Expr, Symbol
@@ -33,7 +33,9 @@ SCHEME_STYLE = """
 """
 """The style sheet of what `scheme_markup` returns."""
 
-_SIDES = {-1: ("-", "Where g < 0"), 1: ("+", "Where g > 0"), 0: (r"\pm", "On both sides")}
+_SIDES = {-1: ("-", "Where g < 0"), 1: ("+", "Where g > 0")}
+_BOTH = (r"\pm", "On both sides")
+_SLIDING = ("s", "Sliding along g = 0")
 
 
 def scheme_markup(
@@ -68,9 +70,12 @@ def scheme_markup(
     str
         HTML without scripts, in which everything a user typed is escaped; `SCHEME_STYLE` is its style sheet.
     """
-    derived = _derived(system.laws, tuple(names_of(system).items()), method)
+    slides = run is not None and bool((run.crossings.kind == "sliding").any()) and run.slides
+    derived = _derived(system.laws, tuple(names_of(system).items()), method, slides)
     transition = _Sheet({})
     _write_transition(transition, system, locate, perturbation_order, perturbation_scale)
+    if slides:
+        _write_sliding(transition)
     parts = [
         f"<h3>The system: {escape(system.name)}</h3>",
         derived.system,
@@ -84,6 +89,10 @@ def scheme_markup(
         _source([*derived.source, *transition.source]),
     ]
     return f'<div class="scheme">{"".join(parts)}</div>'
+
+
+Group: TypeAlias = "tuple[str, str, Mode]"
+"""Index of a mode's symbols, its heading, and the mode."""
 
 
 class _Sheet:
@@ -139,23 +148,27 @@ class _Derived(NamedTuple):
 
 
 @lru_cache(maxsize=128)
-def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str) -> _Derived:
+def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str, slides: bool) -> _Derived:
     system, scheme = _Sheet(dict(names)), _Sheet(dict(names))
-    _write_system(system, laws)
-    _write_scheme(scheme, laws, method)
+    groups = list(_groups(laws, slides))
+    _write_system(system, laws, groups)
+    _write_scheme(scheme, method, groups)
     return _Derived(system.text, scheme.text, [*system.source, *scheme.source])
 
 
-def _groups(laws: Laws) -> Iterator[tuple[str, str, Mode]]:
-    """Yield sign, heading and mode of each side; once for both if their laws agree."""
+def _groups(laws: Laws, slides: bool) -> Iterator[Group]:
+    """Yield sign, heading and mode of each side, once for both if their laws agree, and of sliding."""
     minus, plus = laws.modes[-1], laws.modes[1]
-    same = (minus.field, minus.conserved) == (plus.field, plus.conserved)
-    for key, mode in ((0, plus),) if same else ((-1, minus), (1, plus)):
-        yield (*_SIDES[key], mode)
+    if (minus.field, minus.conserved) == (plus.field, plus.conserved):
+        yield (*_BOTH, plus)
+    else:
+        yield from ((*_SIDES[mode.side], mode) for mode in (minus, plus))
+    if slides:
+        yield (*_SLIDING, laws.sliding)
 
 
-def _write_system(sheet: _Sheet, laws: Laws) -> None:
-    for sign, heading, mode in _groups(laws):
+def _write_system(sheet: _Sheet, laws: Laws, groups: Sequence[Group]) -> None:
+    for sign, heading, mode in groups:
         sheet.head(heading)
         sheet.equate(f"f_{{{sign}}}", mode.field)
         if mode.conserved:
@@ -174,7 +187,7 @@ def _alone(entries: Sequence[Expr] | sympy.MatrixBase) -> Shown:
     return entries[0] if len(entries) == 1 else entries
 
 
-def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
+def _write_scheme(sheet: _Sheet, method: str, groups: Sequence[Group]) -> None:
     chosen = core.METHODS[method]
     sheet.say(chosen.doc)
     scheme = chosen.scheme
@@ -184,7 +197,7 @@ def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
     if isinstance(scheme, Composition):
         _write_composition(sheet, [float(weight) for weight in scheme.weights])
     if isinstance(scheme, Composition | DiscreteMultiplier):
-        _write_multipliers(sheet, laws, _write_field)
+        _write_multipliers(sheet, groups, _write_field)
         return
     if isinstance(scheme, Projected):
         sheet.say(f"First an increment Δ from a Runge-Kutta method of {len(scheme.of.rows)} stages:")
@@ -194,12 +207,14 @@ def _write_scheme(sheet: _Sheet, laws: Laws, method: str) -> None:
         sheet.formula(r"\Delta = \tau x'_{k} + \tau^{2} x''_{k} / 2! + \cdots + \tau^{n} x^{(n)}_{k} / n !")
         sheet.say("The order n and the step τ are chosen so that the last terms stay within the tolerance.")
     sheet.say("Then it is projected along the discrete gradient onto the level of ψ:")
-    change = r"+ \tau s_{t}" if _names_time(laws) else ""
+    change = r"+ \tau s_{t}" if _names_time(groups) else ""
     sheet.formula(rf"\Delta \leftarrow \Delta - \Lambda^{{\tau\top}} \lambda , \Lambda^{{\tau}} \Delta {change} = 0")
-    _write_multipliers(sheet, laws, None)
+    _write_multipliers(sheet, groups, None)
 
 
-def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, Mode], None] | None) -> None:
+def _write_multipliers(
+    sheet: _Sheet, groups: Sequence[Group], write: Callable[[_Sheet, str, Mode], None] | None
+) -> None:
     """Write Λᵗ of each mode, followed by what `write` adds to it."""
     sheet.say(
         "The multiplier Λᵗ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
@@ -207,10 +222,10 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
     )
     sheet.formula(
         r"\Lambda^{\tau} ( x_{1} - x_{0} ) + s_{t} ( t_{1} - t_{0} ) = \psi ( t_{1} , x_{1} ) - \psi ( t_{0} , x_{0} )"
-        if _names_time(laws)
+        if _names_time(groups)
         else r"\Lambda^{\tau} ( x_{1} - x_{0} ) = \psi ( x_{1} ) - \psi ( x_{0} )"
     )
-    for sign, heading, mode in _groups(laws):
+    for sign, heading, mode in groups:
         sheet.head(heading)
         if mode.conserved:
             sheet.equate(rf"\Lambda^{{\tau}}_{{{sign}}}", mode.discrete.gradient)
@@ -220,16 +235,16 @@ def _write_multipliers(sheet: _Sheet, laws: Laws, write: Callable[[_Sheet, str, 
             sheet.say("No conserved quantity is known here.")
         if write is not None:
             write(sheet, sign, mode)
-    if any(mode.discrete.gradient.has(DividedDifference) for mode in laws.modes.values()):
+    if any(mode.discrete.gradient.has(DividedDifference) for *_, mode in groups):
         sheet.say(
             "Divided differences, such as sinc z = sin z / z, sinhc z = sinh z / z and (log b − log a)/(b − a), have "
             "their limits where the ends are equal, and are evaluated without cancellation."
         )
 
 
-def _names_time(laws: Laws) -> bool:
+def _names_time(groups: Sequence[Group]) -> bool:
     """Whether a conserved quantity depends on time."""
-    return any(psi.has(TIME) for mode in laws.modes.values() for psi in mode.conserved)
+    return any(psi.has(TIME) for *_, mode in groups for psi in mode.conserved)
 
 
 def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
@@ -322,6 +337,16 @@ def _write_transition(
     field = rf"f^{{\tau}}_{{s'}} ( \hat{{t}} , {start} , t_{{k+1}} , x_{{k+1}} )"
     sheet.formula(rf"x_{{k+1}} = {start} + ( t_{{k+1}} - \hat{{t}} ) {field}")
     sheet.say("In the paper: Algorithm 1, Mannshardt’s transition scheme; equations (2.4) to (2.6).")
+
+
+def _write_sliding(sheet: _Sheet) -> None:
+    sheet.say(
+        "Where both fields point to the surface, the state slides along it, with the combination of both that keeps g "
+        "(Filippov), until one of the rates of g vanishes:"
+    )
+    names = {Symbol(name): name for name in (r"\dot{g}_{-}", r"\dot{g}_{+}", "f_{-}", "f_{+}")}
+    (below, above, minus, plus), sheet.names = names, names
+    sheet.equate("f_{s}", (below * plus - above * minus) / (below - above))
 
 
 # Parts of the page ---------------------------------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
 def run_line(summary: Summary) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
     met = plural(summary.crossings, "jump" if summary.jumps else "crossing")
+    met += f", {summary.slides:,} into sliding" * (summary.slides > 0)
     figures = f"{plural(summary.steps, 'step')}, {met}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'

@@ -57,6 +57,8 @@ class Summary:
     method: str
     steps: int
     crossings: int
+    slides: int
+    """How many of these crossings the run has slid from, along the surface."""
     jumps: bool
     """Whether the run stays on its side: each crossing is a jump back."""
     seconds: float
@@ -329,6 +331,7 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
         method=inputs.scheme.method,
         steps=int(run.steps),
         crossings=len(passed),
+        slides=int((passed.kind == "sliding").sum()),
         jumps=bool(len(passed) and (passed.kind == "jump").all() and (run.side == run.side[0]).all()),
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error[run.side != 0], initial=np.nan)),

@@ -1,0 +1,100 @@
+"""Systems drawn at random that slide: what a run says of them is what their exact solutions do."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy
+
+import core
+from core import Status
+from tests.core.sliding_solutions import Exact
+from tests.levels import deep_but
+
+#: Method -> its settings, and the error allowed at the end time and in the times of events, relative to the state.
+METHODS = {
+    "rk8": ({"tau": 0.02}, 1e-9), "taylor": ({"tolerance": 1e-12}, 1e-9), "rk4": ({"tau": 2e-3}, 1e-7),
+    "gauss4": ({"tau": 4e-3}, 1e-7),
+}  # fmt: skip
+END = 8.0
+#: An event whose rates are below this part of the largest is a tangency: round-off may decide what follows.
+TANGENT = 1e-3
+
+
+def drawn(rng):
+    """A linear plant with a relay, pushed to and fro, in coordinates bent by a shear: the system and its solution."""
+    d = int(rng.integers(2, 5))
+    a = np.round(rng.normal(size=(d, d)) - np.eye(d), 3)
+    k, n, load, offset = (np.round(rng.normal(size=d), 3) for _ in range(4))
+    n[np.abs(n) < 0.1] = 0.5
+    k *= -np.sign(n @ k) * rng.uniform(0.5, 3.0)  # the fields differ by k, towards the surface
+    k, w = np.round(k, 3), round(float(rng.uniform(0.5, 3.0)), 3)
+    x0 = np.round(rng.normal(size=d) * 1.5, 3)
+    bend, (i, j) = round(float(rng.uniform(-0.4, 0.4)), 3), rng.choice(d, 2, replace=False)
+
+    def law(part):
+        rows = [[*map(repr, map(float, a[r])), repr(float(load[r])), "0", repr(float(offset[r]))] for r in range(d)]
+        rows = [[mp.mpf(v) for v in row] for row in rows]
+        for r in range(d):
+            rows[r][-1] += part * mp.mpf(repr(float(k[r])))
+        forcing = [[0] * d + [0, -mp.mpf(repr(w)), 0], [0] * d + [mp.mpf(repr(w)), 0, 0], [0] * (d + 3)]
+        return [*rows, *forcing]
+
+    start = [*(mp.mpf(repr(float(v))) for v in x0), 1, 0, 1]
+    normal = [*(mp.mpf(repr(float(v))) for v in n), 0, 0, 0]
+    exact = Exact(law(0), law(1), normal, start, END)
+
+    y = sympy.symbols(f"y:{d}")
+    z = [v - sympy.Float(bend) * y[j] ** 2 if r == i else v for r, v in enumerate(y)]
+    rates = {}
+    for side, part in ((-1, 0), (1, 1)):
+        zdot = [
+            sum(sympy.Float(float(a[r, c])) * z[c] for c in range(d))
+            + sympy.Float(float(load[r])) * sympy.cos(w * sympy.Symbol("t")) + float(offset[r]) + part * float(k[r])
+            for r in range(d)
+        ]  # fmt: skip
+        rates[side] = [q + 2 * sympy.Float(bend) * y[j] * zdot[j] if r == i else q for r, q in enumerate(zdot)]
+    system = core.PiecewiseSystem(
+        name="Drawn", variables=tuple(map(str, y)), f_minus=tuple(rates[-1]), f_plus=tuple(rates[1]),
+        g=sum(sympy.Float(float(m)) * v for m, v in zip(n, z, strict=True)), x0=tuple(bent(x0, i, j, bend)),
+    )  # fmt: skip
+    return system, exact, lambda x: bent(x, i, j, bend)
+
+
+def bent(x, i, j, bend):
+    out = np.array(x, dtype=float)
+    out[i] += bend * out[j] ** 2
+    return out
+
+
+def is_clear(exact):
+    """Whether every event is far from a tangency, and from the one before it."""
+    times = np.array([0.0, *exact.times, END])
+    rates = [exact.rates(z) for _, z, *_ in exact.arcs[1:]]
+    largest = max((abs(float(r)) for pair in rates for r in pair), default=1.0)
+    for (below, above), kind in zip(rates, exact.kinds, strict=True):
+        least = max(abs(below), abs(above)) if kind == "leaving" else min(abs(below), abs(above))
+        if least < TANGENT * largest:
+            return False
+    return len(times) < 60 and np.diff(times).min() > 0.05
+
+
+@pytest.mark.parametrize("method", deep_but(("rk8", "taylor"), METHODS))
+def test_runs_slide_where_the_exact_solution_does(method, draws):
+    settings, allowed = METHODS[method]
+    slid = 0
+    for rng in draws(4):
+        system, exact, place = drawn(rng)
+        run = core.integrate(system, (0.0, END), method=method, sliding="continue", **settings)
+        assert np.isfinite(run.x).all()
+        if not is_clear(exact) or np.abs(run.x).max() > 1e3:
+            assert run.status is not Status.CONTRADICTION, run.message
+            continue
+        assert run.status is Status.COMPLETED, run.message
+        assert run.crossings.kind.tolist() == exact.kinds
+        size = float(np.abs(run.x).max()) * (1.0 + len(exact.kinds))
+        assert np.abs(run.crossings.t - exact.times).max(initial=0.0) < 20 * allowed * size
+        for t in (*(0.5 * (exact.times[1:] + exact.times[:-1])), END):
+            wanted = place(exact.state(float(t), system.dimension))
+            assert np.abs(run.at(t) - wanted).max() < 20 * allowed * size, (t, system)
+        slid += "sliding" in exact.kinds
+    assert slid > 0, "nothing was tested"
