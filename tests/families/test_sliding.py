@@ -18,6 +18,8 @@ METHODS = {
 END = 8.0
 #: An event whose rates are below this part of the largest is a tangency: round-off may decide what follows.
 TANGENT = 1e-3
+#: Largest state.
+LARGEST = 100.0
 
 
 def drawn(rng):
@@ -43,20 +45,22 @@ def drawn(rng):
     normal = [*(mp.mpf(repr(float(v))) for v in n), 0, 0, 0]
     exact = Exact(law(0), law(1), normal, start, END)
 
-    y = sympy.symbols(f"y:{d}")
-    z = [v - sympy.Float(bend) * y[j] ** 2 if r == i else v for r, v in enumerate(y)]
-    rates = {}
-    for side, part in ((-1, 0), (1, 1)):
-        zdot = [
-            sum(sympy.Float(float(a[r, c])) * z[c] for c in range(d))
-            + sympy.Float(float(load[r])) * sympy.cos(w * sympy.Symbol("t")) + float(offset[r]) + part * float(k[r])
-            for r in range(d)
-        ]  # fmt: skip
-        rates[side] = [q + 2 * sympy.Float(bend) * y[j] * zdot[j] if r == i else q for r, q in enumerate(zdot)]
-    system = core.PiecewiseSystem(
-        name="Drawn", variables=tuple(map(str, y)), f_minus=tuple(rates[-1]), f_plus=tuple(rates[1]),
-        g=sum(sympy.Float(float(m)) * v for m, v in zip(n, z, strict=True)), x0=tuple(bent(x0, i, j, bend)),
-    )  # fmt: skip
+    def system():
+        y = sympy.symbols(f"y:{d}")
+        z = [v - sympy.Float(bend) * y[j] ** 2 if r == i else v for r, v in enumerate(y)]
+        rates = {}
+        for side, part in ((-1, 0), (1, 1)):
+            zdot = [
+                sum(sympy.Float(float(a[r, c])) * z[c] for c in range(d))
+                + sympy.Float(float(load[r])) * sympy.cos(w * sympy.Symbol("t")) + float(offset[r]) + part * float(k[r])
+                for r in range(d)
+            ]  # fmt: skip
+            rates[side] = [q + 2 * sympy.Float(bend) * y[j] * zdot[j] if r == i else q for r, q in enumerate(zdot)]
+        return core.PiecewiseSystem(
+            name="Drawn", variables=tuple(map(str, y)), f_minus=tuple(rates[-1]), f_plus=tuple(rates[1]),
+            g=sum(sympy.Float(float(m)) * v for m, v in zip(n, z, strict=True)), x0=tuple(bent(x0, i, j, bend)),
+        )  # fmt: skip
+
     return system, exact, lambda x: bent(x, i, j, bend)
 
 
@@ -75,26 +79,27 @@ def is_clear(exact):
         least = max(abs(below), abs(above)) if kind == "leaving" else min(abs(below), abs(above))
         if least < TANGENT * largest:
             return False
-    return len(times) < 60 and np.diff(times).min() > 0.05
+    size = max(abs(float(v)) for _, z, *_ in exact.arcs for v in z)
+    return len(times) < 60 and np.diff(times).min() > 0.05 and size < LARGEST
+
+
+def clear(rng):
+    """A drawn case that slides, and of which every event can be told."""
+    while True:
+        system, exact, place = drawn(rng)
+        if "sliding" in exact.kinds and is_clear(exact):
+            return system(), exact, place
 
 
 @pytest.mark.parametrize("method", deep_but(("rk8", "taylor"), METHODS))
 def test_runs_slide_where_the_exact_solution_does(method, draws):
     settings, allowed = METHODS[method]
-    slid = 0
     for rng in draws(4):
-        system, exact, place = drawn(rng)
+        system, exact, place = clear(rng)
         run = core.integrate(system, (0.0, END), method=method, sliding="continue", **settings)
-        assert np.isfinite(run.x).all()
-        if not is_clear(exact) or np.abs(run.x).max() > 1e3:
-            assert run.status is not Status.CONTRADICTION, run.message
-            continue
         assert run.status is Status.COMPLETED, run.message
         assert run.crossings.kind.tolist() == exact.kinds
-        size = float(np.abs(run.x).max()) * (1.0 + len(exact.kinds))
-        assert np.abs(run.crossings.t - exact.times).max(initial=0.0) < 20 * allowed * size
+        allowance = 20 * allowed * float(np.abs(run.x).max()) * (1.0 + len(exact.kinds))
+        assert np.abs(run.crossings.t - exact.times).max(initial=0.0) < allowance
         for t in (*(0.5 * (exact.times[1:] + exact.times[:-1])), END):
-            wanted = place(exact.state(float(t), system.dimension))
-            assert np.abs(run.at(t) - wanted).max() < 20 * allowed * size, (t, system)
-        slid += "sliding" in exact.kinds
-    assert slid > 0, "nothing was tested"
+            assert np.abs(run.at(t) - place(exact.state(float(t), system.dimension))).max() < allowance, (t, system)
