@@ -493,15 +493,15 @@ def test_nothing_is_seen_of_a_figure_before_there_is_something_in_it():
     results.pictures = slow
     page = Explorer(Scene(), results)
     panel = page.portrait_panel
-    assert panel.pane.styles["visibility"] == "hidden"
+    assert panel.portrait.figure.styles["visibility"] == "hidden"
     assert panel.progress.visible
     assert 'aria-label="Progress of the phase portrait"' in panel.progress.object
     go.set()
     page.refresh()
     page.settle(20)
-    assert {pane.styles["visibility"] for pane in (panel.pane, *page.view.plots)} == {"inherit"}
+    assert {pane.object.styles["visibility"] for pane in (panel.pane, *page.view.plots)} == {"inherit"}
     assert not panel.progress.visible
     page.scene.view = "cost"
     page.view.begin()
-    assert page.view.plots[0].styles["visibility"] == "hidden"
+    assert page.view.plots[0].object.styles["visibility"] == "hidden"
     page.close()
