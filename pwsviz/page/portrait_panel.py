@@ -274,7 +274,7 @@ class PortraitPanel(pn.viewable.Viewer):
         """Return portrait, player and notes in a column."""
         row = pn.Row(self.player.button, self.limits.button, self.readout, margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            pn.Column(self.progress, height=6, margin=0, sizing_mode="stretch_width"),
+            pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
             self.pane, row, self.limits, self.player, self.note, self.trouble, self.status,
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip

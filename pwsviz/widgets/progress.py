@@ -11,8 +11,19 @@ import panel_material_ui as pmui
 from pwsviz.widgets.panes import PLAIN_SX
 
 BAR_CSS = """
-progress { display: block; width: 100%; height: 6px; accent-color: var(--mui-palette-primary-main); }
+progress { appearance: none; display: block; width: 100%; height: 4px; border: 0;
+           --track: var(--mui-palette-divider, #E0E0E0); --done: var(--mui-palette-primary-main, #0072B2); }
+progress, progress::-webkit-progress-bar { background: var(--track); }
+progress::-webkit-progress-value { background: var(--done); }
+progress::-moz-progress-bar { background: var(--done); }
+progress:indeterminate { background: linear-gradient(90deg, var(--track) 33%, var(--done) 33% 67%, var(--track) 67%)
+                         0 / 300%; animation: 2s linear infinite pass; }
+progress:indeterminate::-webkit-progress-bar { background: none; }
+progress:indeterminate::-moz-progress-bar { background: none; }
+@keyframes pass { from { background-position: 100% } to { background-position: 0 } }
+@media (prefers-reduced-motion) { progress:indeterminate { animation-duration: 12s } }
 """
+"""Drawn alike by all browsers: their own bars have colours of their own."""
 
 
 class Progress(pn.viewable.Viewer):
