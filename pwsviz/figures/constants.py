@@ -12,7 +12,7 @@ import numpy as np
 import core
 from core.diagnostics import stand_in
 from core.kernels import Floats
-from pwsviz.text.mathml import name_markup
+from pwsviz.text.math_names import name_markup
 from pwsviz.text.numbers import printed
 
 __all__ = ["constants_markup", "table"]

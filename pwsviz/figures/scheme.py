@@ -14,7 +14,8 @@ import core
 from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projected
 from core.symbolic import TIME, DividedDifference, Laws, Mode
 from pwsviz.figures.constants import constants_markup, prose, table
-from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, name_markup, names_of
+from pwsviz.text.math_names import name_markup
+from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, names_of
 from pwsviz.text.numbers import printed
 
 __all__ = ["SCHEME_STYLE", "scheme_markup"]

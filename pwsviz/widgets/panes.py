@@ -63,7 +63,7 @@ def heading(words: str) -> pn.pane.HTML:
 def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:
     """Return a pane for a figure, which is not seen until `fade` says that there is something to see."""
     pane = pn.pane.Bokeh(plot, margin=0, sizing_mode="stretch_width", **options)
-    pane.styles = {**plot.styles, **EMPTY}  # given to the constructor, they would not reach the figure
+    pane.styles = {**pane.object.styles, **EMPTY}  # given to the constructor, they would not reach the figure
     return pane
 
 
