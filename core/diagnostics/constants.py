@@ -181,10 +181,10 @@ def _by_side(side: Integers, function: Callable[..., Floats], *arrays: Floats) -
     signs = set(side.tolist()) or {1}
     if len(signs) == 1:
         return function(signs.pop(), *arrays)
-    below = side < 0
-    parts = {sign: function(sign, *(a[rows] for a in arrays)) for sign, rows in ((-1, below), (1, ~below))}
-    result = np.empty((len(side), *parts[1].shape[1:]))
-    result[below], result[~below] = parts[-1], parts[1]
+    parts = [(rows, function(sign, *(a[rows] for a in arrays))) for sign in signs for rows in (side == sign,)]
+    result = np.empty((len(side), *parts[0][1].shape[1:]))
+    for rows, part in parts:
+        result[rows] = part
     return result
 
 

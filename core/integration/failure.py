@@ -45,10 +45,9 @@ def runs_away(
         work is given up.
     """
     size = max(size, float(np.abs(x0).max())) or 1.0
-    law = system.laws.modes[side].field
 
     def field(t: float, x: Floats) -> Floats:
-        return system.laws.numbers(("f", side), law, t, x.tolist(), system.parameter_array)
+        return system.field(side, t, x)
 
     with np.errstate(all="ignore"):
         if not np.isfinite(field(t0, x0)).all():
