@@ -178,13 +178,13 @@ def _contraction_bound(scheme: Scheme, side: int, t0: Floats, x0: Floats, t1: Fl
 
 
 def _by_side(side: Integers, function: Callable[..., Floats], *arrays: Floats) -> Floats:
-    """Call function(side, *arrays) on the rows of each side, and merge the results."""
-    result = np.empty(0)
-    for sign in (-1, 1):
-        rows = side == sign
-        part = function(sign, *(a[rows] for a in arrays))
-        if not result.size:
-            result = np.empty((len(side), *part.shape[1:]))
+    """Call function(side, *arrays) on the rows of each side that occurs, and merge the results."""
+    signs = set(side.tolist()) or {1}
+    if len(signs) == 1:
+        return function(signs.pop(), *arrays)
+    parts = [(rows, function(sign, *(a[rows] for a in arrays))) for sign in signs for rows in (side == sign,)]
+    result = np.empty((len(side), *parts[0][1].shape[1:]))
+    for rows, part in parts:
         result[rows] = part
     return result
 

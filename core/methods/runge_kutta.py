@@ -46,6 +46,11 @@ class ButcherTableau(Scheme):
         return tuple(sum(row, Integer(0)) for row in self.rows)
 
     @cached_property
+    def in_floats(self) -> tuple[list[float], list[list[float]], list[float]]:
+        """Nodes, rows and weights, rounded to doubles."""
+        return [*map(float, self.nodes)], [[*map(float, row)] for row in self.rows], [*map(float, self.weights)]
+
+    @cached_property
     def explicit(self) -> bool:
         """Whether each stage depends on earlier ones only."""
         return not any(a for i, row in enumerate(self.rows) for a in row[i:])

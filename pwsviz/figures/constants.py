@@ -12,7 +12,7 @@ import numpy as np
 import core
 from core.diagnostics import stand_in
 from core.kernels import Floats
-from pwsviz.text.mathml import name_markup
+from pwsviz.text.math_names import name_markup
 from pwsviz.text.numbers import printed
 
 __all__ = ["constants_markup", "table"]
@@ -46,7 +46,7 @@ _CONSTANTS = (
         "M", "M", "(3.2)", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
     ),
     _Constant(
-        r"\hat{M}", "M_hat", "(3.9)", "the same for the scheme: ½ sup |fᵗ·H fᵗ|, H the Hessian of g", greatest=True
+        r"\hat{M}", "M_hat", "(3.9)", "the same for the scheme: ½ sup |f^τ·H f^τ|, H the Hessian of g", greatest=True
     ),
     _Constant(
         r"\tau^{*}_{-}", "tau_minus", "Lemma A.3", "up to this τ the step to the surface has one solution",
@@ -103,7 +103,7 @@ def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) ->
     if constant.bounds_tau and value < diagnosis.tau and not zeno:
         number = f'<span class="number exceeded">{_shown(value)} &lt; τ</span>'
     symbol = "".join(map(name_markup, constant.symbol.split()))
-    return [f"<math>{symbol}</math>", number, escape(constant.meaning), escape(constant.label)]
+    return [f"<math>{symbol}</math>", number, prose(constant.meaning), escape(constant.label)]
 
 
 def _warnings(warnings: Sequence[str], zeno: bool) -> str:
@@ -143,6 +143,11 @@ def _shown(value: float) -> str:
     if math.isnan(value):
         return "not known"
     return "∞" if math.isinf(value) else printed(f"{value:.3g}")
+
+
+def prose(words: str) -> str:
+    """Return words as markup, escaped, with the exponent τ raised, as in formulas: Λ^τ is the multiplier."""
+    return escape(printed(words)).replace("^τ", "<sup>τ</sup>")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:

@@ -16,7 +16,7 @@ from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREY, PURPLE, SIDES, ranges, tips
+from pwsviz.figures.style import GREY, PURPLE, SIDES, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, shows_surface, surface_name
@@ -116,11 +116,11 @@ class Ground:
             "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in regions],
             "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in regions],
         }
-        self.surface.data = _columns(backdrop.surface)
+        self.surface.data = _columns(backdrop.surface)  # sent like the sides: the browser moves both by itself
         for side in SIDES:
             cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
             for source, columns in zip(self._lines(side), backdrop.whole.get(side, cut), strict=True):
-                source.data = columns
+                assign(source, **columns)
         parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels)
         for entry, part in zip(self._line_entries, parts, strict=True):
             entry.visible = any(np.isfinite(lines).any() for lines in part.values())

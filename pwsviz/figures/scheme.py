@@ -13,8 +13,9 @@ from sympy import Expr, Symbol
 import core
 from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projected
 from core.symbolic import TIME, DividedDifference, Laws, Mode
-from pwsviz.figures.constants import constants_markup, table
-from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, name_markup, names_of
+from pwsviz.figures.constants import constants_markup, prose, table
+from pwsviz.text.math_names import name_markup
+from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, names_of
 from pwsviz.text.numbers import printed
 
 __all__ = ["SCHEME_STYLE", "scheme_markup"]
@@ -127,7 +128,7 @@ class _Sheet:
         self._parts.append(f'<div class="formula">{typeset}</div>')
 
     def say(self, words: str) -> None:
-        self._parts.append(f"<p>{escape(printed(words))}</p>")
+        self._parts.append(f"<p>{prose(words)}</p>")
 
     def head(self, words: str) -> None:
         self._parts.append(f"<h4>{escape(words)}</h4>")
@@ -215,9 +216,9 @@ def _write_scheme(sheet: _Sheet, method: str, groups: Sequence[Group]) -> None:
 def _write_multipliers(
     sheet: _Sheet, groups: Sequence[Group], write: Callable[[_Sheet, str, Mode], None] | None
 ) -> None:
-    """Write Λᵗ of each mode, followed by what `write` adds to it."""
+    """Write Λ^τ of each mode, followed by what `write` adds to it."""
     sheet.say(
-        "The multiplier Λᵗ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
+        "The multiplier Λ^τ is a discrete gradient of ψ: exact for any two states, and symmetric in them. Index 0 is "
         "the start of a step and 1 its end, equation (2.3) of the paper."
     )
     sheet.formula(
@@ -248,7 +249,7 @@ def _names_time(groups: Sequence[Group]) -> bool:
 
 
 def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
-    """Write the discrete field fᵗ of dmm2: explicitly if ψ determines the orbit, else by its construction."""
+    """Write the discrete field f^τ of dmm2: explicitly if ψ determines the orbit, else by its construction."""
     discrete = mode.discrete
     if mode.conserved and discrete.factor is None:
         sheet.say("The mean field f̄ is corrected as little as conservation requires (the minimal-norm scheme):")
@@ -259,7 +260,7 @@ def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
         sheet.equate(rf"\bar{{f}}_{{{sign}}}", discrete.mean_field)
         return
     if mode.conserved:
-        sheet.say("ψ determines the orbit, so fᵗ is orthogonal to every row of Λᵗ, and the step is")
+        sheet.say("ψ determines the orbit, so f^τ is orthogonal to every row of Λ^τ, and the step is")
     else:
         sheet.say("The step is the implicit midpoint rule:")
     for variable, component in zip(mode.variables, discrete.expression, strict=True):

@@ -91,8 +91,17 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
         for k, name in enumerate(study.methods)
         if largest.done[k]
     )
-    caption = f"Largest step size from the chosen start, to t = {largest.horizon:.4g}"
+    caption = f"Largest step size from the chosen start, {_until(study, largest)}"
     return Numbers(("integrator", "works up to τ", "fails at τ", "reason"), rows, caption=caption)
+
+
+def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
+    """Return up to which time crossings are counted, and why if that is not the end time."""
+    end, horizon = study.t_span[1], largest.horizon
+    if largest.expected is not core.Status.COMPLETED:
+        return f"to t = {horizon:.4g}, to see whether the runs stop where the solution does"
+    moved = f", as a crossing is too close to t = {end:.4g} to be counted there" * (horizon != end)
+    return f"to t = {horizon:.4g}{moved}"
 
 
 def _shares(study: core.StabilityStudy, found: OutcomeMap, method: str) -> Numbers:

@@ -315,8 +315,15 @@ def unseen(columns: Iterable[str]) -> ColumnDataSource:
 
 def assign(source: ColumnDataSource, **columns: Any) -> None:
     """Give a source new data unless they equal its own, which saves sending and painting them."""
-    if any(not np.array_equal(source.data[name], values) for name, values in columns.items()):
+    if source.data.keys() != columns.keys() or any(_differ(source.data[name], columns[name]) for name in columns):
         source.data = columns
+
+
+def _differ(old: Any, new: Any) -> bool:
+    """Whether two columns differ; NaN, which ends a piece of a line, equals NaN."""
+    old, new = np.asarray(old), np.asarray(new)
+    numbers = old.dtype.kind == new.dtype.kind == "f"
+    return not np.array_equal(old, new, equal_nan=numbers)
 
 
 def refit(plot: figure) -> None:

@@ -185,7 +185,8 @@ class Explorer(pn.viewable.Viewer):
         )
         if submitted:
             self._stop_others(view)
-            self.scheduler.call_later(SOON, partial(self._show_begun, view, wanted))
+            if isinstance(view, LongTab):
+                self.scheduler.call_later(SOON, partial(self._show_begun, view, wanted))
 
     def _show_begun(self, view: Tab, wanted: Any) -> None:
         """Show that a computation is running, if it is still the one submitted."""

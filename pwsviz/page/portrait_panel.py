@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
 
 import core
 from pwsviz.figures.portrait import PortraitView
@@ -24,6 +23,7 @@ from pwsviz.scene.validation import window
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
+from pwsviz.widgets.progress import bar_pane
 
 REMIND = 300
 """Milliseconds of computing after which a progress bar appears."""
@@ -66,9 +66,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
         self.trouble = text_pane("")
-        self.progress = pmui.LinearProgress(
-            variant="indeterminate", visible=False, sizing_mode="stretch_width", margin=0
-        )
+        self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
         self._aimed_at: tuple[Any, ...] = ()
         self._told: Any = None

@@ -6,7 +6,11 @@ compiled or loaded, is computed in a thread; a visitor who comes meanwhile share
 
 from __future__ import annotations
 
+import gc
 from threading import Thread
+
+import scipy.integrate  # noqa: F401  (a run that escapes needs it: a fifth of a second at the first)
+from bokeh.settings import settings
 
 from pwsviz.page.explorer import RESULTS
 from pwsviz.results.requests import run_inputs
@@ -20,7 +24,15 @@ def compute_first_scene() -> None:
     runs = run_inputs(scene)
     RESULTS.pictures(PortraitInputs.of(scene))
     RESULTS.error_curves(runs)
+    RESULTS.diagnosis(runs[0])  # the message of a run that stops early needs what this prepares
+
+
+def prepare() -> None:
+    """Compute the first scene, and keep what there is by then: the collector of garbage stops all to go through it."""
+    compute_first_scene()
+    gc.freeze()
 
 
 if __name__ == "panel_setup_module":
-    Thread(target=compute_first_scene, name="pwsviz-preload", daemon=True).start()
+    settings.simple_ids = True  # the default, which Bokeh else looks up in the environment for each id
+    Thread(target=prepare, name="pwsviz-preload", daemon=True).start()

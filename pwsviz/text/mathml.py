@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from html import escape
 from itertools import pairwise
 from typing import Any, TypeAlias
 
 import sympy
 from sympy import Expr, Symbol
-from sympy.printing.pretty.pretty_symbology import greek_unicode
 from sympy.printing.printer import Printer
 
 import core
 from core.symbolic import TIME, DividedDifference
+from pwsviz.text.math_names import default_name, name_markup, operator, plain_text, said_name
 
 __all__ = [
     "TOO_LONG",
@@ -28,7 +27,6 @@ __all__ = [
     "formula",
     "latex",
     "markup",
-    "name_markup",
     "names_of",
     "too_long",
 ]
@@ -46,19 +44,6 @@ TOO_LONG = "too long to typeset"  #: shown in place of an expression beyond thes
 _TIMES = "<mo>&#8290;</mo>"  #: invisible multiplication sign
 _APPLY = "<mo>&#8289;</mo>"  #: invisible sign of function application
 _DOT = "<mo>⋅</mo>"  #: visible multiplication sign
-_ACCENTS = {"hat": "^", "bar": "‾", "tilde": "~", "vec": "→", "dot": "˙", "ddot": "¨"}
-_SIGNS = {"-": "−", "'": "′"}
-_COMMANDS = {
-    "pm": "±", "sum": "∑", "cdots": "⋯", "ldots": "…", "leftarrow": "←", "circ": "∘", "top": "⊤",
-}  # fmt: skip
-_ACCENTED = "|".join(_ACCENTS)
-#: A base with at most two scripts, each a character, a command or a group in braces. The possessive quantifiers (++)
-#: do not backtrack, so that no text takes long to match.
-_SCRIPT = r"(?:[_^](?:\{[^{}]*\}|\\[A-Za-z]++|[^\\{}\s]))"
-_BASE = rf"(?:\\(?:{_ACCENTED})\{{[^{{}}]*\}}|\\[A-Za-z]++|[^\\_^{{}}])++"
-_NAME = re.compile(rf"(?P<base>{_BASE})(?P<scripts>{_SCRIPT}{{0,2}})")
-_ENDS_IN_SUBSCRIPT = re.compile(r"_\{[^{}]*\}$")
-_PIECE = re.compile(rf"\\({_ACCENTED})\{{([^{{}}]*)\}}|\\([A-Za-z]+)|([^\W\d_]+)|(\d+(?:\.\d+)?)|(\S)")
 
 
 def markup(expression: Shown, names: Names | None = None) -> str:
@@ -92,7 +77,7 @@ def equation(left: str | Expr, right: Shown, names: Names | None = None) -> str:
         As in `markup`.
     """
     shown = name_markup(left) if isinstance(left, str) else markup(left, names)
-    said = _said_name(left) if isinstance(left, str) else _said(left)
+    said = said_name(left) if isinstance(left, str) else _said(left)
     return _whole(f"{shown}<mo>=</mo>{markup(right, names)}", f"{said} = {_said(right)}")
 
 
@@ -101,11 +86,11 @@ def formula(text: str) -> str:
 
     For example ``x_{k+1} = x_{k} + \tau f^{\tau}``; each piece is typeset by `name_markup`.
     """
-    return _whole("".join(map(name_markup, text.split())), _said_name(text))
+    return _whole("".join(map(name_markup, text.split())), said_name(text))
 
 
 def _whole(inside: str, words: str) -> str:
-    said = _plain(words)
+    said = plain_text(words)
     return f'<math display="block" alttext="{said}" aria-label="{said}"><mrow>{inside}</mrow></math>'
 
 
@@ -114,7 +99,7 @@ def latex(expression: Shown, names: Names | None = None) -> str:
     shown = _one(expression)
     if any(map(too_long, _parts(shown))):
         return rf"\text{{{TOO_LONG}}}"
-    written = {s: (names or {}).get(s, _default_name(s.name)) for s in shown.free_symbols}
+    written = {s: (names or {}).get(s, default_name(s.name)) for s in shown.free_symbols}
     return str(sympy.latex(_explicit(shown), symbol_names=written))
 
 
@@ -139,7 +124,7 @@ def names_of(system: core.PiecewiseSystem) -> Names:
     names = {Symbol(p.name): p.symbol for p in system.parameters}
     ends = system.laws.modes[1].discrete.ends
     inputs = (*ends.variables, TIME)
-    names |= {symbol: _default_name(symbol.name) for symbol in inputs}
+    names |= {symbol: default_name(symbol.name) for symbol in inputs}
     for k, at in enumerate((ends.at_start, ends.at_end)):
         names |= {Symbol(str(at[symbol])): _indexed(names[symbol], k) for symbol in inputs}
     return names
@@ -161,65 +146,6 @@ def too_long(expression: Expr | sympy.MatrixBase) -> bool:
             return True
         open_nodes += [(arg, depth + 1) for arg in node.args]
     return False
-
-
-def name_markup(text: str) -> str:
-    r"""Typeset the LaTeX of a name, such as ``\omega^2_{-}`` or ``\hat{t}``; any other text is shown as it is."""
-    name = _NAME.fullmatch(text.strip())
-    found = re.findall(_SCRIPT, name["scripts"]) if name else []
-    if name is None or len({script[0] for script in found}) < len(found):  # two subscripts or two superscripts
-        return f"<mtext>{_plain(text)}</mtext>"
-    scripts = {script[0]: _pieces(script[1:].strip("{}")) for script in found if script[1:] != "{}"}
-    base = _pieces(name["base"])
-    match sorted(scripts):
-        case ["^", "_"]:
-            return f"<msubsup>{base}{scripts['_']}{scripts['^']}</msubsup>"
-        case ["_"]:
-            return f"<msub>{base}{scripts['_']}</msub>"
-        case ["^"]:
-            return f"<msup>{base}{scripts['^']}</msup>"
-    return base
-
-
-def _pieces(text: str) -> str:
-    """Typeset a sequence of letters, digits and signs as one element."""
-    row = []
-    for accent, accented, command, word, number, sign in _PIECE.findall(text):
-        if accent:
-            row.append(f'<mover accent="true">{_pieces(accented)}<mo>{_ACCENTS[accent]}</mo></mover>')
-        elif number:
-            row.append(f"<mn>{number}</mn>")
-        elif sign or command in _COMMANDS:
-            row.append(_operator(_COMMANDS.get(command) or _SIGNS.get(sign, sign)))
-        else:
-            row.append(f"<mi>{_plain(greek_unicode.get(command, command) or word)}</mi>")
-    return row[0] if len(row) == 1 else f"<mrow>{''.join(row)}</mrow>"
-
-
-def _operator(sign: str) -> str:
-    low = ' stretchy="false"' * (sign in "()")  # no higher than a line of text
-    return f"<mo{low}>{_plain(sign)}</mo>"
-
-
-def _plain(text: str) -> str:
-    """Escape text; control characters, which are not allowed in HTML, become U+FFFD."""
-    return escape("".join(c if c.isprintable() else "\ufffd" for c in text))
-
-
-def _default_name(name: str) -> str:
-    """Return the LaTeX of a symbol's name; the endings _minus and _plus become a sign in its subscript."""
-    for word, sign in (("_minus", "-"), ("_plus", "+")):
-        if name.endswith(word):
-            stem = str(sympy.latex(Symbol(name.removesuffix(word))))
-            return f"{stem[:-1]}{sign}}}" if _ENDS_IN_SUBSCRIPT.search(stem) else f"{stem}_{{{sign}}}"
-    return str(sympy.latex(Symbol(name)))
-
-
-def _said_name(text: str) -> str:
-    """Return the LaTeX of a name or a formula in plain characters."""
-    plain = re.sub(rf"\\({_ACCENTED})\{{([^{{}}]*)\}}", r"\2-\1", text)
-    plain = re.sub(r"\\([A-Za-z]+)", lambda found: _COMMANDS.get(found[1], found[1]), plain)
-    return re.sub(r"[\\{}]", "", plain)
 
 
 def _said(shown: Shown) -> str:
@@ -281,7 +207,7 @@ class _Printer(Printer):
     """The recursion of `markup`; every method returns one MathML element."""
 
     printmethod = "_mathml_text"
-    emptyPrinter = staticmethod(lambda expr: f"<mtext>{_plain(str(expr))}</mtext>")  # noqa: N815 - sympy's name
+    emptyPrinter = staticmethod(lambda expr: f"<mtext>{plain_text(str(expr))}</mtext>")  # noqa: N815 - sympy's name
 
     def __init__(self, names: Names) -> None:
         super().__init__()
@@ -295,7 +221,7 @@ class _Printer(Printer):
     # Leaves ----------------------------------------------------------------------------------------------------------
 
     def _print_Symbol(self, u: Symbol) -> str:  # noqa: N802 - sympy's names, here and below
-        return name_markup(self._names.get(u, _default_name(u.name)))
+        return name_markup(self._names.get(u, default_name(u.name)))
 
     def _print_Integer(self, u: Any) -> str:  # noqa: N802
         return _signed(str(u))
@@ -387,7 +313,7 @@ class _Printer(Printer):
 
     def _print_Function(self, u: Any) -> str:  # noqa: N802
         inside = "<mo>,</mo>".join(map(self._print, u.args))
-        return f"<mrow><mi>{_plain(u.func.__name__)}</mi>{_APPLY}{_bracketed(inside)}</mrow>"
+        return f"<mrow><mi>{plain_text(u.func.__name__)}</mi>{_APPLY}{_bracketed(inside)}</mrow>"
 
     def _print_MatrixBase(self, u: Any) -> str:  # noqa: N802
         cells = [[f"<mtd>{self._print(u[i, j])}</mtd>" for j in range(u.cols)] for i in range(u.rows)]
@@ -399,7 +325,7 @@ def _bracketed(inside: str) -> str:
     """Put round brackets around markup, no higher than a line of text unless it contains a fraction."""
     if "<mfrac>" in inside:
         return f"<mrow><mo>(</mo>{inside}<mo>)</mo></mrow>"
-    return f"<mrow>{_operator('(')}{inside}{_operator(')')}</mrow>"
+    return f"<mrow>{operator('(')}{inside}{operator(')')}</mrow>"
 
 
 def _signed(digits: str) -> str:

@@ -12,7 +12,7 @@ function render({ model, el }) {
     .map(name => el.querySelector(name))
 
   const fill = () => {  // only when the text changes: what is being typed stays, and can be undone by its own keys
-    entry.value = model.text
+    entry.value = model.text.replaceAll("-", "\u2212")  // the sign that the page prints; typed, both are understood
     write()
   }
   const write = () => {

@@ -14,8 +14,11 @@ from pwsviz.text.words import as_text
 FADED = {"opacity": "0.35"}
 """Additional styles of a pane that shows an outdated result."""
 
-PLAIN = {"opacity": "1"}
+PLAIN = {"opacity": "1", "visibility": "inherit"}
 """The same of one that does not: the browser keeps a style that is merely left out."""
+
+EMPTY = {"visibility": "hidden"}
+"""The same of one that shows nothing yet: an empty frame would tell of a picture that is not there."""
 
 PLAIN_SX = {"textTransform": "none", "whiteSpace": "nowrap"}
 """Of buttons: no capitals and no line breaks."""
@@ -58,16 +61,19 @@ def heading(words: str) -> pn.pane.HTML:
 
 
 def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:
-    """Return a pane for a figure."""
-    return pn.pane.Bokeh(plot, margin=0, sizing_mode="stretch_width", **options)
+    """Return a pane for a figure, which is not seen until `fade` says that there is something to see."""
+    pane = pn.pane.Bokeh(plot, margin=0, sizing_mode="stretch_width", **options)
+    pane.styles = {**pane.object.styles, **EMPTY}  # given to the constructor, they would not reach the figure
+    return pane
 
 
 def fade(pane: pn.pane.Bokeh, past: bool) -> None:
-    """Fade a figure that shows an outdated result, or show it plainly.
+    """Fade a figure that shows an outdated result, if it shows any, or show it plainly.
 
     The styles of a pane replace those of its figure, so all of them are given each time.
     """
-    pane.styles = {**pane.object.styles, **(FADED if past else PLAIN)}
+    if not past or pane.styles.get("visibility") != EMPTY["visibility"]:
+        pane.styles = {**pane.object.styles, **PLAIN, **(FADED if past else {})}
 
 
 def _html(markup: str) -> pn.pane.HTML:

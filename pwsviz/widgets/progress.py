@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -10,8 +11,19 @@ import panel_material_ui as pmui
 from pwsviz.widgets.panes import PLAIN_SX
 
 BAR_CSS = """
-progress { width: 100%; height: 6px; accent-color: var(--mui-palette-primary-main); }
+progress { appearance: none; display: block; width: 100%; height: 4px; border: 0;
+           --track: var(--mui-palette-divider, #E0E0E0); --done: var(--mui-palette-primary-main, #0072B2); }
+progress, progress::-webkit-progress-bar { background: var(--track); }
+progress::-webkit-progress-value { background: var(--done); }
+progress::-moz-progress-bar { background: var(--done); }
+progress:indeterminate { background: linear-gradient(90deg, var(--track) 33%, var(--done) 33% 67%, var(--track) 67%)
+                         0 / 300%; animation: 2s linear infinite pass; }
+progress:indeterminate::-webkit-progress-bar { background: none; }
+progress:indeterminate::-moz-progress-bar { background: none; }
+@keyframes pass { from { background-position: 100% } to { background-position: 0 } }
+@media (prefers-reduced-motion) { progress:indeterminate { animation-duration: 12s } }
 """
+"""Drawn alike by all browsers: their own bars have colours of their own."""
 
 
 class Progress(pn.viewable.Viewer):
@@ -25,7 +37,7 @@ class Progress(pn.viewable.Viewer):
 
     def __init__(self, on_cancel: Callable[[], None], on_again: Callable[[], None]) -> None:
         super().__init__()
-        self._bar = pn.pane.HTML(_bar(), stylesheets=[BAR_CSS], sizing_mode="stretch_width", margin=(9, 8))
+        self._bar = bar_pane("the computation", margin=(9, 8))
         self._words = pmui.Typography("", variant="caption", margin=(6, 8), width=92)
         self._cancel = pmui.Button(label="Cancel", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX)
         self._again = pmui.Button(
@@ -44,12 +56,12 @@ class Progress(pn.viewable.Viewer):
 
     def begin(self) -> None:
         """Show that a computation has begun, of unknown length."""
-        self._bar.param.update(object=_bar(), visible=True)
+        self._bar.param.update(object=_bar("the computation"), visible=True)
         self._say("preparing …", cancellable=True)
 
     def advance(self, done: int, total: int) -> None:
         """Show how many of all parts are done."""
-        self._bar.object = _bar(done / max(total, 1))
+        self._bar.object = _bar("the computation", done / max(total, 1))
         self._say(f"{done} of {total}", cancellable=True)
 
     def end(self) -> None:
@@ -72,7 +84,12 @@ class Progress(pn.viewable.Viewer):
         return self._row
 
 
-def _bar(part: float | None = None) -> str:
+def bar_pane(work: str, **options: Any) -> pn.pane.HTML:
+    """Return a bar that says, to screen readers too, that some work is going on."""
+    return pn.pane.HTML(_bar(work), stylesheets=[BAR_CSS], sizing_mode="stretch_width", **options)
+
+
+def _bar(work: str, part: float | None = None) -> str:
     """Return the bar at a part of its length; without one, that part is not known."""
     value = "" if part is None else f' value="{part:.2f}"'
-    return f'<progress aria-label="Progress of the computation"{value}></progress>'
+    return f'<progress aria-label="Progress of {work}"{value}></progress>'

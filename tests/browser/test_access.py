@@ -126,6 +126,9 @@ def test_fields_take_formulas_sliders_tell_their_numbers_and_undo_is_the_fields_
     sync_api.expect(slider).not_to_have_attribute("aria-valuetext", "0.01")
     assert slider.get_attribute("aria-valuetext") == field(page, "Step size τ").input_value()
 
+    for typed, shown in (("-2.5", "−2.5"), ("−3", "−3.0")):
+        type_into(page, "a₋", typed)
+        sync_api.expect(field(page, "a₋")).to_have_value(shown)
     end = field(page, "End time")
     type_into(page, "End time", "2^3/4")
     page.get_by_text("2^3/4 = 2.0").wait_for()

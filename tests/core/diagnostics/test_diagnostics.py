@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import core
-from core.diagnostics import diagnose, diagnosis, step_warning
+from core.diagnostics import constants, diagnose, diagnosis, step_warning
 from core.diagnostics.scheme import Scheme
 from tests.core import sample_systems as systems
 
@@ -352,3 +352,19 @@ def test_a_run_whose_crossings_accumulate_is_not_blamed_on_its_step():
     run = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 3.0))
     assert run.status is core.Status.ZENO
     assert run.message == run.outcome
+
+
+def test_a_side_without_crossings_costs_nothing():
+    asked = []
+
+    def ask(side, t):
+        asked.append(side)
+        return side * t
+
+    t = np.array([1.0, 2.0])
+    for sides in ([1, 1], [-1, -1], [-1, 1], []):
+        asked.clear()
+        side = np.array(sides, dtype=int)
+        found = constants._by_side(side, ask, t[: len(sides)])
+        assert found.tolist() == (side * t[: len(sides)]).tolist()
+        assert len(asked) == max(1, len(set(sides)))

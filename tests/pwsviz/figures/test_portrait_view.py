@@ -12,7 +12,7 @@ from core.transition.status import CROSSING_KINDS
 from pwsviz.figures.framing import OTHERS, extent
 from pwsviz.figures.marks import KIND_MARKERS
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.phase_plane import Window, backdrop
 from pwsviz.page.player import Player
 from pwsviz.results.animation import frames
 from pwsviz.results.results import PortraitInputs, Results
@@ -197,3 +197,13 @@ def test_a_closed_player_makes_and_sends_nothing():
     player.open = False
     player.show([frames(run, (0, 1))])
     assert player.bar.ways == []
+
+
+def test_what_a_parameter_does_not_change_in_the_backdrop_is_not_sent_again():
+    view, system, window = Watched(), pictured()[0], Window(-2.0, 2.0, -2.0, 2.0)
+    sources = [*view.ground.levels.values(), *view.ground.arrows.values()]
+    before, after = [], []
+    for a_minus, seen in ((-3.0, before), (-2.5, after)):
+        view.show_backdrop(backdrop(system.with_parameters(a_minus=a_minus), window, {}))
+        seen += [source.data for source in sources]
+    assert [old is new for old, new in zip(before, after, strict=True)] == [False, True, False, True]

@@ -177,3 +177,12 @@ def test_systems_that_differ_in_how_a_parameter_is_typeset_are_told_apart() -> N
     first, second = (scheme_markup(s, "dmm2") for s in (system, replace(system, parameters=renamed)))
     assert "<mi>R</mi>" not in first
     assert "<mi>R</mi>" in second
+
+
+@pytest.mark.parametrize("key", ["elliptic_curve", "kepler"])
+def test_words_and_formulas_have_one_symbol_for_the_multiplier(key: str) -> None:
+    run = core.integrate(core.CATALOGUE[key], (0.0, 5.0), tau=0.01, method="dmm2")
+    text = scheme_markup(core.CATALOGUE[key], "dmm2", core.diagnose(run), run)
+    assert "The multiplier Λ<sup>τ</sup> is" in text
+    assert "|f<sup>τ</sup>·H f<sup>τ</sup>|" in text
+    assert not re.findall("ᵗ|[^ ]\\^τ", text)

@@ -225,6 +225,19 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
     assert "Taylor method at tolerance 1e-15" in stability_text(study, "map")
 
 
+@pytest.mark.parametrize(
+    ("system", "end", "told"),
+    [
+        ("elliptic_curve", 19.0, "to t = 19"),
+        ("elliptic_curve", 20.0, "to t = 20.07, as a crossing is too close to t = 20 to be counted there"),
+        ("type_sliding", 20.0, "to t = 25, to see whether the runs stop where the solution does"),
+    ],
+)
+def test_a_study_that_counts_crossings_to_another_time_than_the_end_says_why(system, end, told):
+    found = core.stability_study(core.CATALOGUE[system], (0.0, end), methods=("rk2",), parts=("largest_tau",))
+    assert stability_numbers(found, "map", "rk2")[0].caption.endswith(f"start, {told}")
+
+
 def test_a_small_share_is_not_said_to_be_none(study):
     outcome = np.full((2, 25, 25), core.Status.COMPLETED)
     outcome[0, 0, 0] = WRONG_CROSSINGS

@@ -2,6 +2,7 @@
 
 import gc
 import weakref
+from threading import Event
 from types import SimpleNamespace
 
 import numpy as np
@@ -480,3 +481,27 @@ def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(mon
     assert "print(&#x27;tau&#x27;, 0.01)" in explorer.export.program.object
     assert [row[0].object for row in explorer.export.numbers] == ["Phase portrait", "Step size"]
     explorer.close()
+
+
+def test_nothing_is_seen_of_a_figure_before_there_is_something_in_it():
+    results, go = Results(), Event()
+
+    def slow(*args):
+        go.wait(20)
+        return Results.pictures(results, *args)
+
+    results.pictures = slow
+    page = Explorer(Scene(), results)
+    panel = page.portrait_panel
+    assert panel.portrait.figure.styles["visibility"] == "hidden"
+    assert panel.progress.visible
+    assert 'aria-label="Progress of the phase portrait"' in panel.progress.object
+    go.set()
+    page.refresh()
+    page.settle(20)
+    assert {pane.object.styles["visibility"] for pane in (panel.pane, *page.view.plots)} == {"inherit"}
+    assert not panel.progress.visible
+    page.scene.view = "cost"
+    page.view.begin()
+    assert page.view.plots[0].object.styles["visibility"] == "hidden"
+    page.close()

@@ -14,7 +14,8 @@ from sympy import Add, Float, Integer, Mul, Pow, Rational, Symbol, exp, log, sin
 
 import core
 from core.symbolic.multiplier import DIFFERENCES
-from pwsviz.text.mathml import _explicit, equation, formula, latex, markup, name_markup, names_of
+from pwsviz.text.math_names import name_markup
+from pwsviz.text.mathml import _explicit, equation, formula, latex, markup, names_of
 
 x, y, z = sympy.symbols("x y z")
 KNOWN = {"mi", "mn", "mo", "mrow", "mfrac", "msub", "msup", "msubsup", "msqrt", "mroot", "mover", "mtext", "mspace"}
