@@ -104,15 +104,16 @@ class Names:
         return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries)
 
 
-def evaluate_switching_text(laws: Laws, modes: Sequence[Mode]) -> str:
-    """Text of `evaluate_switching`: the guard that modes share, its rate in the first and in the last of them, and
+def evaluate_switching_text(laws: Laws, modes: Sequence[Mode], number: int = 0) -> str:
+    """Text of `evaluate_switching`: a guard that modes share, its rate in the first and in the last of them, and
     bounds on its rounding, at `place`.
     """
-    names, guard = Names(laws), modes[0].guard
+    names, guard = Names(laws), modes[0].guards[number]
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
     slack = sympy.Add(*(magnitude(guard.diff(v) * v) for v in laws.x)) * sympy.Float(_EPS)
     doubt = rounding_bound(guard) * sympy.Float(_EPS)
-    values = names.own([guard, modes[0].guard_rate, modes[-1].guard_rate, slack, doubt])
+    rates = (modes[0].guard_rates[number], modes[-1].guard_rates[number])
+    values = names.own([guard, *rates, slack, doubt])
     places = (abi.G, abi.RATES, abi.RATES + 1, abi.ROUNDING_OF_STATE, abi.ROUNDING_OF_G)
     targets = [f"w[{k}]" for k in places]
     return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
@@ -158,7 +159,7 @@ def _row(u: Expr, laws: Laws, slowness: Sequence[Symbol], names: Names) -> list[
     return [g + rate * q for g, q in zip(names.own(u.diff(v) for v in laws.x), slowness, strict=True)]
 
 
-def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool) -> str:
+def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: int = 0) -> str:
     """Text of `project_to_surface`: one Newton correction of guard = 0 (and ψ = level), residuals in double-double.
 
     A change a of the state takes the time a·q, q = f/|f|², along the flow, by which g and ψ change as well where they
@@ -169,7 +170,7 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool) -> str:
     names, d = Names(laws), len(laws.x)
     conserved = mode.conserved if conservative else ()
     drifts = mode.side == SLIDING and d > 1 and not conservative
-    zeros = (laws.g, mode.guard) if drifts else (mode.guard,)
+    zeros = (laws.g, mode.guards[number]) if drifts else (mode.guards[number],)
     m = len(conserved)
     moves, fields, slowness = named("a", d), named("f", d), named("q", d)
     lines = [*names.unpack, *(level_residual_lines(names, mode) if conservative else [])]

@@ -336,14 +336,16 @@ class StepCode:
         return list(self.increment)
 
     def text(self, increments: Sequence[Expr]) -> str:
-        """Text of the function with these increments; it also evaluates the guard and its rate at the end."""
+        """Text of the function with these increments; it also evaluates the guards and their rates at the end."""
         names, d = self._names, len(self.x)
         lines = self._lines + self._assign([f"i{k}" for k in range(d)], increments)
         lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
         lines += [f"y{k} = x{k} + (c{k} + i{k})" for k in range(d)]
         at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
-        values = [e.xreplace(at_end) for e in (self._mode.guard, self._mode.guard_rate)]
-        targets = [f"w[{k}]" for k in (abi.G_END, abi.RATE_END)]
+        ends = zip(self._mode.guards, self._mode.guard_rates, strict=True)
+        values = [e.xreplace(at_end) for pair in ends for e in pair]
+        places = (abi.G_END, abi.RATE_END, abi.G_END + abi.BESIDE, abi.RATE_END + abi.BESIDE)
+        targets = [f"w[{k}]" for k in places[: len(values)]]
         lines += ["t1 = t + h", *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")
         return self._called + function_text("step", lines)

@@ -66,12 +66,12 @@ def key_of(u: Linear) -> tuple[Any, ...]:
 
 
 class Operations:
-    """The operations so far, each once, by name and operands. Nodes 0 … d − 1 are the state."""
+    """The operations so far, each once, by name and operands. Nodes 0 … d − 1 are the state; guards have rows too."""
 
-    def __init__(self, d: int) -> None:
+    def __init__(self, d: int, guards: int = 1) -> None:
         self.d = d
         self.nodes = [Node(f"x{i}", f"y{i}", "", "", row=i) for i in range(d)]
-        self.rows = d + 1
+        self.rows = d + guards
         self.sums = Sums()
         self.constants: dict[Expr, str] = {}
         self.setup: list[tuple[int, str]] = []  # (node, line before it): values evaluated once, before the loop

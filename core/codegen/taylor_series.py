@@ -22,18 +22,21 @@ from core.codegen.printing import printed
 from core.codegen.taylor_operations import Bag, Linear, Operations, single
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
-from core.symbolic.mode import Mode
+from core.symbolic.mode import SLIDING, Mode
 
-__all__ = ["SeriesCode", "series_code"]
+__all__ = ["ALONG", "SeriesCode", "series_code"]
+
+#: 1 or −1, the direction of time: backward, the guards of sliding have other signs.
+ALONG = Symbol("along")
 
 
 @dataclass(frozen=True)
 class SeriesCode:
-    """Lines that read the frame and the parameters, and use t, order, c and `shrink`, a power of two.
+    """Lines that read the frame and the parameters, and use t, order, c, `shrink`, a power of two, and `ALONG`.
 
     They write `unit`, the unit of time, and c[i, k], k ≤ order: for i < d the coefficients of the state in powers of
-    time/unit, for i = d those of the guard height; the rows from d + 1 on are scratch. The unit is chosen such that
-    the coefficients do not overflow.
+    time/unit, from i = d on those of the heights of the guards, then scratch. The unit is chosen such that the
+    coefficients do not overflow.
     """
 
     lines: list[str]
@@ -42,7 +45,7 @@ class SeriesCode:
 
 
 def series_code(laws: Laws, mode: Mode) -> SeriesCode:
-    """Generate the recurrences of one mode's field, and of the guard height along its solution.
+    """Generate the recurrences of one mode's field, and of the heights of its guards along its solution.
 
     Parameters
     ----------
@@ -55,20 +58,22 @@ def series_code(laws: Laws, mode: Mode) -> SeriesCode:
         For a function without a recurrence.
     """
     names = Names(laws)
-    given = [e.xreplace(names.symbols) for e in (*mode.field, mode.sign * mode.guard)]
-    writer = _Writer(names)
+    way = ALONG if mode.side == SLIDING else Integer(1)
+    heights = [way * u for u in mode.heights]
+    given = [e.xreplace(names.symbols) for e in (*mode.field, *heights)]
+    writer = _Writer(names, len(heights))
     shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")
     for symbol, value in shared:
         writer.share(symbol, value)
-    *field, g = [writer.of(e) for e in final]
-    return writer.code(field, g)
+    series = [writer.of(e) for e in final]
+    return writer.code(series[: writer.d], series[writer.d :])
 
 
 class _Writer(Operations):
     """Splits expressions into operations."""
 
-    def __init__(self, names: Names) -> None:
-        super().__init__(len(names.x))
+    def __init__(self, names: Names, guards: int) -> None:
+        super().__init__(len(names.x), guards)
         self.unpack = names.unpack
         self.series = {v: single(i) for i, v in enumerate(names.x)}  # symbol -> its series
         self.inverted: dict[Expr, Expr] = {}  # symbols that stand for powers with a negative exponent
@@ -210,11 +215,13 @@ class _Writer(Operations):
             return Linear({self.quotient(single(above), below): factor})
         return Linear({self.quotient(u, below): Integer(1)})
 
-    def code(self, field: list[Linear], g: Linear) -> SeriesCode:
+    def code(self, field: list[Linear], guards: list[Linear]) -> SeriesCode:
         """The lines of the whole computation."""
         rates = [(f"f{i} = {self.start(f)}", f"f{i} = {self.newest(f)}") for i, f in enumerate(field)]
-        heights = f"c[{self.d}, 0] = {self.start(g)}", f"c[{self.d}, k] = {self.newest(g)}"
-        needed, sums = self.needed([heights[1], *(rate for _, rate in rates)])
+        rows = list(enumerate(guards, self.d))
+        first = [f"c[{row}, 0] = {self.start(g)}" for row, g in rows]
+        heights = [f"c[{row}, k] = {self.newest(g)}" for row, g in rows]
+        needed, sums = self.needed([*heights, *(rate for _, rate in rates)])
         needed |= set(range(self.d))
         before = [f"{name} = {printed(a)}" for a, name in self.constants.items()]
         loop = [*self.sums.lines(sums), "inverse = 1.0 / k", "pace = unit*inverse"]
@@ -228,8 +235,8 @@ class _Writer(Operations):
             if node.row is not None:
                 before.append(f"c[{node.row}, 0] = {node.start}")
                 loop.append(f"c[{node.row}, k] = {node.newest}")
-        before += [*(first for first, _ in rates), heights[0], *self.unit()]
-        loop += [*(rate for _, rate in rates), heights[1]]
+        before += [*(start for start, _ in rates), *first, *self.unit()]
+        loop += [*(rate for _, rate in rates), *heights]
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)
 

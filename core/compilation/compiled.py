@@ -59,7 +59,7 @@ class Compiled(NamedTuple):
     """The compiled functions of a system and method."""
 
     addresses: NDArray[np.int64]
-    """(modes, functions) in the order of `abi.FUNCTIONS`; 0 for functions that the run does not need."""
+    """(modes + 1, functions) in the order of `abi.FUNCTIONS`; 0 for functions that the run does not need."""
     modules: tuple[ModuleType, ...]
     """The modules, which keep the machine code alive."""
 
@@ -82,7 +82,7 @@ def compile_run(laws: Laws, method: Method, levels: bool = False, sliding: bool 
             if _pool is not None and not _is_compiled(text):
                 submitted.append(_pool.submit(text))
     wait(filter(None, submitted), _PATIENCE)
-    addresses, modules = np.zeros((len(SIDES_OF_MODES), len(FUNCTIONS)), dtype=np.int64), []
+    addresses, modules = np.zeros((len(SIDES_OF_MODES) + 1, len(FUNCTIONS)), dtype=np.int64), []
     for modes, text in texts:
         with _lock:
             module = _load(text)
@@ -137,13 +137,16 @@ def _texts(laws: Laws, method: Method, levels: bool, sliding: bool = False) -> I
     yield from ((k, module_text([code.text(method.scheme.write(mode, code))])) for k, mode, code in codes)
     if method.adaptive:
         yield from ((k, module_text([prepare_step_text(laws, mode)])) for k, mode in modes)
-    yield from ((k, module_text([project_to_surface_text(laws, mode, method.conservative)])) for k, mode in modes)
+    guarded = [(k + number, mode, number) for k, mode in modes for number in range(len(mode.guards))]
+    yield from (
+        (k, module_text([project_to_surface_text(laws, mode, method.conservative, n)])) for k, mode, n in guarded
+    )
     if method.conservative or levels:
         yield from ((k, module_text(levels_texts(laws, mode))) for k, mode in modes)
     both = [mode for _, mode in modes[:2]]
     yield [0, 1], module_text([evaluate_switching_text(laws, both), jump_text(laws)])
-    for k, mode in modes[2:]:
-        yield k, module_text([evaluate_switching_text(laws, [mode])])
+    for k, mode, n in guarded[2:]:
+        yield k, module_text([evaluate_switching_text(laws, [mode], n)])
 
 
 def _is_compiled(text: str) -> bool:

@@ -58,10 +58,12 @@ class Encounters:
     after: Branch
     transversal: NDArray[np.bool_]
     """(k,) whether the trajectory arrives and leaves at rates other than 0."""
+    slid: NDArray[np.bool_]
+    """(k,) whether it slides up to there."""
 
     def where(self, rows: slice) -> Encounters:
         """Both branches of some of the crossings."""
-        return Encounters(self.before.where(rows), self.after.where(rows), self.transversal[rows])
+        return Encounters(self.before.where(rows), self.after.where(rows), self.transversal[rows], self.slid[rows])
 
 
 def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
@@ -74,7 +76,9 @@ def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
     jumped = crossings.kind == "jump"
     left = np.concatenate([run.side[:1], crossings.side])[:count]
     entered = np.where(crossings.side == 0, -left, crossings.side)
-    left = np.where(left == 0, entered, left)  # sliding, which the theory does not cover: `_constants` leaves it out
+    slid = left == 0  # the theory does not cover sliding: another side stands for it, and no bound is given
+    left = np.where(slid, np.where(entered == 0, 1, entered), left)
+    entered = np.where(entered == 0, left, entered)
     last = run.crossings.t[count] if count < len(run.crossings) else run.t[-1]
     gaps = np.minimum(np.abs(np.diff(np.concatenate([run.t[:1], t, [last]]))), run.tau)
     direction = 1.0 if run.t[-1] >= run.t[0] else -1.0
@@ -85,6 +89,7 @@ def encounters(run: Trajectory, crossings: Crossings) -> Encounters:
         Branch(t, crossings.surface, left, before, -direction * gaps[:-1]),
         Branch(t, onward, entered, after, direction * gaps[1:]),
         crosses,
+        slid,
     )
 
 
@@ -211,7 +216,7 @@ def _curvature(system: PiecewiseSystem, t: Floats, x: Floats, v: Floats) -> Floa
 @lru_cache(maxsize=64)
 def second_rate(laws: Laws, side: int) -> sympy.Expr:
     """d²g/dt² along the field of a side."""
-    return laws.modes[side].rate_of(laws.modes[side].guard_rate)
+    return laws.modes[side].rate_of(laws.modes[side].guard_rates[0])
 
 
 @lru_cache(maxsize=64)

@@ -156,6 +156,7 @@ def _constants(scheme: Scheme, met: Encounters) -> Constants:
     start = np.where(np.isfinite(start), start, before.x)
     tau_minus = wellposed_bound(scheme, before.side, before.t + before.length, start, before.t)
     tau_plus = wellposed_bound(scheme, after.side, after.t, after.x, after.t + after.length)
+    tau_minus = np.where(met.slid, np.nan, tau_minus)
     window = alpha2 / m
     window_hat = np.where(alpha_hat2 <= 0.0, 0.0, alpha_hat2 / m_hat)
     minus, plus = (system.switching_rate(side, before.t, before.x) for side in (-1, 1))

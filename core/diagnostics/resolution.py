@@ -11,7 +11,7 @@ from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
-from core.transition.records import SIDES_OF_MODES, SLIDING_MODE
+from core.transition.records import SIDES_OF_MODES
 
 __all__ = ["unresolved"]
 
@@ -35,6 +35,8 @@ _APART_KEPT = 1e-6
 _TOLERANCES = 1e3
 #: Distance below which it is round-off for any method, relative to the state.
 _ROUNDING = 2.0**-44
+#: Shortest step that is examined, relative to the time: of a shorter one rounding hides what happens in it.
+_SHORTEST = 2.0**-46
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
 _SLIGHT = 1e-9
 #: Most steps from entries into a mode that are examined, besides the steps kept by the loop.
@@ -52,7 +54,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     samples = run.samples
     if samples is None:
         return ()
-    samples = samples[samples[:, 2] != 0.0]
+    samples = samples[np.abs(samples[:, 2]) > _SHORTEST * np.abs(samples[:, 0])]
     t, mode, h, x = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2], samples[:, 3:]
     kept = _Steps(run, t, x, mode, h)
     if run.status is Status.ESCAPED:  # no step is short enough for the field where the solution escapes
@@ -83,32 +85,45 @@ class _Steps:
     def too_long_for_g(self) -> Iterator[str]:
         """Warn of a step in which a pair of crossings may have been missed.
 
-        The time loop replaces g within a step by the cubic with the same values and rates at both ends, and finds no
-        crossing where the cubic is positive. Here g on the scheme itself is compared with this cubic. It is unresolved
-        where it is negative before the end, where the cubic is at most three times the difference of the two, and
-        where g may dip below zero between two places. A variable-step method has a polynomial in place of the cubic,
-        so that the second test does not apply. Steps of sliding, along which g is constant, are not examined.
+        The time loop replaces the height of a guard within a step by the cubic with the same values and rates at both
+        ends, and finds no crossing where the cubic is positive. Here the height on the scheme itself is compared with
+        this cubic. It is unresolved where it is negative before the end, where the cubic is at most three times the
+        difference of the two, and where the height may dip below zero between two places. A variable-step method has a
+        polynomial in place of the cubic, so that the second test does not apply.
         """
-        off = self.mode != SLIDING_MODE
-        t, x, mode, h = self.t[off], self.x[off], self.mode[off], self.h[off, None]
-        side = SIDES_OF_MODES[mode][:, None]
-        places = _places(len(h))
-        times = t[:, None] + h * places
-        states = np.concatenate([x[:, None], self._states(t, x, mode, times[:, 1:])], axis=1)
-        with np.errstate(all="ignore"):
-            g = side * self.run.system.switching(times, states)
-            rates = (self.run.system.switching_rate(s, times, states) for s in (1, -1))
-            rate: Floats = np.where(side > 0, *rates) * (h * side)
-            cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
-            hidden = (g <= 0.0)[:, 1:-1].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1)
-            if not self.method.adaptive:
-                hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:-1].any(axis=1)
+        hidden = np.zeros(len(self.t), dtype=bool)
+        places = _places(len(self.t))
+        for number in np.unique(self.mode).tolist():
+            rows = np.flatnonzero(self.mode == number)
+            hidden[rows] = self._hides(rows, SIDES_OF_MODES[number], places)
         if hidden.any():
             yield (
-                f"A step of {abs(h[hidden][0, 0]):.3g} is too long for this surface: from t = "
-                f"{t[hidden][0]:.6g} on g varies by more than its values and rates at both ends show, so "
+                f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
+                f"{self.t[hidden][0]:.6g} on g varies by more than its values and rates at both ends show, so "
                 f"crossings may have been missed; {self._advice}"
             )
+
+    def _hides(self, rows: NDArray[np.intp], side: int, places: Floats) -> NDArray[np.bool_]:
+        """Whether a height of the mode of a side is unresolved in some steps, all of that mode."""
+        t, x, h, system = self.t[rows], self.x[rows], self.h[rows, None], self.run.system
+        times = t[:, None] + h * places
+        states = np.concatenate([x[:, None], self._states(t, x, self.mode[rows], times[:, 1:])], axis=1)
+        law, hidden = system.laws.mode(side), np.zeros(len(rows), dtype=bool)
+        for k, height in enumerate(law.heights):
+            wanted = (height, law.rate_of(height))
+            values = system.laws.evaluate(("height", side, k), wanted, times, states, system.parameter_array)
+            values *= np.where(h < 0.0, -1.0, 1.0)[:, :, None] if side == 0 else 1.0  # see `Mode.heights`
+            with np.errstate(all="ignore"):
+                hidden |= self._hides_roots(places, values[..., 0], h * values[..., 1])
+        return hidden
+
+    def _hides_roots(self, places: Floats, g: Floats, rate: Floats) -> NDArray[np.bool_]:
+        """Whether heights (k, places), with their rates per step, are unresolved within steps."""
+        hidden = np.asarray((g <= 0.0)[:, 1:-1].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1))
+        if not self.method.adaptive:
+            cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
+            hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:-1].any(axis=1)
+        return hidden
 
     def too_long_for_the_field(self) -> Iterator[str]:
         """Warn of a step that leads elsewhere than shorter steps from the states within it.

@@ -38,7 +38,7 @@ def sides_entered(system: PiecewiseSystem, t: float, x: Floats, direction: float
 
 def _leads_into(system: PiecewiseSystem, side: int, t: float, x: Floats, direction: float) -> bool:
     laws = system.laws
-    rate = laws.modes[side].guard_rate
+    (rate,) = laws.modes[side].guard_rates
     bound = rounding_bound(rate).replace(magnitude, sympy.Abs)
     wanted = (rate, bound, laws.modes[side].rate_of(rate))
     first, doubt, second = laws.evaluate(("fold", side), wanted, t, x, system.parameter_array)

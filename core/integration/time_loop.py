@@ -12,7 +12,7 @@ from typing import Any
 import numba
 from numba import njit, types
 
-from core.kernels.abi import G_END, RATE_END, STEP, Frame, call
+from core.kernels.abi import STEP, Frame, call
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import OPTIONS, inlined, internal
@@ -153,7 +153,7 @@ def compiled_march() -> Callable[..., int]:
                 plain = count >= 0
                 for i in range(d):
                     plain = plain and abs(x[i] + increment[i]) < BOUND
-                plain = plain and accept_plain_step(run, h, run.sign * w[G_END], run.sign * w[RATE_END])
+                plain = plain and accept_plain_step(run, h, w)
             if plain:
                 run.evaluations += count
                 for i in range(d):

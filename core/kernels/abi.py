@@ -4,7 +4,8 @@
 
 is a C function. The loop calls it by its address, so that one compiled loop serves every system and method. p holds
 the parameters, w is the frame of a run (`Frame`), and scratch is memory that a variable-step method keeps between
-calls. The addresses are in a table with one row for each mode and the columns `FUNCTIONS`:
+calls. The addresses are in a table with one row for each mode, and one more for the second guard of sliding, which has
+its own `project_to_surface` and `evaluate_switching`. The columns are `FUNCTIONS`:
 
 prepare_step
     Prepare a step from x. A variable-step method expands the solution in a Taylor series, kept in scratch. It writes
@@ -13,7 +14,7 @@ prepare_step
     the function resets w[LEVELS_SET] to 0.
 step
     Take one step of length h from x + carry: write its increment to w, and the mode's guard and its rate at the end to
-    w[G_END], w[RATE_END].
+    w[G_END], w[RATE_END]; those of a second guard to the places `BESIDE` these.
     h may have any length and either sign, because crossings are located on the scheme itself. Return the number of
     evaluations of the field, or `NO_SOLUTION`.
 set_levels
@@ -24,7 +25,7 @@ project_to_surface
     Project x + carry to guard = 0 (and to the levels of ψ, if the method keeps them), in double-double. Write to
     w[DELAY] how much later than x + carry the solution reaches the projected state.
 evaluate_switching
-    Evaluate the guard at `place` and its rate: of g, both rates ġ = g_t + ∇g·f with the fields of the sides; of the
+    Evaluate the guard at `place` and its rate: of g, both rates ġ = g_t + ∇g·f with the fields of the sides; of a
     guard of sliding, twice its rate along the sliding field. Bound the change of the guard by rounding the state alone
     (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
 jump
@@ -45,6 +46,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 __all__ = [
+    "BESIDE",
     "CALL",
     "DELAY",
     "EVALUATE",
@@ -104,7 +106,8 @@ DELAY = 10  #: time from the end of the step to the state projected to the surfa
 LEVELS_SET = 11  #: 1 where the levels of ψ have just been set at the state
 PER_UNIT = 12  #: 1 / UNIT
 ROUNDING_OF_G = 13  #: bound on the change of g by rounding its arguments and all operations, likewise
-_HEAD = 14  #: number of scalars
+BESIDE = 14  #: distance to w[G_END] and w[RATE_END] of the second guard of sliding
+_HEAD = 16  #: number of scalars
 
 
 class Frame(NamedTuple):

@@ -9,12 +9,12 @@ from functools import lru_cache
 from sympy import Expr, Symbol
 
 from core.codegen.functions import Names, function_text, level_residual_lines
-from core.codegen.taylor_series import SeriesCode, series_code
+from core.codegen.taylor_series import ALONG, SeriesCode, series_code
 from core.kernels.abi import LENGTH, LEVELS_SET, ORDER, PER_UNIT, TOLERANCE, UNIT
 from core.kernels.taylor_coefficients import LEAST_ORDER, STRIDE
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
-from core.symbolic.mode import Mode
+from core.symbolic.mode import SLIDING, Mode
 
 __all__ = ["coefficient_rows", "prepare_step_text"]
 
@@ -43,10 +43,11 @@ def coefficient_rows(laws: Laws, sides: Iterable[int] = (-1, 1)) -> int:
 
 
 def prepare_step_text(laws: Laws, mode: Mode) -> str:
-    """Text of `prepare_step`: writes coefficients to scratch, with the height in row d, and the length to w[LENGTH]."""
+    """Text of `prepare_step`: writes coefficients to scratch, heights from row d on, and the length to w[LENGTH]."""
     code = _series(laws, mode.side)
     lines = [f"order = int(w[{ORDER}])", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
     lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
+    lines += [f"{ALONG} = 1.0 if h > 0.0 else -1.0"] if mode.side == SLIDING else []
     lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, mode, code))]
     lines += _residual_lines(laws, mode)
     lines += [f"if length == math.inf and is_at_rest(c, {len(laws.x)}, order):", f"    unit *= {_AT_REST}"]
@@ -62,8 +63,11 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
     of low degree, as for x' = 1, y' = x**30 at x = 0. The step length is then limited by that at a nearby state.
     """
     names, d = Names(laws), len(laws.x)
-    state, height = (f"{name}(c, {d}, order, w[{TOLERANCE}])" for name in ("step_length", "step_length_of_height"))
-    lines = [*code.lines, f"state, height = {state}, {height}"]
+    rows = range(d, d + len(mode.guards))
+    heights = [f"step_length_of_height(c, {row}, order, w[{TOLERANCE}])" for row in rows]
+    lines = [*code.lines, f"state, height = step_length(c, {d}, order, w[{TOLERANCE}]), {heights[0]}"]
+    for other in heights[1:]:
+        lines += [f"other = {other}", "height = min(height, other) if height + other == height + other else math.nan"]
     lines += ["length = min(state, height) if state + height == state + height else math.nan"]
     if _degree_in_time(laws, mode) > LEAST_ORDER:
         moved = [f"{x} += away*{1 + k % _PRIME / _PRIME}" for k, x in enumerate(names.x)]
@@ -75,12 +79,12 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
 
 
 def _degree_in_time(laws: Laws, mode: Mode) -> float:
-    """Bound the degree of the solution, and of the guard along it, as polynomials in time; inf where they are none."""
+    """Bound the degree of the solution, and of the guards along it, as polynomials in time; inf where they are none."""
     degrees: dict[Symbol, float] = {TIME: 1, **dict.fromkeys(laws.x, 0)}
     for _ in range(len(laws.x) + 1):
         found = {v: _degree(f, degrees) + float(f != 0) for v, f in zip(laws.x, mode.field, strict=True)}
         if all(degrees[v] == n for v, n in found.items()):
-            return max(*found.values(), _degree(mode.guard, degrees))
+            return max(*found.values(), *(_degree(guard, degrees) for guard in mode.guards))
         degrees |= found
     return math.inf  # a coordinate depends on itself
 

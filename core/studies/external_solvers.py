@@ -123,14 +123,14 @@ class ScalarFunctions:
         return {side: self._function(self.laws.mode(side).field) for side in self.sides}
 
     @cached_property
-    def guard(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
-        """(t, x) -> what ends a segment where it vanishes, (1,), of each side: g, or of sliding its own guard."""
-        return {side: self._function((self.laws.mode(side).guard,)) for side in self.sides}
+    def heights(self) -> Mapping[int, Sequence[Callable[[float, Floats], Floats]]]:
+        """Functions (t, x) -> (1,) of each side, positive there, of which each ends a segment where it vanishes."""
+        return {side: [self._function((u,)) for u in self.laws.mode(side).heights] for side in self.sides}
 
     @cached_property
     def rate(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
         """(t, x) -> (ġ,), of each side."""
-        return {side: self._function((self.laws.modes[side].guard_rate,)) for side in (-1, 1)}
+        return {side: self._function(self.laws.modes[side].guard_rates) for side in (-1, 1)}
 
     @cached_property
     def jump(self) -> Callable[[float, Floats], Floats] | None:
@@ -165,7 +165,7 @@ class ScalarFunctions:
 
     def _side(self, t: float, x: Floats, reach: float) -> int:
         """The sign of g; where |g| ≤ `reach`, the side to which f₊ leads."""
-        height = self.guard[1](t, x)[0]
+        height = self.heights[1][0](t, x)[0]
         if abs(height) > reach:
             return 1 if height > 0 else -1
         return 1 if self.rate[1](t, x)[0] > 0 else -1
@@ -211,22 +211,20 @@ def external_arcs(
 
 
 class _PreparedScipy:
-    """SciPy's `solve_ivp` with DOP853 and one terminal event per side, triggered only on leaving that side."""
+    """SciPy's `solve_ivp` with DOP853 and a terminal event per guard, triggered only on leaving its side."""
 
     def __init__(self, functions: ScalarFunctions, tolerance: float, size: float) -> None:
         self._field = functions.field
         self._options: dict[str, Any] = {"method": "DOP853", "rtol": tolerance, "atol": tolerance * size}
         self._check: Callable[[], None]
-        self._events = {side: self._leaving(functions, side) for side in functions.sides}
+        self._events = {side: [self._leaving(one) for one in functions.heights[side]] for side in functions.sides}
 
-    def _leaving(self, functions: ScalarFunctions, side: int) -> Any:
-        guard = functions.guard[side]
-
+    def _leaving(self, height: Callable[[float, Floats], Floats]) -> Any:
         def event(t: float, x: Floats) -> float:  # called once a step, so the time used is checked here
             self._check()
-            return float(guard(t, x)[0])
+            return float(height(t, x)[0])
 
-        event.terminal, event.direction = True, -(side or 1)  # type: ignore[attr-defined]
+        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         return event
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
@@ -273,15 +271,14 @@ def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: f
     laws, d = system.laws, system.dimension
     variables = [hy.expression(f"u{k}") for k in range(d)]
     mode = laws.mode(side)
-    wanted = [_in_floats(e) for e in (*mode.field, mode.guard)]
+    wanted = [_in_floats(e) for e in (*mode.field, *mode.heights)]
     used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # heyoka accepts no unused ones
     names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}
-    *rates, height = (hy.from_sympy(e, names) for e in wanted)
-    height += mode.sign * _ROOT_SHIFT
-    way = hy.event_direction.negative if mode.sign > 0 else hy.event_direction.positive
+    values = [hy.from_sympy(e, names) for e in wanted]
+    events = [hy.t_event(height + _ROOT_SHIFT, direction=hy.event_direction.negative) for height in values[d:]]
     return hy.taylor_adaptive(
-        list(zip(variables, rates, strict=True)), [0.0] * d, tol=tolerance,
-        pars=[system.values[str(q)] for q in used], t_events=[hy.t_event(height, direction=way)],
+        list(zip(variables, values[:d], strict=True)), [0.0] * d, tol=tolerance,
+        pars=[system.values[str(q)] for q in used], t_events=events,
     )  # fmt: skip
 
 

@@ -53,7 +53,7 @@ class Laws:
         taken = frozenset(map(str, (*x, *p)))
         #: Sign of g -> mode.
         self.modes = {
-            sign: Mode(sign, x, field, conserved, g, taken)
+            sign: Mode(sign, x, field, conserved, (g,), taken)
             for sign, field, conserved in zip((-1, 1), fields, quantities, strict=True)
         }
         self._functions: dict[object, Callable[..., Floats]] = {}

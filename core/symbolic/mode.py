@@ -1,4 +1,4 @@
-"""A mode: a smooth law, and the guard that ends it."""
+"""A mode: a smooth law, and the guards that end it."""
 
 from __future__ import annotations
 
@@ -20,27 +20,28 @@ SLIDING = 0
 
 @dataclass(frozen=True)
 class Mode:
-    """A smooth law: its field f, its conserved quantities ψ, and the guard whose zero ends it."""
+    """A smooth law: its field f, its conserved quantities ψ, and the guards of which a zero ends it."""
 
     side: int
     """−1 where g < 0, +1 where g > 0, `SLIDING` on the surface."""
     variables: tuple[Symbol, ...]
     field: tuple[Expr, ...]
     conserved: tuple[Expr, ...]
-    guard: Expr
-    """g; of sliding, a function that is positive while both fields point to the surface."""
+    guards: tuple[Expr, ...]
+    """g; of sliding, the rates ġ₋ and ġ₊ of g with the fields of the sides, of which each ends it where it vanishes."""
     taken: frozenset[str]
     """Names of the variables and of the parameters."""
 
     @property
-    def sign(self) -> int:
-        """Sign that the guard has in this mode: sign·guard is its height."""
-        return -1 if self.side < 0 else 1
+    def heights(self) -> tuple[Expr, ...]:
+        """The guards with the signs that make them positive in this mode, if time runs forward."""
+        signs = (1, -1) if self.side == SLIDING else (self.side,)
+        return tuple(sign * guard for sign, guard in zip(signs, self.guards, strict=True))
 
     @cached_property
-    def guard_rate(self) -> Expr:
-        """Time derivative of the guard along the field: of g it is ġ = g_t + ∇g·f."""
-        return self.rate_of(self.guard)
+    def guard_rates(self) -> tuple[Expr, ...]:
+        """Time derivatives of the guards along the field: of g it is ġ = g_t + ∇g·f."""
+        return tuple(map(self.rate_of, self.guards))
 
     @cached_property
     def discrete(self) -> DiscreteField:

@@ -30,27 +30,27 @@ _CANCELLED_NODES = 200
 def sliding_mode(minus: Mode, plus: Mode) -> Mode:
     """The mode of sliding between two modes that a surface separates.
 
-    Its guard −ġ₋ġ₊ is positive while both fields point to the surface, whichever way time runs (backward, the surface
-    attracts where it repels forward), and vanishes where one of them turns.
+    Its guards are the rates of g with both fields. While time runs forward, ġ₋ > 0 and ġ₊ < 0; backward, the surface
+    attracts where it repels forward. Where one of them vanishes, the field of that side turns, and the state leaves.
     """
-    below, above = minus.guard_rate, plus.guard_rate
+    (below,), (above,) = minus.guard_rates, plus.guard_rates
     pairs = zip(minus.field, plus.field, strict=True)
     field = tuple(_cancelled((below * b - above * a) / (below - above)) for a, b in pairs)
-    guard = -_cancelled(below) * _cancelled(above)
-    bare = Mode(SLIDING, minus.variables, field, (), guard, minus.taken)
-    return Mode(SLIDING, minus.variables, field, tuple(_kept(bare, minus, plus)), guard, minus.taken)
+    guards = (_cancelled(below), _cancelled(above))
+    bare = Mode(SLIDING, minus.variables, field, (), guards, minus.taken)
+    return Mode(SLIDING, minus.variables, field, tuple(_kept(bare, minus, plus)), guards, minus.taken)
 
 
 def _kept(sliding: Mode, minus: Mode, plus: Mode) -> Iterator[Expr]:
     """Quantities of the sides that the field of sliding keeps on the surface; last, g: d − 1 at most in all."""
-    g, d = minus.guard, len(sliding.variables)
+    (g,), d = minus.guards, len(sliding.variables)
     if d == 1:
         return
     chosen: list[Expr] = []
     most = min(d - 2, max(len(minus.conserved), len(plus.conserved)))
     for psi in dict.fromkeys((*minus.conserved, *plus.conserved)):
         rows = sympy.Matrix([[u.diff(v) for v in sliding.variables] for u in (*chosen, psi, g)])
-        domain = Domain(positive=sliding.guard)
+        domain = _attracting(sliding)
         if len(chosen) < most and _is_zero_on(g, sliding, sliding.rate_of(psi)) and independent(rows, domain):
             chosen.append(psi)
     yield from chosen
@@ -62,8 +62,13 @@ def _is_zero_on(g: Expr, sliding: Mode, u: Expr) -> bool:
     for v in sliding.variables:
         slope = g.diff(v)
         if slope != 0 and not slope.free_symbols & set(sliding.variables):
-            return is_zero(u.xreplace({v: v - g / slope}), Domain(positive=sliding.guard))
-    return is_zero(u, Domain(positive=sliding.guard))
+            return is_zero(u.xreplace({v: v - g / slope}), _attracting(sliding))
+    return is_zero(u, _attracting(sliding))
+
+
+def _attracting(sliding: Mode) -> Domain:
+    """Where the rates point to the surface from both sides, or away from it on both."""
+    return Domain(positive=sympy.Mul(*sliding.heights))
 
 
 def _cancelled(u: Expr) -> Expr:

@@ -16,9 +16,7 @@ def _pull(i: int, along: str) -> str:
     return " + ".join(f"({along}{j} - {along}{i})/{_apart(i, j)}**(3/2)" for j in others)
 
 
-_FIELD = tuple(
-    [f"{w}{i}" for i in (1, 2, 3) for w in "uv"] + [_pull(i, along) for i in (1, 2, 3) for along in "xy"]
-)
+_FIELD = tuple([f"{w}{i}" for i in (1, 2, 3) for w in "uv"] + [_pull(i, along) for i in (1, 2, 3) for along in "xy"])
 _ENERGY = " + ".join(f"(u{i}**2 + v{i}**2)/2" for i in (1, 2, 3)) + "".join(
     f" - 1/sqrt({_apart(i, j)})" for i, j in _PAIRS
 )

@@ -1,7 +1,8 @@
 """Locate the first crossing in a step, on the scheme itself. Jitted; inlined into `time_loop`.
 
 Throughout, the *height* is σ = sign·g, the guard height of the mode occupied (positive inside), and the *rate* is dσ/dt
-in the direction of the run, negative while it approaches the surface. Lengths s along a step have the sign of the step.
+in the direction of the run, negative while it approaches the surface. For sliding, g stands for the one of its two
+guards that is looked at, `run.guard`. Lengths s along a step have the sign of the step.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -13,6 +14,7 @@ import math
 from typing import Any, NamedTuple
 
 from core.kernels.abi import (
+    BESIDE,
     EVALUATE,
     G_END,
     ORDER,
@@ -37,6 +39,7 @@ __all__ = [
     "SHORT",
     "TOUCH",
     "StepContext",
+    "height_at_end",
     "isolate_root_of_series",
     "locate_by_scheme",
     "locate_crossing",
@@ -68,8 +71,8 @@ _MARGIN = 16.0
 class StepContext(NamedTuple):
     """Everything a step needs: the compiled functions, the guards, the run's record and frame, and scratch."""
 
-    functions: Any  # (modes, functions) addresses, in the order of `abi.FUNCTIONS`
-    guards: Any  # (modes,) `records.GUARD`
+    functions: Any  # (modes + 1, functions) addresses, in the order of `abi.FUNCTIONS`
+    guards: Any  # (modes + 1,) `records.GUARD`
     run: Any  # `records.RUN`
     p: Any
     w: Any  # frame; x, carry, increment, place are parts of it
@@ -91,7 +94,13 @@ def try_step(context, t, s):
         return math.nan
     run.evaluations += count
     run.tried = s
-    return run.sign * context.w[G_END]
+    return height_at_end(context)
+
+
+@inlined
+def height_at_end(context):
+    """Height at the end of the last trial step."""
+    return context.run.sign * context.w[G_END + BESIDE * context.run.guard]
 
 
 @inlined
@@ -108,7 +117,8 @@ def write_end(context):
 def state_rounding(context, t):
     """Bound on the change of g by rounding the state alone, at the end of the last trial step."""
     write_end(context)
-    call(context.functions[context.run.mode, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
+    run = context.run
+    call(context.functions[run.mode + run.guard, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
     return context.w[ROUNDING_OF_STATE]
 
 
@@ -122,7 +132,8 @@ def g_rounding(context, t):
 @inlined
 def rate_at_end(context):
     """Rate at the end of the last trial step."""
-    return math.copysign(1.0, context.run.tau) * context.run.sign * context.w[RATE_END]
+    run = context.run
+    return math.copysign(1.0, run.tau) * run.sign * context.w[RATE_END + BESIDE * run.guard]
 
 
 @inlined
@@ -196,7 +207,7 @@ def peak(context, t, high, r_low, r_high):
     """Length in (0, high) with positive height or zero rate, by regula falsi (Illinois) and bisection on the rate."""
     low, s, f, r = 0.0, high, 0.0, r_high
     for k in range(_MAX_TRIALS):
-        part = r_low / (r_low - r_high) if k % 3 < 2 else 0.5
+        part = r_low / (r_low - r_high) if k % 3 < 2 and r_low > 0.0 else 0.5  # at a fold r_low is 0
         s = low + part * (high - low)
         f, r = try_step(context, t, s), rate_at_end(context)
         if not f <= 0.0 or s in (low, high):
@@ -307,14 +318,15 @@ def isolate_root_of_series(context, h):
     run, order, w = context.run, int(context.w[ORDER]), context.w
     if run.leaving == 1 and run.rate == 0.0:
         context.scratch[context.x.size, 1] = 0.0  # at a fold the rate is zero, and not its rounding
-    return first_root(context.scratch[context.x.size], order, h * w[PER_UNIT], run.leaving, context.pieces)
+    return first_root(context.scratch[context.x.size + run.guard], order, h * w[PER_UNIT], run.leaving, context.pieces)
 
 
 @inlined
 def locate_near_root(context, t, low, high):
     """Locate a root of the Taylor polynomial on the scheme itself; returns whether the scheme has one nearby."""
     unit, order = context.w[UNIT], int(context.w[ORDER])
-    context.run.hit = unit * _polynomial_root(context.scratch[context.x.size], order, low, high)
+    row = context.scratch[context.x.size + context.run.guard]
+    context.run.hit = unit * _polynomial_root(row, order, low, high)
     return _newton(context, t, unit * low, unit * high)
 
 

@@ -11,7 +11,20 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, G_END, JUMP, PROJECT, ROUNDING_OF_G, ROUNDING_OF_STATE, SET_LEVELS, STEP, G, call
+from core.kernels.abi import (
+    BESIDE,
+    DELAY,
+    G_END,
+    JUMP,
+    PROJECT,
+    RATE_END,
+    ROUNDING_OF_G,
+    ROUNDING_OF_STATE,
+    SET_LEVELS,
+    STEP,
+    G,
+    call,
+)
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -23,6 +36,7 @@ from core.transition.event_location import (
     NONE,
     SHORT,
     TOUCH,
+    height_at_end,
     isolate_root_of_series,
     locate_by_scheme,
     locate_crossing,
@@ -69,26 +83,56 @@ _AGAINST = 2.0**-7
 _COMING = 3
 
 
-@internal
-def accept_plain_step(run, h, height, rate):
-    """Accept a step of length h that ends at this height and rate if it has no crossing; returns whether it does so.
+@inlined
+def stays_above(low, rate_low, height, rate, third):
+    """Whether a height stays positive in a step between these heights and rates; third is a third of its length.
 
     The height is taken to be a cubic, which is positive if its Bernstein coefficients are. A step in which the rates
     show a minimum of the height is left to `advance`.
     """
-    rate, third = math.copysign(1.0, run.tau) * rate, abs(h) / 3.0
-    above = run.height + run.rate * third > 0.0 and height - rate * third > 0.0
-    if not (above and 0.0 < height < math.inf) or (run.rate < 0.0 < rate):
+    above = low + rate_low * third > 0.0 and height - rate * third > 0.0
+    return above and 0.0 < height < math.inf and not (rate_low < 0.0 < rate)
+
+
+@internal
+def accept_plain_step(run, h, w):
+    """Accept the step just tried, of length h, if it has no crossing; returns whether it does so."""
+    along = math.copysign(1.0, run.tau)
+    height, rate, third = run.sign * w[G_END], along * (run.sign * w[RATE_END]), abs(h) / 3.0
+    if not stays_above(run.height, run.rate, height, rate, third):
         return False
+    if run.mode == SLIDING_MODE:
+        height_beside, rate_beside = end_beside(run, w)
+        if not stays_above(run.beside_height, run.beside_rate, height_beside, rate_beside, third):
+            return False
+        run.beside_height, run.beside_rate = height_beside, rate_beside
     run.height, run.rate, run.leaving = height, rate, 0
     return True
+
+
+@inlined
+def end_beside(run, w):
+    """Height and rate at the end of the last trial step of the second guard of sliding, while the first is looked at.
+
+    The guards are the rates of g with the fields of both sides, which have opposite signs.
+    """
+    along = math.copysign(1.0, run.tau)
+    return -run.sign * w[G_END + BESIDE], -along * (run.sign * w[RATE_END + BESIDE])
+
+
+@inlined
+def swap_guards(run):
+    """Look at the other guard of sliding."""
+    run.guard, run.sign = 1 - run.guard, -run.sign
+    run.height, run.beside_height = run.beside_height, run.height
+    run.rate, run.beside_rate = run.beside_rate, run.rate
 
 
 @inlined
 def enter_mode(context, mode, rate):
     """Enter a mode at its surface, with this rate away from it."""
     run = context.run
-    run.mode, run.sign = mode, context.guards[mode].sign
+    run.mode, run.guard, run.sign = mode, 0, context.guards[mode].sign
     run.height, run.rate, run.entered = 0.0, rate, rate
     run.leaving = 1
     if run.conservative == 1 or run.monitored > 0:
@@ -104,10 +148,15 @@ def enter_sliding(context):
     run.pending = 0
     for i in range(context.x.size):
         context.place[i] = context.x[i]
-    _, rate = evaluate_rates(context, SLIDING_MODE, run.t)
-    run.mode, run.sign, run.leaving = SLIDING_MODE, 1, 0
-    run.height, run.rate, run.entered = w[G], rate, rate
-    if not run.height > 0.0:
+    run.mode, run.leaving, run.guard = SLIDING_MODE, 0, 1
+    run.sign = -1 if run.tau > 0.0 else 1
+    for _ in range(2):  # the second guard, then the first
+        evaluate_switching(context, run.t)
+        run.height, run.rate = run.sign * w[G], run.own
+        swap_guards(run)
+    swap_guards(run)
+    run.entered = run.rate
+    if not (run.height > 0.0 and run.beside_height > 0.0):
         return _GRAZING  # one of the fields is tangent to the surface
     if run.conservative == 1 or run.monitored > 0:
         call(context.functions[SLIDING_MODE, SET_LEVELS], run.t, 0.0, context.p, w, context.scratch)
@@ -160,7 +209,8 @@ def is_met_against_the_field(context, found, own):
         return False
     if found == TOUCH:
         return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * context.w[ROUNDING_OF_G]
-    return own > _AGAINST * min(abs(run.rate), abs(run.entered))
+    least = min(abs(run.rate), abs(run.entered))
+    return own > _AGAINST * (least if least > 0.0 else abs(run.other))  # from a fold the rates say nothing
 
 
 @inlined
@@ -288,24 +338,27 @@ def switch_mode(context, log, found):
 def leave_sliding(context, log, found):
     """Where sliding ends: find the field that has turned, record the crossing, and enter the mode of its side.
 
-    Its rate vanishes there, as at a fold. If both rates vanish to round-off, or the one that does so does not change
-    its sign, the rates do not tell where the solution leads.
+    Its rate, a guard, vanishes there, as at a fold. If both rates vanish to round-off, or the one that does so does not
+    change its sign, the rates do not tell where the solution leads.
     """
     run, x, w = context.run, context.x, context.w
     hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
     for i in range(x.size):
         context.place[i] = x[i]
+    mode = context.guards[SLIDING_MODE + run.guard].to
+    swap_guards(run)
     evaluate_switching(context, run.t)
-    rounding = w[ROUNDING_OF_G]
+    attracts = run.sign * w[G] > MARGIN * w[ROUNDING_OF_G]
+    swap_guards(run)
     into_minus, into_plus = evaluate_rates(context, 0, run.t)
-    mode, rate, other = (0, into_minus, into_plus) if into_minus > into_plus else (1, into_plus, into_minus)
+    rate = into_minus if mode == 0 else into_plus
     hit.t, hit.g = run.t, w[G]
     hit.rate_before, hit.rate_after = 0.0, along * context.guards[mode].sign * rate
     record_place(context, log, 1)
     record_place(context, log, 2)
     if run.monitored > 0:
         widen_envelope(context, log)
-    tangent = found == TOUCH or other * other <= MARGIN * rounding
+    tangent = found == TOUCH or not attracts
     status = _GRAZING if tangent else RUNNING
     record_crossing(run, hit, _GRAZING_KIND if tangent else _LEAVING_KIND, mode, status)
     if status != RUNNING:
@@ -348,7 +401,7 @@ def land(context, log, t):
         return False
     accept_step(context)
     if run.shift == 0.0:
-        call(context.functions[run.mode, PROJECT], t + run.hit, 0.0, context.p, context.w, context.scratch)
+        call(context.functions[run.mode + run.guard, PROJECT], t + run.hit, 0.0, context.p, context.w, context.scratch)
         run.hit += context.w[DELAY]
         if run.hit * math.copysign(1.0, run.tau) < 0.0:
             run.hit = 0.0  # a start on the surface is not moved back in time
@@ -367,7 +420,12 @@ def land(context, log, t):
 def step_over(context, log, t, h):
     """Without a transition: accept the step, and switch modes at its end if g has changed sign."""
     run, x, place = context.run, context.x, context.place
-    height, rate = run.sign * context.w[G_END], rate_at_end(context)
+    if run.mode == SLIDING_MODE and height_at_end(context) > 0.0:
+        if end_beside(run, context.w)[0] <= 0.0:
+            swap_guards(run)
+        else:
+            run.beside_height, run.beside_rate = end_beside(run, context.w)
+    height, rate = height_at_end(context), rate_at_end(context)
     if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
         part = run.height / (run.height - height) if run.height > 0.0 else 0.0
         for i in range(x.size):
@@ -395,14 +453,14 @@ def locate_in_shorter_step(context, t, h):
     if run.leaving == 0 and check_at_surface(context, t):
         run.hit = 0.0
         return FOUND, h
-    return locate_crossing(context, t, h, run.sign * context.w[G_END], rate_at_end(context)), h
+    return locate_crossing(context, t, h, height_at_end(context), rate_at_end(context)), h
 
 
 @inlined
 def locate(context, t, h, kind, low, high):
     """Locate the first crossing in a step of length h that succeeds; returns the result and the length searched."""
     run = context.run
-    height, rate, found = run.sign * context.w[G_END], rate_at_end(context), NONE
+    height, rate, found = height_at_end(context), rate_at_end(context), NONE
     if run.adaptive == 1:
         found = locate_by_scheme(context, t, h, height, rate, kind, low, high)
     elif (h > 0.0) == (run.tau > 0.0):  # a step back from a perturbed crossing is not searched
@@ -419,13 +477,49 @@ def end_step(context, t, h):
     run = context.run
     if run.tried != h:  # the search has changed the increment
         try_step(context, t, h)
-    height, rate = run.sign * context.w[G_END], rate_at_end(context)
+    height, rate = height_at_end(context), rate_at_end(context)
+    beside = math.inf
+    if run.mode == SLIDING_MODE:
+        run.beside_height, run.beside_rate = end_beside(run, context.w)
+        beside = run.beside_height
     accept_step(context)
     advance_time(run, h)
     run.height, run.rate = height, rate
     run.leaving = 0 if height > 0.0 else run.leaving
     run.longest = max(run.longest, abs(h))
+    if beside < 0.0:
+        swap_guards(run)
+        contradicted = contradicts(context, h)
+        swap_guards(run)
+        if contradicted:
+            return _CONTRADICTION
     return _CONTRADICTION if height < 0.0 and contradicts(context, h) else RUNNING
+
+
+@internal
+def compare_guards(context, t, found, length):
+    """Search for a zero of the second guard of sliding before that of the first, or in the length searched for it.
+
+    Returns the result and the length searched; the guard looked at is that which has been found.
+    """
+    run = context.run
+    hit, until = run.hit, run.hit if found != NONE else length
+    swap_guards(run)
+    kind, low, high = NO_ROOT, 0.0, 0.0
+    if run.adaptive == 1:
+        kind, low, high = isolate_root_of_series(context, until)
+        if kind == ROOT and locate_near_root(context, t, low, high):
+            return FOUND, until
+    if not try_finite_step(context, t, until):
+        return FAILED, until
+    beside, shorter = locate(context, t, until, kind, low, high)
+    if beside != NONE:
+        return beside, shorter
+    swap_guards(run)
+    if shorter != until:
+        return NONE, shorter
+    run.hit = hit
+    return found, length
 
 
 @inlined
@@ -450,6 +544,8 @@ def advance(context, log, h):
         return _ESCAPED
     if found == FAILED and run.follow == 1:
         found, length = locate_in_shorter_step(context, t, h)
+    if run.mode == SLIDING_MODE and found != FAILED:
+        found, length = compare_guards(context, t, found, length)
     if found == NONE:
         run.rest = h - length if run.adaptive == 0 else 0.0
         return end_step(context, t, length)

@@ -23,7 +23,7 @@ NO_JUMP, JUMP_ANYWHERE, JUMP_TO_SURFACE = 0, 1, 2
 GUARD = np.dtype(
     [
         ("sign", np.int64),
-        ("to", np.int64),  # mode on the other side of the surface; sliding ends on either side
+        ("to", np.int64),  # mode on the other side of the surface, or to which sliding leaves
         ("jump", np.int64),  # one of the codes above
     ],
     align=True,
@@ -39,7 +39,7 @@ RUN = np.dtype(
         ("tau", np.float64),  # step size, negative where time runs back; infinite where the method chooses its steps
         ("rest", np.float64),  # length left of a step that a crossing has cut; 0 at the end of a step
         ("shift", np.float64),  # c·τᵖ added to every crossing time
-        ("height", np.float64),  # guard height at the current state, and its rate along the run
+        ("height", np.float64),  # height of that guard at the current state, and its rate along the run
         ("rate", np.float64),
         ("entered", np.float64),  # rate with which the mode was entered
         ("own", np.float64),  # rate at the surface into the mode occupied; `other`: into the one on the other side
@@ -52,8 +52,11 @@ RUN = np.dtype(
         ("gap", np.float64),  # time between the last two crossings
         ("shrinking", np.int64),  # how many gaps in a row have shrunk
         ("final", np.int64),  # 1: the step ends at t_end
+        ("beside_height", np.float64),  # height and rate of the second guard of sliding
+        ("beside_rate", np.float64),
         ("mode", np.int64),  # carried, never read from the sign of g after a crossing; NO_MODE before the first step
-        ("sign", np.int64),  # sign of the guard of the mode occupied
+        ("guard", np.int64),  # number of the guard looked at: 1 while the second guard of sliding is, else 0
+        ("sign", np.int64),  # sign of that guard of the mode occupied
         ("first_mode", np.int64),  # in which the run begins; NO_MODE until that is known
         ("leaving", np.int64),  # 1 while g has not yet taken the sign of the mode
         ("follow", np.int64),  # 1: Mannshardt's transition; 0: step over the surface

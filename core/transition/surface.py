@@ -50,15 +50,19 @@ def advance_time(run, h):
 @inlined
 def evaluate_g(context, t):
     """Evaluate g at `place`."""
-    call(context.functions[context.run.mode, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
+    run = context.run
+    call(context.functions[run.mode + run.guard, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
     return context.w[G]
 
 
 @inlined
-def evaluate_rates(context, mode, t):
-    """Rates at `place` with which the fields lead into g < 0 and into g > 0; writes g to w[G]."""
+def evaluate_rates(context, row, t):
+    """Rates at `place` with which the fields lead into g < 0 and into g > 0; writes g to w[G].
+
+    `row` is the mode; or, of a guard of sliding, its row: it takes the place of g.
+    """
     w, along = context.w, math.copysign(1.0, context.run.tau)
-    call(context.functions[mode, EVALUATE], t, 0.0, context.p, w, context.scratch)
+    call(context.functions[row, EVALUATE], t, 0.0, context.p, w, context.scratch)
     return -along * w[RATES], along * w[RATES + 1]
 
 
@@ -66,7 +70,7 @@ def evaluate_rates(context, mode, t):
 def evaluate_switching(context, t):
     """Write the rates at `place` into the mode occupied and the other one to run.own and run.other, and g to w[G]."""
     run = context.run
-    into_minus, into_plus = evaluate_rates(context, run.mode, t)
+    into_minus, into_plus = evaluate_rates(context, run.mode + run.guard, t)
     run.own, run.other = (into_plus, into_minus) if run.sign > 0 else (into_minus, into_plus)
 
 
