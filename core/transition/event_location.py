@@ -20,6 +20,7 @@ from core.kernels.abi import (
     ORDER,
     PER_UNIT,
     RATE_END,
+    RATES,
     ROUNDING_OF_G,
     ROUNDING_OF_STATE,
     STEP,
@@ -229,7 +230,9 @@ def locate_crossing(context, t, h, f_end, r_end):
     """
     run, nodes = context.run, context.nodes
     s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
-    noise = _MARGIN * context.w[ROUNDING_OF_G]  # at the last crossing
+    # Rounding of g, and of rates over the step, as evaluated at the last crossing.
+    rates = max(abs(context.w[RATES]), abs(context.w[RATES + 1]))
+    noise = _MARGIN * (context.w[ROUNDING_OF_G] + _EPS * abs(h) * rates)
     if run.leaving == 1 and -noise <= f_end <= 0.0 and 0.0 <= r * abs(h) <= noise:
         return NONE  # the step is too short to tell whether the state has left the surface
     if run.leaving == 1 and run.shift != 0.0 and (f_end > 0.0 or r_end >= 0.0 or r <= 0.0):

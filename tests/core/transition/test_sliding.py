@@ -213,3 +213,56 @@ def test_a_jump_leaves_no_sliding():
     run = core.integrate(reset, (0.0, 3.0), sliding="continue", method="rk4")
     assert run.status is Status.SLIDING
     assert "jump does not slide" in run.message
+
+
+@pytest.mark.parametrize("method", ["rk2", "rk4", "rk8", "gauss4", "taylor"])
+def test_a_surface_that_ceases_to_attract_all_at_once_ends_the_run(method):
+    # x' = −cos t sign x: at t = π/2 both rates change their signs, and the surface repels.
+    system = core.PiecewiseSystem(
+        name="Tide", variables=("x",), f_minus=("cos(t)",), f_plus=("-cos(t)",), g="x", x0=(-0.5,)
+    )
+    run = core.integrate(system, (0.0, 3.0), tau=0.01, method=method, sliding="continue")
+    assert run.status is Status.GRAZING
+    assert run.t[-1] == pytest.approx(np.pi / 2, abs=1e-6)
+    assert run.crossings.kind.tolist() == ["sliding", "grazing"]
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "gauss4", "taylor"])
+@pytest.mark.parametrize("apart", [sign * 10.0**-k for k in (1, 3, 6, 10, 12) for sign in (1, -1)])
+def test_of_two_fields_that_turn_shortly_after_each_other_the_first_is_followed(method, apart):
+    # Along y = 0 the rates are 1 − x and −(1 + apart − x), and x = t.
+    system = core.PiecewiseSystem(
+        name="Nearly two folds", variables=("x", "y"), f_minus=("1", "1 - x"), f_plus=("1", "-(1 + apart - x)"), g="y",
+        parameters={"apart": apart}, x0=(0.0, 0.0),
+    )  # fmt: skip
+    run = core.integrate(system, (0.0, 2.0), tau=0.03, method=method, sliding="continue")
+    assert run.status is Status.COMPLETED, run.message
+    assert run.crossings.kind.tolist() == ["leaving"]
+    left = min(1.0, 1.0 + apart)
+    assert run.crossings.t[0] == pytest.approx(left, abs=1e-14)
+    assert run.x[-1, 1] == pytest.approx(-np.sign(apart) * (2.0 - left) ** 2 / 2, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "gauss4", "taylor"])
+@pytest.mark.parametrize("tau", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("d", [1e-1, 1e-2, 1e-3])
+def test_a_state_that_leaves_and_soon_returns_does_both(method, tau, d):
+    # The rate above is −(y − 1 − d)(y − 1 − 2d), and y = t: up at 1 + d, and back where its integral vanishes.
+    system = core.PiecewiseSystem(
+        name="Hop", variables=("x", "y"), f_minus=("1", "1"), f_plus=("-(y - 1 - d)*(y - 1 - 2*d)", "1"), g="x",
+        parameters={"d": d}, x0=(-1.0, 0.0),
+    )  # fmt: skip
+    run = core.integrate(system, (0.0, 2.0), tau=tau, method=method, sliding="continue")
+    assert run.status is Status.COMPLETED, run.message
+    assert run.crossings.kind.tolist() == ["sliding", "leaving", "sliding"]
+    assert run.crossings.t == pytest.approx([1.0, 1.0 + d, 1.0 + 2.5 * d], abs=1e-9)
+
+
+def test_what_only_the_rates_show_is_warned_of():
+    # The rate above turns for 1/6 of time; the field of sliding, (0, 1), gives the series no reason for short steps.
+    system = core.PiecewiseSystem(
+        name="Gust", variables=("x", "y"), f_minus=("1", "1"), f_plus=("-1 + 2*exp(-100*(y - 5)**2)", "1"), g="x",
+        x0=(-0.5, 0.0),
+    )  # fmt: skip
+    run = core.integrate(system, (0.0, 20.0), method="taylor", sliding="continue")
+    assert len(run.crossings) == 3 or "may have been missed" in run.message
