@@ -53,7 +53,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("size", 0.6, (0.1, 0.9), "distance of the centres of bodies 1 and 2 at which they touch", "D"),
         Parameter("soft", 0.5, (0.2, 1.0), "softening of the attraction (Plummer)", r"\epsilon"),
     ),
-    x0=(1.0, 0.0, -0.5, 0.8, -0.5, -0.8, 0.0, 0.5, -0.4, -0.25, 0.4, -0.25),
+    x0=(0.8, 0.0, -0.8, 0.0, 0.0, 1.3, 0.0, 0.3, 0.0, -0.3, 0.0, 0.0),
     jump=_AFTER,
     doc="Three equal masses attract each other; bodies 1 and 2 are hard discs and bounce off each other. Energy, both "
     "momenta and the angular momentum are conserved, through every collision.",
