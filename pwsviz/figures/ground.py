@@ -16,7 +16,7 @@ from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREY, PURPLE, SIDES, assign, ranges, tips
+from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, shows_surface, surface_name
@@ -59,12 +59,15 @@ class Ground:
             own.append(plot.add_glyph(self.orbit_levels[side], Line(line_color=colour, line_alpha=0.9, line_width=1.5)))
             field.append(plot.add_glyph(self.arrows[side], Line(line_color=GREY, line_alpha=0.75)))
         plot.add_tools(tips([("ψ on this level set", "@psi{5}")], renderers=[*usual, *own], visible=False, limit=1))
-        self.surface = _line_source()
+        self.attracting, self.repelling, self.surface = _line_source(), _line_source(), _line_source()
+        look: dict[str, Any] = {"line_color": GREEN, "line_width": 7, "line_alpha": 0.6}
+        attracting = plot.add_glyph(self.attracting, Line(**look))
+        repelling = plot.add_glyph(self.repelling, Line(line_dash=[6, 6], **look))
         line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
         self._arrow_lines = field
         self.legend: list[tuple[str, Any]] = [
             ("S: g = 0", line), ("g < 0", tint), ("field f", field[-1]), ("ψ = const.", usual[-1]),
-            ("ψ of run", own[-1]),
+            ("ψ of run", own[-1]), ("S attracts", attracting), ("S repels", repelling),
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
@@ -121,7 +124,10 @@ class Ground:
             cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
             for source, columns in zip(self._lines(side), backdrop.whole.get(side, cut), strict=True):
                 assign(source, **columns)
-        parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels)
+        assign(self.attracting, **_columns(backdrop.attracting))
+        assign(self.repelling, **_columns(backdrop.repelling))
+        sliding = ({0: backdrop.attracting}, {0: backdrop.repelling})
+        parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels, *sliding)
         for entry, part in zip(self._line_entries, parts, strict=True):
             entry.visible = any(np.isfinite(lines).any() for lines in part.values())
         # Sent last: the browser then paints what moves as it is at the time of the player.

@@ -176,7 +176,7 @@ class StateView:
         for k, (side, source) in enumerate(self.shared.segments.items()):
             assign(source, **segments(bounds, sides, side))
             for panel in self.panels:
-                panel.entries[1 + k].visible = side != 0 or len(source.data["start"]) > 0
+                panel.entries[1 + k].visible = len(source.data["start"]) > 0
 
     def _show_crossings(self, crossings: core.Crossings, method: str, places: Floats) -> None:
         count = len(crossings)

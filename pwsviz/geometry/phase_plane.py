@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import core
 from pwsviz.geometry.formulas import formulas
 from pwsviz.geometry.polyline_reduction import Floats, simplify
-from pwsviz.geometry.projection import Axes, moves, shows_field, shows_levels, shows_surface
+from pwsviz.geometry.projection import Axes, moves, shows_field, shows_levels, shows_sliding, shows_surface
 
 GRID = 160
 """Cells along the longer side of the grid on which surfaces and level sets are traced."""
@@ -94,6 +94,8 @@ class Backdrop:
         The part of the plane that it covers.
     surface : (k, 2) array
         The curve g = 0.
+    attracting, repelling : (k, 2) array
+        The pieces of that curve to which both fields point, and from which both do.
     minus_outer, minus_holes : list
         Outlines of the regions where g < 0, and those of their holes.
     arrows : dict
@@ -109,6 +111,8 @@ class Backdrop:
 
     window: Window
     surface: Floats
+    attracting: Floats
+    repelling: Floats
     minus_outer: list[NDArray[np.float64]]
     minus_holes: list[list[NDArray[np.float64]]]
     arrows: dict[int, Floats]
@@ -135,10 +139,12 @@ def backdrop(
         The variables that span the plane.
     """
     plane = _Plane(system, window, axes)
-    rings = plane.minus_rings()
+    rings, surface = plane.minus_rings(), plane.surface()
     return Backdrop(
         window=window,
-        surface=_joined(plane.surface()),
+        surface=_joined(surface),
+        attracting=_joined(plane.where_both_point(surface, 1)),
+        repelling=_joined(plane.where_both_point(surface, -1)),
         minus_outer=[ring[0] for ring in rings],
         minus_holes=[ring[1:] for ring in rings],
         arrows={side: plane.arrows(side) for side in (-1, 1)},
@@ -212,6 +218,21 @@ class _Plane:
     def surface(self) -> list[Floats]:
         """Return the pieces of the curve g = 0; none if it is no curve in the plane."""
         return self._lines_at(self._contours(self.g), 0.0) if shows_surface(self.system, self.axes) else []
+
+    def where_both_point(self, surface: list[Floats], way: int) -> list[Floats]:
+        """Return the pieces of the surface to which both fields point (way = 1), or from which both do (−1).
+
+        None where this changes with time, or depends on variables that are not shown, or where the state jumps.
+        """
+        if not shows_sliding(self.system):
+            return []
+        pieces = []
+        for line in surface:
+            fine = _resampled(line, max(self.window.width, self.window.height) / FINE)
+            states = self._states(*fine.T)
+            below, above = (way * self.system.switching_rate(side, 0.0, states) for side in (-1, 1))
+            pieces += _cut(fine, np.minimum(below, -above))
+        return pieces
 
     def minus_rings(self) -> list[list[Floats]]:
         """Return the outlines of the regions where g < 0, each followed by those of its holes."""

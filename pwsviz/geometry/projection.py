@@ -48,6 +48,13 @@ def shows_levels(system: core.PiecewiseSystem) -> bool:
     return system.dimension == PLANE and not _psi_names_time(system)
 
 
+def shows_sliding(system: core.PiecewiseSystem) -> bool:
+    """Whether the pieces of the surface along which states slide can be drawn: nothing changes with time or jumps."""
+    laws = system.laws
+    timed = any(TIME in f.free_symbols for mode in laws.modes.values() for f in mode.field) or moves(system)
+    return system.dimension == PLANE and not timed and system.jump is None
+
+
 def surface_name(system: core.PiecewiseSystem) -> str:
     """Return the name of the surface in the legend."""
     return "S: g = 0 at t = 0" if moves(system) else "S: g = 0"
