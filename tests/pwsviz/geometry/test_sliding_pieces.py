@@ -29,7 +29,7 @@ def test_a_watershed_repels_along_its_whole_length():
     assert ends(found.attracting) is None
 
 
-@pytest.mark.parametrize("name", ["bouncing_ball", "moving_interface", "elliptic_curve"])
+@pytest.mark.parametrize("name", ["bouncing_ball", "moving_interface", "harmonic_oscillator"])
 def test_no_piece_is_drawn_where_a_state_jumps_the_surface_moves_or_both_fields_cross_it(name):
     found = backdrop(core.CATALOGUE[name], WINDOW, {})
     assert ends(found.attracting) is ends(found.repelling) is None
