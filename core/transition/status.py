@@ -50,7 +50,7 @@ _WORDS = {
     Status.COMPLETED: ("reached the end time", ""),
     Status.SLIDING: (
         "both fields point to the surface, so the state slides along it",
-        'It can be followed along the surface: sliding="continue".',
+        'To follow it along the surface, let it slide (sliding="continue").',
     ),
     Status.REPELLING: (
         "both fields point away from the surface, so the solution does not continue uniquely",
