@@ -16,8 +16,10 @@ from core.kernels.abi import STEP, Frame, call
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import OPTIONS, inlined, internal
+from core.transition.entering import enter_first_mode, enter_sliding
 from core.transition.event_location import BOUND, StepContext
-from core.transition.mannshardt import RUNNING, accept_plain_step, advance, enter_first_mode, enter_sliding
+from core.transition.mannshardt import RUNNING, advance
+from core.transition.plain_steps import accept_plain_step
 from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 from core.transition.surface import Log, contradicts, widen_envelope

@@ -1,0 +1,234 @@
+"""At the surface: jump, classify, record the crossing, enter the next mode. Jitted; inlined into `time_loop`.
+
+Heights and rates are as in `event_location`.
+"""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# numba infers the types from the one signature in `time_loop`.
+
+from __future__ import annotations
+
+import math
+
+from core.kernels.abi import JUMP, ROUNDING_OF_G, G, call
+from core.kernels.jit import inlined, internal
+from core.transition.entering import enter_mode
+from core.transition.event_location import TOUCH
+from core.transition.plain_steps import swap_guards
+from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE, SLIDING_MODE
+from core.transition.status import CROSSING_KINDS, Status
+from core.transition.surface import (
+    MARGIN,
+    evaluate_rates,
+    evaluate_switching,
+    is_contradicted,
+    is_on_surface,
+    record_place,
+    widen_envelope,
+)
+
+__all__ = ["switch_mode"]
+
+_RUNNING, _SLIDING, _REPELLING = int(Status.RUNNING), int(Status.SLIDING), int(Status.REPELLING)
+_GRAZING, _ZENO, _UNSTABLE = int(Status.GRAZING), int(Status.ZENO), int(Status.UNSTABLE)
+_CROSSING_LIMIT = int(Status.CROSSING_LIMIT)
+(
+    _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND, _LEAVING_KIND,
+) = range(len(CROSSING_KINDS))  # fmt: skip
+
+_EPS = 2.0**-52
+#: Crossings accumulate if the times between them have shrunk this many times in a row …
+_SHRUNK = 8
+#: … and the sum of the times to come is below this part of the current time.
+_SPENT = 2.0**-52
+#: The surface is met against the field if the rate away from it exceeds this part of the rate at the start of the step,
+#: or of the rate with which the mode was entered.
+_AGAINST = 2.0**-7
+#: After this many shrinking times in a row, a stay in a mode within rounding of the surface is Zeno and not a touch.
+_COMING = 3
+
+
+@internal
+def is_met_against_the_field(context, found, own):
+    """Whether the scheme meets the surface, other than by a touch, where its field leads away from it.
+
+    Such a step is too long: the field changes in it by more than its own size. After a crossing, a touch is genuine
+    only if the state has stayed within rounding of the surface.
+    """
+    run = context.run
+    if run.follow == 0 or run.shift != 0.0:
+        return False
+    if found == TOUCH:
+        return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * context.w[ROUNDING_OF_G]
+    least = min(abs(run.rate), abs(run.entered))
+    return own > _AGAINST * (least if least > 0.0 else abs(run.other))  # from a fold the rates say nothing
+
+
+@inlined
+def classify(run):
+    """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
+    if run.own < 0.0 and run.other < 0.0:
+        return _SLIDING, _SLIDING_KIND
+    if run.own < 0.0 < run.other or run.follow == 0:  # without a transition the place is too inaccurate to tell a touch
+        return _RUNNING, _TRANSVERSAL_KIND
+    return _GRAZING, _GRAZING_KIND
+
+
+@internal
+def jump(context):
+    """Jump, and find where the fields lead from there: status, kind, mode entered, and the rate into it.
+
+    If the declared jump leads from the surface to the surface and the run has landed on it, the sign of g after the
+    jump is round-off, and the fields decide. Otherwise the sign of g decides, unless g is within rounding of zero.
+    """
+    run, x, w = context.run, context.x, context.w
+    guard = context.guards[run.mode]
+    call(context.functions[run.mode, JUMP], run.t, 0.0, context.p, w, context.scratch)
+    for i in range(x.size):
+        x[i], context.carry[i] = context.place[i], 0.0
+    into_minus, into_plus = evaluate_rates(context, run.mode, run.t)
+    minus, plus = (guard.to, run.mode) if run.sign > 0 else (run.mode, guard.to)
+    landed = run.follow == 1 and run.shift == 0.0
+    run.leaving = 1 if (landed and guard.jump == JUMP_TO_SURFACE) or is_on_surface(context) else 0
+    if run.leaving == 0:
+        return (_RUNNING, _JUMP_KIND, plus, into_plus) if w[G] > 0.0 else (_RUNNING, _JUMP_KIND, minus, into_minus)
+    if into_minus > 0.0 and into_plus > 0.0:
+        return _REPELLING, _REPELLING_KIND, run.mode, 0.0
+    if into_plus > 0.0:
+        return _RUNNING, _JUMP_KIND, plus, into_plus
+    if into_minus > 0.0:
+        return _RUNNING, _JUMP_KIND, minus, into_minus
+    return _SLIDING, _SLIDING_KIND, run.mode, 0.0
+
+
+@inlined
+def elapsed(run):
+    """Time since the last crossing, or the start."""
+    return abs((run.t - run.last_hit) + (run.t_carry - run.last_hit_carry))
+
+
+@internal
+def is_lost_in_rounding(context, found, own, rate):
+    """Whether the segments before and after a jump both stay within rounding of the surface.
+
+    A segment of duration T that arrives with rate r has reached the height r·T/4, if its path is a parabola. Below the
+    rounding of g neither place nor rates are known, so that where a touch leads is undetermined.
+    """
+    run = context.run
+    if context.guards[run.mode].jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
+        return False
+    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * context.w[ROUNDING_OF_G]
+
+
+@inlined
+def accumulates(run):
+    """Update the times between crossings; returns whether they accumulate within round-off of the current time (Zeno).
+
+    The gaps yet to come of a geometric sequence with ratio q add up to gap·q/(1 − q).
+    """
+    gap = elapsed(run)
+    ratio = gap / run.gap if run.gap > 0.0 else math.inf
+    run.shrinking = run.shrinking + 1 if ratio < 1.0 else 0
+    run.gap, run.last_hit, run.last_hit_carry = gap, run.t, run.t_carry
+    return run.shrinking >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
+
+
+@inlined
+def switch_mode(context, log, found):
+    """At the surface: jump, classify, record the crossing, and enter the next mode."""
+    run, x = context.run, context.x
+    if run.mode == SLIDING_MODE:
+        return leave_sliding(context, log, found)
+    hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
+    guard = context.guards[run.mode]
+    hit.t = run.t
+    hit.rate_before, hit.rate_after = along * run.sign * run.own, -along * run.sign * run.other
+    own, other = run.own, run.other
+    if run.shift != 0.0 or run.follow == 0:  # the state is not where the surface was met
+        for i in range(x.size):
+            context.place[i] = x[i]
+        evaluate_switching(context, run.t)
+    hit.g, rate = context.w[G], run.other
+    run.own, run.other = own, other
+    record_place(context, log, 1)
+    if run.monitored > 0:  # with the error of ψ at the end of the segment
+        widen_envelope(context, log)
+    against = is_met_against_the_field(context, found, own)
+    run.leaving = 1
+    if guard.jump != NO_JUMP:
+        status, kind, mode, rate = jump(context)
+        if status == _RUNNING and run.leaving == 1 and is_lost_in_rounding(context, found, own, rate):
+            status = _ZENO if run.shrinking >= _COMING and elapsed(run) < run.gap else _GRAZING
+            kind = _GRAZING_KIND
+        elif status == _RUNNING and against:
+            status, kind = _UNSTABLE, _GRAZING_KIND
+        hit.rate_after = along * context.guards[mode].sign * rate
+    else:
+        status, kind = classify(run)
+        status = _UNSTABLE if status == _GRAZING and against else status
+        mode = guard.to
+        if status == _SLIDING and run.slides == 1:
+            status, mode = _RUNNING, SLIDING_MODE
+    leaving = run.leaving
+    record_place(context, log, 2)
+    record_crossing(run, hit, kind, mode, status)
+    if status != _RUNNING:
+        return status
+    if mode == SLIDING_MODE:
+        run.mode, run.pending = mode, 1
+    else:
+        enter_mode(context, mode, rate)
+        if leaving == 0:  # it has jumped off the surface
+            run.height, run.leaving = run.sign * context.w[G], 0
+        elif is_contradicted(context, run.hit):  # the step is so stiff that its rounding hides the surface
+            return _UNSTABLE
+    return limit_crossings(run)
+
+
+@internal
+def leave_sliding(context, log, found):
+    """Where sliding ends: find the field that has turned, record the crossing, and enter the mode of its side.
+
+    Its rate, a guard, vanishes there, as at a fold. If both rates vanish to round-off, or the one that does so does not
+    change its sign, the rates do not tell where the solution leads.
+    """
+    run, x, w = context.run, context.x, context.w
+    hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
+    for i in range(x.size):
+        context.place[i] = x[i]
+    mode = context.guards[SLIDING_MODE + run.guard].to
+    swap_guards(run)
+    evaluate_switching(context, run.t)
+    attracts = run.sign * w[G] > MARGIN * w[ROUNDING_OF_G]
+    swap_guards(run)
+    into_minus, into_plus = evaluate_rates(context, 0, run.t)
+    rate = into_minus if mode == 0 else into_plus
+    hit.t, hit.g = run.t, w[G]
+    hit.rate_before, hit.rate_after = 0.0, along * context.guards[mode].sign * rate
+    record_place(context, log, 1)
+    record_place(context, log, 2)
+    if run.monitored > 0:
+        widen_envelope(context, log)
+    tangent = found == TOUCH or not attracts
+    status = _GRAZING if tangent else _RUNNING
+    record_crossing(run, hit, _GRAZING_KIND if tangent else _LEAVING_KIND, mode, status)
+    if status != _RUNNING:
+        return status
+    enter_mode(context, mode, 0.0 if run.shift == 0.0 and run.follow == 1 else rate)
+    return limit_crossings(run)
+
+
+@inlined
+def record_crossing(run, hit, kind, mode, status):
+    """Record how a crossing ends, and count it."""
+    hit.kind, hit.mode = kind, mode if status == _RUNNING else NO_MODE
+    run.hits += 1
+    run.crossings += 1
+
+
+@inlined
+def limit_crossings(run):
+    """Status after a crossing: Zeno, at the limit of crossings, or running."""
+    if accumulates(run):
+        return _ZENO
+    return _CROSSING_LIMIT if run.crossings >= run.max_crossings else _RUNNING
