@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from core.compilation.compiled import compile_beside
 from core.integrate import integrate
-from core.integration.trajectory import Crossing, Crossings, Status, Trajectory
+from core.integration.crossings import Crossing, Crossings
+from core.integration.trajectory import Status, Trajectory
 from core.methods import METHODS, Method
 from core.system import Parameter, PiecewiseSystem
 from core.systems import CATALOGUE

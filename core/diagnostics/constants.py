@@ -12,7 +12,8 @@ import sympy
 from numpy.typing import NDArray
 
 from core.diagnostics.scheme import Scheme, largest_component
-from core.integration.trajectory import Crossings, Integers, Trajectory
+from core.integration.crossings import Crossings, Integers
+from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws

@@ -18,7 +18,8 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.resolution import unresolved
 from core.diagnostics.scheme import Scheme
-from core.integration.trajectory import Crossings, Status, Trajectory
+from core.integration.crossings import Crossings
+from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compilation.compiled import compile_run
+from core.integration.crossings import Crossings
 from core.integration.failure import GROWTH, ends_beyond, runs_away
 from core.integration.guards import guard_table
 from core.integration.tangency import sides_entered
 from core.integration.time_loop import compiled_march
-from core.integration.trajectory import Crossings
 from core.kernels.abi import ORDER, TOLERANCE, Frame
 from core.kernels.arrays import Floats
 from core.kernels.root_isolation import scratch_shape

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.integration.crossings import Crossings
 from core.integration.runner import Runner, Settings
-from core.integration.trajectory import Crossings, Status
+from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel, Cancelled
 from core.methods import METHODS
 from core.system import PiecewiseSystem

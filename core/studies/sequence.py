@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.integration.trajectory import Crossings
+from core.integration.crossings import Crossings
 from core.kernels.arrays import Floats
 
 __all__ = ["CrossingSequence"]
