@@ -89,8 +89,8 @@ _WORDS = {
 }
 
 _WHILE_SLIDING = {
-    Status.GRAZING: "sliding ends where a field is tangent to the surface without turning, or both are, so the rates "
-    "do not tell where the solution leads",
+    Status.GRAZING: "sliding ends where the rates do not tell where the solution leads: both fields turn at once, or "
+    "one turns infinitely slowly, or back again",
 }
 
 _WITHOUT_TAU = {

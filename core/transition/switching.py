@@ -46,6 +46,8 @@ _SPENT = 2.0**-52
 _AGAINST = 2.0**-7
 #: After this many shrinking times in a row, a stay in a mode within rounding of the surface is Zeno and not a touch.
 _COMING = 3
+#: A guard of sliding vanishes as a power of time if its rate is then below this part of its mean rate in the step.
+_FLAT = 2.0**-26
 
 
 @internal
@@ -190,9 +192,11 @@ def leave_sliding(context, log, found):
     """Where sliding ends: find the field that has turned, record the crossing, and enter the mode of its side.
 
     Its rate, a guard, vanishes there, as at a fold. If both rates vanish to round-off, or the one that does so does not
-    change its sign, the rates do not tell where the solution leads.
+    change its sign, or only as a power of the time, the rates do not tell where the solution leads.
     """
     run, x, w = context.run, context.x, context.w
+    known = run.follow == 1 and run.height > MARGIN * w[ROUNDING_OF_G]
+    flat = known and -run.own * abs(run.hit - run.shift) <= _FLAT * run.height
     hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
     for i in range(x.size):
         context.place[i] = x[i]
@@ -209,7 +213,7 @@ def leave_sliding(context, log, found):
     record_place(context, log, 2)
     if run.monitored > 0:
         widen_envelope(context, log)
-    tangent = found == TOUCH or not attracts
+    tangent = found == TOUCH or flat or not attracts
     status = _GRAZING if tangent else _RUNNING
     record_crossing(run, hit, _GRAZING_KIND if tangent else _LEAVING_KIND, mode, status)
     if status != _RUNNING:

@@ -266,3 +266,14 @@ def test_what_only_the_rates_show_is_warned_of():
     )  # fmt: skip
     run = core.integrate(system, (0.0, 20.0), method="taylor", sliding="continue")
     assert len(run.crossings) == 3 or "may have been missed" in run.message
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8", "gauss4"])
+@pytest.mark.parametrize("power", [3, 5])
+def test_a_field_that_turns_infinitely_slowly_ends_the_run(method, power):
+    system = core.PiecewiseSystem(
+        name="Slow turn", variables=("x", "y"), f_minus=(f"y**{power}", "-1"), f_plus=("-1", "-1"), g="x", x0=(0.0, 2.0)
+    )
+    run = core.integrate(system, (0.0, 3.0), tau=0.01, method=method, sliding="continue")
+    assert run.status is Status.GRAZING
+    assert run.t[-1] == pytest.approx(2.0, abs=1e-3)
