@@ -35,6 +35,8 @@ _APART_KEPT = 1e-6
 _TOLERANCES = 1e3
 #: Distance below which it is round-off for any method, relative to the state.
 _ROUNDING = 2.0**-44
+#: Height below zero at the start of a step, as part of its largest size in it: a perturbation has put the state there.
+_BEHIND = 2.0**-40
 #: Shortest step that is examined, relative to the time: of a shorter one rounding hides what happens in it.
 _SHORTEST = 2.0**-46
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
@@ -119,11 +121,12 @@ class _Steps:
 
     def _hides_roots(self, places: Floats, g: Floats, rate: Floats) -> NDArray[np.bool_]:
         """Whether heights (k, places), with their rates per step, are unresolved within steps."""
+        behind = g[:, 0] < -_BEHIND * np.abs(g).max(axis=1)
         hidden = np.asarray((g <= 0.0)[:, 1:-1].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1))
         if not self.method.adaptive:
             cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
             hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:-1].any(axis=1)
-        return hidden
+        return np.asarray(hidden & ~behind)
 
     def too_long_for_the_field(self) -> Iterator[str]:
         """Warn of a step that leads elsewhere than shorter steps from the states within it.

@@ -109,6 +109,12 @@ class Crossings:
         continued: NDArray[np.bool_] = self.mode != NO_MODE
         return self[continued]
 
+    @property
+    def crossed(self) -> Crossings:
+        """The crossings at which the run went through the surface or jumped: no beginnings and ends of sliding."""
+        through: NDArray[np.bool_] = (self.mode != NO_MODE) & (self.kind != "sliding") & (self.kind != "leaving")
+        return self[through]
+
     def first(self, count: int) -> Crossings:
         """The first `count` crossings."""
         return self[:count]

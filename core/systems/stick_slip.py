@@ -15,6 +15,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("decay", 0.5, (0.05, 5.0), "speed over which friction falls", "d"),
     ),
     x0=(0.0, 0.0),
-    doc="A block on a belt, held by a spring, sticks and is carried along until the spring tears it off; it slips "
+    doc="A block on a belt, held by a spring, sticks and is carried along until the spring pulls it loose; it slips "
     "back, and sticks again: sliding begins and ends in every period.",
 )

@@ -5,6 +5,7 @@ const FONT = "DejaVu Sans"
 const HERE = new URL(".", import.meta.url)
 const TEXT = 12  // pixels of text in the copy, which is then scaled so that they become the points asked for
 const SHAPE = 0.62  // height of a frame by its width where neither is bound to the other
+const SHAPES = 1.2  // the same of several frames together
 const GAP = 10  // pixels between figure and caption, and around the caption
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
 const POINTS_PER_MM = 72 / 25.4
@@ -58,7 +59,7 @@ const kind_of = model => {
   return model.type == "Grid" ? "grid" : null
 }
 
-const copy_of = (view, width, printed) => {
+const copy_of = (view, width, printed, height) => {
   const { model } = view, looks = printed ? PRINTED : {}, grids = new Map()
   const part = one => {
     const kind = kind_of(one)
@@ -72,7 +73,7 @@ const copy_of = (view, width, printed) => {
   }
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
   const { bbox } = view.frame, across = width - (view.bbox.width - bbox.width)
-  const shape = model.match_aspect ? bbox.height / bbox.width : SHAPE
+  const shape = model.match_aspect ? bbox.height / bbox.width : height
   return copied(model, {
     ...looks.plot, sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
     output_backend: "svg",  // the legend is drawn on layers of its own
@@ -84,11 +85,11 @@ const copy_of = (view, width, printed) => {
 }
 
 // The figure as an SVG element, and its size in pixels.
-const drawn = async (view, width, printed) => {
+const drawn = async (view, width, printed, height) => {
   const host = document.createElement("div")
   host.style.cssText = "position: fixed; left: -10000px; top: 0; visibility: hidden"
   document.body.append(host)
-  const copy = copy_of(view, width, printed)
+  const copy = copy_of(view, width, printed, height)
   const { build_view } = Bokeh.loader["core/build_views"]
   const { ViewManager } = Bokeh.loader["core/view_manager"]
   const other = await build_view(copy, { parent: null, owner: new ViewManager() })
@@ -123,11 +124,13 @@ const node = (name, attributes, words) => {
   return made
 }
 
-// One SVG element of the figure with its caption below.
-const composed = async (view, wish) => {
+// One SVG element of the figures, one below the other, with the caption below.
+const composed = async (views, wish) => {
   const font = await load_font()
   const width = wish.millimetres * POINTS_PER_MM / wish.points * TEXT
-  const picture = await drawn(view, width, wish.printed)
+  const shape = Math.min(SHAPE, SHAPES / views.length), pictures = []
+  for (const view of views) pictures.push(await drawn(view, width, wish.printed, shape))
+  const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
   const lines = lines_of(wish.caption, picture.width - 2 * GAP), step = LEADING * (TEXT - 1)
   const height = picture.height + (lines.length > 0 ? 2 * GAP + step * lines.length : 0)
   const svg = node("svg", {
@@ -136,9 +139,15 @@ const composed = async (view, wish) => {
   })
   svg.append(node("title", {}, wish.title), node("style", {},
     `@font-face { font-family: "${FONT}"; src: url(data:font/ttf;base64,${font}) }`))
-  const [ground, ink] = wish.printed ? [PAPER, INK] : colours_of(view.el)
+  const [ground, ink] = wish.printed ? [PAPER, INK] : colours_of(views[0].el)
   svg.append(node("rect", { x: 0, y: 0, width: picture.width, height, fill: ground }))
-  svg.append(...picture.svg.childNodes)
+  let top = 0
+  for (const one of pictures) {
+    const part = node("g", { transform: `translate(0, ${top})` })
+    part.append(...one.svg.childNodes)
+    svg.append(part)
+    top += one.height
+  }
   for (const written of svg.querySelectorAll("text")) written.setAttribute("font-family", FONT)
   lines.forEach((line, k) => svg.append(node("text", {
     x: GAP, y: picture.height + GAP + step * (k + 0.8), fill: ink, "font-family": FONT, "font-size": `${TEXT - 1}px`,
@@ -220,14 +229,14 @@ const WRITERS = {
 
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
 
-// Save a figure. `chosen` has kind ("svg", "pdf" or "png"), name, title, caption, and the choices width, points, scale
+// Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, caption, and the choices width, points, scale
 // and look as they are offered.
-export const save = async (id, chosen) => {
-  const view = Bokeh.index.find_one_by_id(id)
-  if (view == null) return
+export const save = async (ids, chosen) => {
+  const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
+  if (views.length == 0) return
   const [millimetres, points, scale] = [chosen.width, chosen.points, chosen.scale].map(amount)
   const wish = { ...chosen, millimetres, points, scale, printed: chosen.look == "for print" }
-  const blob = await WRITERS[wish.kind](await composed(view, wish), wish)
+  const blob = await WRITERS[wish.kind](await composed(views, wish), wish)
   const link = document.createElement("a")
   link.href = URL.createObjectURL(blob)
   link.download = wish.name

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from bokeh.plotting import figure
@@ -38,14 +39,14 @@ _SAVE = """
 const files = new URL("components/MODULE/PictureFiles/_resources/files/", document.baseURI)
 const wished = { ...wish, caption: captioned.data.value ? wish.caption : "" }
 for (const [name, choice] of Object.entries({ width, points, scale, look })) wished[name] = choice.data.value
-import(new URL("pictures.js", files)).then(({ save }) => save("ID", wished))
+import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished))
 """
 
 
-def picture_callback(plot: figure) -> str:
-    """Return JavaScript that saves a figure as a file.
+def picture_callback(plots: Sequence[figure]) -> str:
+    """Return JavaScript that saves figures as one file, one below the other.
 
     It takes from its arguments ``wish``, a mapping with ``kind`` (of `KINDS`), ``name`` of the file, ``title`` and
     ``caption``; a widget for each of `CHOICES`; and ``captioned``, a checkbox.
     """
-    return _SAVE.replace("MODULE", __name__).replace("ID", plot.id)
+    return _SAVE.replace("MODULE", __name__).replace("IDS", json.dumps([plot.id for plot in plots]))

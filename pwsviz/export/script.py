@@ -41,7 +41,7 @@ _USUAL: Mapping[str, object] = {
 _FIGURES = '''\
 def show(run):
     """Print a run in figures."""
-    crossings = len(run.crossings.passed)
+    crossings = len(run.crossings.crossed)
     figures = f"{run.steps:,} steps, {crossings:,} crossings, {run.seconds * 1e3:.3g} ms"
     print(f"{run.method} from {run.x[0]}: {figures}WORST")
     if run.status is not core.Status.COMPLETED:

@@ -80,7 +80,7 @@ class ConservedView:
             4,
             [
                 ({"field": "method"}, self.keys),
-                *((name if side else f"{name}: |g|", self.bands[side]) for side, (name, _) in OCCUPIED.items()),
+                *((name if side else f"{name}: |Δg|", self.bands[side]) for side, (name, _) in OCCUPIED.items()),
                 ({"field": "label"}, self.ticks),
             ],
             usual=5,
@@ -241,12 +241,12 @@ def _drift(curve: ErrorCurve, round_off: float) -> str:
 
 
 def _off_surface(curve: ErrorCurve) -> str:
-    """Say how far one integrator leaves the surface while it slides; empty if it does not slide."""
+    """Say how far g changes while one integrator slides; empty if it does not slide."""
     error = curve.error[curve.sliding & np.isfinite(curve.error)]
     if not len(error):
         return ""
     worst = float(error.max())
-    return f"{curve.method} slides at " + (f"|g| ≤ {rounded_up(worst)}" if worst > 0 else "g = 0 exactly")
+    return f"sliding changes its g by {rounded_up(worst)} at most" if worst > 0 else "sliding does not change its g"
 
 
 def _relative(error: float, size: float) -> str:

@@ -88,6 +88,8 @@ class Ground:
         repaint = CustomJS(args=plane | painted | lines, code=REPAINT)
         for source in (self.formulas, self.clock):
             source.js_on_change("data", repaint)
+        forget = CustomJS(args={"readout": self.readout}, code="readout.setv({ text: '' }, { sync: false })")
+        self.formulas.js_on_change("data", forget)
         self.figure.js_on_event(RangesUpdate, repaint)
         tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
         self.figure.js_on_event(MouseMove, tell)

@@ -228,6 +228,7 @@ class PortraitView:
                 *self.ground.legend,
             ],
             usual=9,
+            widest=135,
         )
         self.ground.follow(entries[-len(self.ground.legend) :])
 

@@ -36,7 +36,7 @@ SCHEME_STYLE = """
 
 _SIDES = {-1: ("-", "Where g < 0"), 1: ("+", "Where g > 0")}
 _BOTH = (r"\pm", "On both sides")
-_SLIDING = ("s", "Sliding along g = 0")
+_SLIDING = ("S", "Sliding along g = 0")
 
 
 def scheme_markup(
@@ -347,7 +347,7 @@ def _write_sliding(sheet: _Sheet) -> None:
     )
     names = {Symbol(name): name for name in (r"\dot{g}_{-}", r"\dot{g}_{+}", "f_{-}", "f_{+}")}
     (below, above, minus, plus), sheet.names = names, names
-    sheet.equate("f_{s}", (below * plus - above * minus) / (below - above))
+    sheet.equate("f_{S}", (below * plus - above * minus) / (below - above))
 
 
 # Parts of the page ---------------------------------------------------------------------------------------------------

@@ -12,13 +12,13 @@ from pwsviz.figures.style import LEGEND_GLYPH, line_of
 from pwsviz.results.results import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
-from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
+from pwsviz.text.words import as_text, duration, listed, often, plural, rounded_up
 
 
 def run_line(summary: Summary) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
     met = plural(summary.crossings, "jump" if summary.jumps else "crossing")
-    met += f", {summary.slides:,} into sliding" * (summary.slides > 0)
+    met += f", slides {often(summary.slides)}" * (summary.slides > 0)
     figures = f"{plural(summary.steps, 'step')}, {met}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'
@@ -62,7 +62,7 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     shown
         What the plot shows; slopes of several integrators stand in a table, and are left out.
     early
-        Whether a trajectory ends too early to look at the usual crossings.
+        Whether a trajectory has too few crossings to look at the usual ones.
     """
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
     words = f"{shown[0].method}: {slopes}. " if len(shown) == 1 else ""
@@ -71,7 +71,7 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
         words += " Too few errors are above round-off to fit a slope."
     if early:
         usual = listed([str(k) for k in STUDY_CROSSINGS])
-        words += f" The trajectory ends too early for the usual crossings, {usual}."
+        words += f" The trajectory has fewer crossings than the usual ones, {usual}."
     return words
 
 

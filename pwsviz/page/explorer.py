@@ -270,9 +270,9 @@ class Explorer(pn.viewable.Viewer):
         if shown is not None:
             runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
             tables = {**portrait_tables(runs), **drawn_table(shown)}
-        pieces = [Piece("Phase portrait", tables, panel.portrait.figure)]
+        pieces = [Piece("Phase portrait", tables, [panel.portrait.figure])]
         if view.outcome is not None:
-            pieces.append(Piece(title, view.tables(), view.picture(), view.how(view.outcome)))
+            pieces.append(Piece(title, view.tables(), view.pictures(), view.how(view.outcome)))
         return pieces
 
     def settle(self, timeout: float) -> bool:

@@ -46,7 +46,8 @@ class Piece(NamedTuple):
     title: str
     tables: Tables
     """What is drawn."""
-    figure: figure | None
+    figures: Sequence[figure]
+    """Saved as one picture, one below the other."""
     how: str = ""
     """How a study was made; empty if it shows runs of the scene."""
 
@@ -120,8 +121,8 @@ class ExportDialog(pn.viewable.Viewer):
         ]
         if piece.tables:
             buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece.how))
-        if piece.figure is not None:
-            buttons += [self._picture(piece, piece.figure, kind) for kind in KINDS]
+        if piece.figures:
+            buttons += [self._picture(piece, kind) for kind in KINDS]
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
         return pn.FlexBox(title, *buttons, margin=0, sizing_mode="stretch_width")
 
@@ -137,12 +138,12 @@ class ExportDialog(pn.viewable.Viewer):
         self._choices["captioned"] = pmui.Checkbox(label="with caption", value=True, size="small", margin=(4, 0))
         return pn.FlexBox(*self._choices.values(), margin=0, sizing_mode="stretch_width")
 
-    def _picture(self, piece: Piece, plot: figure, kind: str) -> Any:
-        """Return a button that saves a figure as a picture, without the server."""
+    def _picture(self, piece: Piece, kind: str) -> Any:
+        """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
         wish["caption"] = caption(self.scene, piece.title, piece.how)
-        button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(plot))
+        button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(piece.figures))
         return button
 
     def _download(

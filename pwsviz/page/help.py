@@ -30,6 +30,8 @@ _USE = (
     "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) do not.",
     "Each tab beside the portrait answers one question: is ψ conserved, what is the order, when does the solution "
     "cross, what does an error cost, which step sizes work, what is the scheme.",
+    "Where both fields point to the surface, the solution slides along it (Filippov), or stops there if that box is "
+    "not ticked; a thick green line shows where, a dashed one where the surface repels.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",
     "“Write your own …” takes any system; its conserved quantities are checked as you type.",
     "The address bar holds the whole scene: a link to it restores the scene.",

@@ -102,8 +102,8 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
             t = steps
     jumps = run.crossings[run.crossings.kind == "jump"]
     t, x = with_crossings(jumps[:: -(-len(jumps) // limit) or 1], t, x)
-    passed = run.crossings.passed.t
-    return Frames(run.method, t, np.ascontiguousarray(in_plane(x, axes)), steps, passed[:MOST_CROSSINGS], len(passed))
+    crossed = run.crossings.crossed.t
+    return Frames(run.method, t, np.ascontiguousarray(in_plane(x, axes)), steps, crossed[:MOST_CROSSINGS], len(crossed))
 
 
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:

@@ -58,7 +58,7 @@ class Summary:
     steps: int
     crossings: int
     slides: int
-    """How many of these crossings the run has slid from, along the surface."""
+    """How often the run began to slide along the surface."""
     jumps: bool
     """Whether the run stays on its side: each crossing is a jump back."""
     seconds: float
@@ -326,13 +326,13 @@ def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve
 
 
 def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
-    passed = run.crossings.passed
+    crossed = run.crossings.crossed
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
-        crossings=len(passed),
-        slides=int((passed.kind == "sliding").sum()),
-        jumps=bool(len(passed) and (passed.kind == "jump").all() and (run.side == run.side[0]).all()),
+        crossings=len(crossed),
+        slides=int((run.crossings.passed.kind == "sliding").sum()),
+        jumps=bool(len(crossed) and (crossed.kind == "jump").all() and (run.side == run.side[0]).all()),
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error[run.side != 0], initial=np.nan)),
         status=run.status,

@@ -69,7 +69,7 @@ def _field_types() -> tuple[Preset, ...]:
         Preset(
             "vf_sliding", "Field types: sliding", figure,
             "Both fields point to y = 0: every run reaches the line at t = 20 and ends there, where sliding begins.",
-            "Let the runs slide along the surface: all go to the right, at the speed 0.1 that both fields have there.",
+            "Tick “Slide along the surface”: all go on to the right, at the speed 0.1 that both fields have there.",
             {**common, "system": "type_sliding", "starts": (*below, *above), "slide": False},
         ),
     )  # fmt: skip

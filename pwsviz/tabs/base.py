@@ -55,6 +55,8 @@ class Tab(pn.viewable.Viewer):
         self.words = text_pane("")
         self.outcome: Outcome | None = None
         self._system: core.PiecewiseSystem | None = None
+        self._drawn: core.PiecewiseSystem | None = None  # of which the figures show something
+        self._hidden = False
         self.shown: Hashable = None
         self.built = False
         self.plots: list[pn.pane.Bokeh] = []
@@ -96,9 +98,9 @@ class Tab(pn.viewable.Viewer):
         """Return how a study was made, for files and captions; empty if it shows the runs of the scene."""
         return ""
 
-    def picture(self) -> figure | None:
-        """Return the figure on screen, if there is one."""
-        return self.plots[0].object if self.plots else None
+    def pictures(self) -> list[figure]:
+        """Return the figures on screen that are saved as one picture; the first by default."""
+        return [pane.object for pane in self.plots[:1]]
 
     def program(self) -> str:
         """Return the lines of Python that repeat the study, to follow those of the runs; none by default."""
@@ -132,6 +134,7 @@ class Tab(pn.viewable.Viewer):
             self.shown = None
             self._say(complaint(outcome))
             self._fade(past=True)
+            self._hide(self._drawn is not self._system)
             return
         self.outcome, self.shown = outcome, inputs
         self._show(outcome)
@@ -161,8 +164,17 @@ class Tab(pn.viewable.Viewer):
         self._summaries.append(plot.html_attributes["aria-label"])
         return pane
 
+    def _hide(self, hidden: bool) -> None:
+        """Hide the figures, or show them again: nothing will take the place of what they show of another system."""
+        if hidden != self._hidden:
+            self._hidden = hidden
+            for pane in self.plots:
+                pane.visible = not hidden
+
     def _show(self, outcome: Outcome) -> None:
         """Draw a result, show it in figures and words below the plot, and give the words to screen readers."""
+        self._hide(False)
+        self._drawn = self._system
         words = self.draw(outcome)
         self._say("".join(map(table_markup, self.numbers(outcome))) + as_text(words))
         for pane, summary in zip(self.plots, self._summaries, strict=True):

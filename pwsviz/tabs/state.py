@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import panel as pn
+from bokeh.plotting import figure
 
 import core
 from pwsviz.export.files import Tables
@@ -62,6 +63,10 @@ class StateTab(Tab):
                 link_crossings(self._portrait, panel, self.view.shared.instants)
         self._panels.objects = self.plots[: len(names)]
         return state_text(names, outcome.curves)
+
+    def pictures(self) -> list[figure]:
+        """Return all panels."""
+        return [pane.object for pane in self._panels.objects]
 
     def tables(self) -> Tables:
         """Return the states of every integrator at its own steps, and its crossings."""

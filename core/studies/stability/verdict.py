@@ -156,10 +156,10 @@ def judge(
 
 
 def worst_error(run: Trajectory) -> float:
-    """Largest |Δψ| of a run that has recorded its steps, see `Trajectory.change_of_psi`.
+    """Largest |Δψ| off the surface of a run that has recorded its steps, see `Trajectory.change_of_psi`.
 
     nan where no ψ is known, where it is undefined, and for a run that has escaped or become unstable: its Δψ would be a
     difference of huge numbers.
     """
     gone = run.status in (Status.ESCAPED, Status.UNSTABLE)
-    return np.nan if gone else float(np.fmax.reduce(run.change_of_psi()))
+    return np.nan if gone else float(np.fmax.reduce(run.change_of_psi()[run.side != 0], initial=np.nan))

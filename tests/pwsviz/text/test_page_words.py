@@ -28,7 +28,7 @@ def test_a_run_in_one_line():
     words = re.sub("<.*?>", "", run_line(summary()))
     assert words == "dmm2: 60,000 steps, 1 crossing, 4.81 ms, |Δψ| ≤ 9×10⁻¹⁶"
     words = re.sub("<.*?>", "", run_line(summary(crossings=3, slides=1)))
-    assert words.startswith("dmm2: 60,000 steps, 3 crossings, 1 into sliding, 4.81 ms")
+    assert words.startswith("dmm2: 60,000 steps, 3 crossings, slides once, 4.81 ms")
 
 
 def test_runs_that_stopped_say_why_once():
