@@ -22,7 +22,7 @@ def test_every_file_is_there_and_what_others_wrote_has_its_licence_beside_it(nam
 
 def test_the_code_of_a_button_names_its_figure_and_brings_no_library():
     plot = plain_figure("A line")
-    code = picture_callback(plot)
+    code = picture_callback([plot])
     assert plot.id in code
     assert len(code) < 1000
 

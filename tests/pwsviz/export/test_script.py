@@ -80,7 +80,7 @@ def test_the_program_runs_what_the_page_runs(key, monkeypatch, capsys):
     said = capsys.readouterr().out
     for run in page_runs(scene):
         assert f"{run.method} from " in said
-        assert f"{run.steps:,} steps, {len(run.crossings.passed):,} crossings" in said
+        assert f"{run.steps:,} steps, {len(run.crossings.crossed):,} crossings" in said
         if scene.declaration.psi_minus or scene.declaration.psi_plus:
             told = float(re.search(rf"{run.method} from .*<= (\S+)", said)[1])
             # Where round-off is all that is lost: numpy's powers of one number and of many differ by an ulp.

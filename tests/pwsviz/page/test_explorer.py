@@ -335,11 +335,32 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     explorer.settle(20)
     portrait, order = explorer._pieces()
     assert len(portrait.tables["curves"]()["t"]) == 2 * 2001
-    assert portrait.figure is explorer.portrait_panel.portrait.figure
+    assert portrait.figures == [explorer.portrait_panel.portrait.figure]
     assert len(order.tables["errors"]()["error"]) > 20
     explorer.export.open("http://here/app")
     assert explorer.export.link.value.startswith("http://here/app?v=2")
     assert "core.integrate" in explorer.export.program.object
+
+
+def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
+    explorer.scene.accept("system", "relay_feedback")
+    explorer.settle(20)
+    assert explorer.scene.view == "state"
+    _, state = explorer._pieces()
+    assert [plot.yaxis.axis_label for plot in state.figures] == ["x", "v"]
+
+
+def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
+    explorer.scene.view = "order"
+    assert explorer.settle(60)
+    assert all(pane.visible for pane in explorer.view.plots)
+    explorer.scene.accept("system", "type_upward")  # which crosses once
+    assert explorer.settle(60)
+    assert "at least two crossings" in explorer.view.words.object
+    assert not any(pane.visible for pane in explorer.view.plots)
+    explorer.scene.accept("system", "pendulum")
+    assert explorer.settle(60)
+    assert all(pane.visible for pane in explorer.view.plots)
 
 
 #: In two dimensions, in three, without ψ, with jumps.
@@ -393,7 +414,7 @@ def test_a_study_of_few_crossings_says_so(explorer):
     explorer.settle(20)
     words = explorer.views["order"].words.object
     assert "after 1 crossing, slope" in words
-    assert "ends too early" in words
+    assert "fewer crossings than the usual" in words
 
 
 def test_a_study_that_is_impossible_says_why(explorer):
