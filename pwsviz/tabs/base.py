@@ -18,7 +18,7 @@ from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
 from pwsviz.text.words import as_text, complaint
-from pwsviz.widgets.panes import FADED, PLAIN, fade, plot_pane, text_pane
+from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
 Outcome = Any
@@ -56,7 +56,6 @@ class Tab(pn.viewable.Viewer):
         self.outcome: Outcome | None = None
         self._system: core.PiecewiseSystem | None = None
         self._drawn: core.PiecewiseSystem | None = None  # of which the figures show something
-        self._hidden = False
         self.shown: Hashable = None
         self.built = False
         self.plots: list[pn.pane.Bokeh] = []
@@ -134,7 +133,9 @@ class Tab(pn.viewable.Viewer):
             self.shown = None
             self._say(complaint(outcome))
             self._fade(past=True)
-            self._hide(self._drawn is not self._system)
+            if self._drawn is not self._system:  # nothing will take the place of what they show of another system
+                for pane in self.plots:
+                    empty(pane)
             return
         self.outcome, self.shown = outcome, inputs
         self._show(outcome)
@@ -164,16 +165,8 @@ class Tab(pn.viewable.Viewer):
         self._summaries.append(plot.html_attributes["aria-label"])
         return pane
 
-    def _hide(self, hidden: bool) -> None:
-        """Hide the figures, or show them again: nothing will take the place of what they show of another system."""
-        if hidden != self._hidden:
-            self._hidden = hidden
-            for pane in self.plots:
-                pane.visible = not hidden
-
     def _show(self, outcome: Outcome) -> None:
         """Draw a result, show it in figures and words below the plot, and give the words to screen readers."""
-        self._hide(False)
         self._drawn = self._system
         words = self.draw(outcome)
         self._say("".join(map(table_markup, self.numbers(outcome))) + as_text(words))

@@ -63,8 +63,13 @@ def heading(words: str) -> pn.pane.HTML:
 def plot_pane(plot: figure, **options: Any) -> pn.pane.Bokeh:
     """Return a pane for a figure, which is not seen until `fade` says that there is something to see."""
     pane = pn.pane.Bokeh(plot, margin=0, sizing_mode="stretch_width", **options)
-    pane.styles = {**pane.object.styles, **EMPTY}  # given to the constructor, they would not reach the figure
+    empty(pane)  # given to the constructor, the styles would not reach the figure
     return pane
+
+
+def empty(pane: pn.pane.Bokeh) -> None:
+    """Let a figure not be seen until `fade` shows it plainly."""
+    pane.styles = {**pane.object.styles, **EMPTY}
 
 
 def fade(pane: pn.pane.Bokeh, past: bool) -> None:

@@ -353,14 +353,14 @@ def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
 def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
     explorer.scene.view = "order"
     assert explorer.settle(60)
-    assert all(pane.visible for pane in explorer.view.plots)
+    assert all(pane.styles["visibility"] == "inherit" for pane in explorer.view.plots)
     explorer.scene.accept("system", "type_upward")  # which crosses once
     assert explorer.settle(60)
     assert "at least two crossings" in explorer.view.words.object
-    assert not any(pane.visible for pane in explorer.view.plots)
+    assert all(pane.styles["visibility"] == "hidden" for pane in explorer.view.plots)
     explorer.scene.accept("system", "pendulum")
     assert explorer.settle(60)
-    assert all(pane.visible for pane in explorer.view.plots)
+    assert all(pane.styles["visibility"] == "inherit" for pane in explorer.view.plots)
 
 
 #: In two dimensions, in three, without ψ, with jumps.
