@@ -24,7 +24,7 @@ __all__ = ["FIELDS", "Checked", "Draft", "Finding", "check", "split"]
 
 MAX_CHARACTERS = 1000  #: characters of one field, which bound the time of parsing it
 MAX_NAME = 60  #: characters of the name of the system
-MAX_VARIABLES = 8  #: variables, which bound the time of analysing and compiling the system
+MAX_VARIABLES = 12  #: variables, which bound the time of analysing and compiling the system
 MAX_PARAMETERS = 20  #: parameters, each of which has a field on the page
 MAX_DERIVATIVES = 3000  #: nodes of the expression trees of all first derivatives of one expression
 _COMPLAINTS = 3  #: complaints about one field that are shown; more would bury the first

@@ -41,7 +41,8 @@ def texts_of(system, method):
         yield project_to_surface_text(laws, side, method.conservative)
         if method.adaptive:
             yield prepare_step_text(laws, side)
-    yield evaluate_switching_text(laws)
+    yield evaluate_switching_text(laws, tuple(laws.modes.values()))
+    yield from (evaluate_switching_text(laws, [laws.sliding], number) for number in (0, 1))
     yield jump_text(laws)
 
 
@@ -95,9 +96,8 @@ def drawn_declaration(rng, depth):
     "g", ["exp(x) - 2", "2**x - 1.5", "x*exp(-t) - 0.1", "log(1 + exp(x)) - 1", "x**k - t", "x**x"]
 )
 def test_a_surface_with_exponentials_is_written(g):
-    assert not unknown_names(
-        evaluate_switching_text(core.PiecewiseSystem("g", ("x",), ("1",), ("2",), g, parameters=PARAMETERS).laws)
-    )
+    laws = core.PiecewiseSystem("g", ("x",), ("1",), ("2",), g, parameters=PARAMETERS).laws
+    assert not unknown_names(evaluate_switching_text(laws, tuple(laws.modes.values())))
 
 
 def test_whatever_is_declared_is_written_for_every_method_in_names_that_are_known(draws):

@@ -98,7 +98,7 @@ def test_numbers_may_be_written_as_constants():
         ("variables", "", "Name the variables"),
         ("variables", "x, 2y", "'2y' is not usable"),
         ("variables", "x, x", "'x' stands for two things"),
-        ("variables", ", ".join(f"x{k}" for k in range(9)), "at most 8"),
+        ("variables", ", ".join(f"x{k}" for k in range(13)), "at most 12"),
         ("parameters", "k", "'k' is not a parameter: write k = 3"),
         ("parameters", "k = 3 in 0.1..10", "write k = 3, or k = 3 in [0.1, 10]"),
         ("parameters", "k = 3 in [1]", "write k = 3, or k = 3 in [0.1, 10]"),
