@@ -11,6 +11,7 @@ import sys
 from functools import cache
 
 import core
+from pwsviz.results.requests import sliding_of
 from pwsviz.scene.scene import Scene
 
 __all__ = ["compile_beside_once", "compile_catalogue"]
@@ -27,11 +28,13 @@ def compile_beside_once() -> subprocess.Popen[bytes]:
 
 
 def compile_catalogue() -> None:
-    """Compile the integrators with which each system of the catalogue is first shown, in its order."""
+    """Compile what each system of the catalogue is first shown with, in its order: its runs enter all their modes."""
     for name in core.CATALOGUE:
         scene = Scene(system=name)
         for method in scene.used:
-            core.integrate(scene.build(), (0.0, scene.tau), method=method, tau=scene.tau)
+            sliding = sliding_of(scene.slides)
+            span = (0.0, scene.t_end)
+            core.integrate(scene.build(), span, method=method, tau=scene.tau, sliding=sliding).change_of_psi()
 
 
 if __name__ == "__main__":

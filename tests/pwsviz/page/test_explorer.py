@@ -13,6 +13,7 @@ from panel.io.state import set_curdoc
 
 import core
 from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.projection import shows_surface
 from pwsviz.page.explorer import Explorer
 from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
@@ -377,7 +378,7 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
     assert all(np.isfinite(x).sum() > 20 for x in portrait.orbits.data["xs"])
     assert list(portrait.starts.data["x"]) == [laws.x0[0]]
-    assert (len(portrait.ground.surface.data["x"]) > 1) == (system != "gene_switch")
+    assert (len(portrait.ground.surface.data["x"]) > 1) == shows_surface(laws, (0, 1))
     assert (len(portrait.ground.arrows[1].data["x"]) > 0) == (laws.dimension == 2)
     assert explorer.scene.view == ("conserved" if laws.psi_minus else "state")
     assert explorer.view.words.object
