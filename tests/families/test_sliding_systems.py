@@ -94,7 +94,7 @@ def clear(rng):
 @pytest.mark.parametrize("method", deep_but(("rk8", "taylor"), METHODS))
 def test_runs_slide_where_the_exact_solution_does(method, draws):
     settings, allowed = METHODS[method]
-    for rng in draws(4):
+    for rng in draws(2):
         system, exact, place = clear(rng)
         run = core.integrate(system, (0.0, END), method=method, sliding="continue", **settings)
         assert run.status is Status.COMPLETED, run.message
