@@ -105,8 +105,9 @@ class Names:
 
 
 def evaluate_switching_text(laws: Laws, modes: Sequence[Mode], number: int = 0) -> str:
-    """Text of `evaluate_switching`: a guard that modes share, its rate in the first and in the last of them, and
-    bounds on its rounding, at `place`.
+    """Text of `evaluate_switching`: a guard that modes share, its rates in the first and last, and its rounding.
+
+    All are evaluated at `place`.
     """
     names, guard = Names(laws), modes[0].guards[number]
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters

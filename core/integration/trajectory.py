@@ -66,7 +66,7 @@ class Trajectory:
     """Processor time inside the compiled loop."""
     envelope: Floats | None = None
     """(columns, m, 2) least and greatest error of ψ in equal parts of the time span, if `integrate` was asked for it:
-    ψ of the side occupied less its value where that side was entered, evaluated in double-double."""
+    ψ of the mode occupied less its value where that mode was entered, evaluated in double-double."""
     warn: Callable[[Trajectory], str] = field(default=_nothing, repr=False, compare=False)
     """Gives the warnings of the theory about the step size of a run, evaluated when `message` is read."""
     record: str = "steps"
@@ -96,7 +96,9 @@ class Trajectory:
         return f"{self.outcome} {self.warn(self)}".strip()
 
     def conserved_error(self, exits: bool = True) -> Floats:
-        """ψ of the side occupied, less its value where that side was entered, evaluated in double-double.
+        """ψ of the mode occupied, less its value where that mode was entered, evaluated in double-double.
+
+        The modes are both sides of the surface, and sliding along it, of which g is a conserved quantity.
 
         Parameters
         ----------
@@ -106,17 +108,17 @@ class Trajectory:
 
         Returns
         -------
-        (n, m) with m the larger number of conserved quantities; nan where the side has fewer.
+        (n, m) with m the larger number of conserved quantities; nan where the mode has fewer.
         """
         error = self._level_residual(self.t, self.x, self.mode, self.segment, self.entered_t, self.entered_x)
         return with_exits(error, self.segment, self.exit_error()) if exits else error
 
     def exit_error(self) -> Floats:
-        """ψ of the side left at each crossing, before any jump, less its value where that side was entered.
+        """ψ of the mode left at each crossing, before any jump, less its value where that mode was entered.
 
         Returns
         -------
-        (k, m), nan where the side has fewer conserved quantities. With ``record="end"`` no crossing is kept; an
+        (k, m), nan where the mode has fewer conserved quantities. With ``record="end"`` no crossing is kept; an
         `envelope` includes them all the same.
         """
         met = self.crossings

@@ -48,9 +48,9 @@ def _kept(sliding: Mode, minus: Mode, plus: Mode) -> Iterator[Expr]:
         return
     chosen: list[Expr] = []
     most = min(d - 2, max(len(minus.conserved), len(plus.conserved)))
+    domain = _attracting(sliding)
     for psi in dict.fromkeys((*minus.conserved, *plus.conserved)):
         rows = sympy.Matrix([[u.diff(v) for v in sliding.variables] for u in (*chosen, psi, g)])
-        domain = _attracting(sliding)
         if len(chosen) < most and _is_zero_on(g, sliding, sliding.rate_of(psi)) and independent(rows, domain):
             chosen.append(psi)
     yield from chosen
