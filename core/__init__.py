@@ -11,7 +11,7 @@ from core.integrate import integrate
 from core.integration.crossings import Crossing, Crossings
 from core.integration.trajectory import Status, Trajectory
 from core.methods import METHODS, Method
-from core.system import Parameter, PiecewiseSystem
+from core.system import Parameter, PiecewiseSystem, Region, Transition
 from core.systems import CATALOGUE
 
 if TYPE_CHECKING:
@@ -29,9 +29,11 @@ __all__ = [
     "OrderStudy",
     "Parameter",
     "PiecewiseSystem",
+    "Region",
     "StabilityStudy",
     "Status",
     "Trajectory",
+    "Transition",
     "WorkPrecision",
     "compile_beside",
     "diagnose",

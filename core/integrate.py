@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from core.integration.recording import Sampler
 from core.integration.runner import Runner, Settings, no_crossings
+from core.integration.starting import first_place
 from core.integration.trajectory import Status, Trajectory
 from core.interface.arguments import checked_sliding, choice, count, number, numbers
 from core.kernels.arrays import Floats
@@ -23,6 +24,8 @@ __all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
 
 _TRANSITIONS = ("mannshardt", "none")
 _RECORDS = ("steps", "crossings", "end")
+#: Advice on a start that is refused.
+_OTHER = "choose another state"
 #: Default step size.
 _TAU = 1e-2
 #: Default tolerance of a variable-step method.
@@ -170,7 +173,7 @@ def _checked_times(t_eval: ArrayLike, t0: float, t1: float) -> Floats:
 def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
     """Return the method of that name; ValueError if it cannot be used on the system."""
     method = method_named(name)
-    if method.needs_conserved and not (system.psi_minus or system.psi_plus):
+    if method.needs_conserved and not system.laws.most_conserved:
         others = ", ".join(m.name for m in METHODS.values() if not m.needs_conserved)
         raise ValueError(
             f"method {method.name!r} conserves known quantities, and {system.name!r} has none: use one of {others}"
@@ -181,17 +184,21 @@ def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
 def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple[float, ...]:
     """Return the initial state; ValueError if no run can start there."""
     start = system.x0 if x0 is None else system.check_state(x0)
-    laws, d = system.laws, system.dimension
-    wanted = (*laws.modes[-1].field, *laws.modes[1].field, laws.g, *laws.gradient)
-    values = laws.numbers("start", wanted, t0, start, system.parameter_array).tolist()
-    g, gradient = values[2 * d], values[2 * d + 1 :]
-    for side, field in ((-1, values[:d]), (1, values[d : 2 * d])):
-        if side * g >= 0 and not all(map(math.isfinite, field)):
-            raise ValueError(f"x0 = {start!r}: the field has no finite value there; choose another state")
-    if not math.isfinite(g):
-        raise ValueError(f"x0 = {start!r}: g has no finite value there; choose another state")
-    if g == 0.0 and not any(gradient):
-        raise ValueError(f"x0 = {start!r}: g and its gradient vanish there, so g has no surface; choose another state")
+    laws, x = system.laws, np.array(start)
+    wanted = (*laws.surfaces, *(u.diff(v) for u in laws.surfaces for v in laws.x))
+    values = laws.numbers("start", wanted, t0, start, system.parameter_array)
+    g, gradients = values[: len(laws.surfaces)], values[len(laws.surfaces) :].reshape(len(laws.surfaces), -1)
+    word = "g" if laws.two_sided else "a switching function"
+    if not np.isfinite(g).all():
+        raise ValueError(f"x0 = {start!r}: {word} has no finite value there; choose another state")
+    if ((g == 0.0) & ~gradients.any(axis=1)).any():
+        raise ValueError(f"x0 = {start!r}: {word} and its gradient vanish there, so {word} has no surface; {_OTHER}")
+    inside = [k for k, ways in enumerate(laws.ways) if all(way.sign * g[way.surface] >= 0 for way in ways)]
+    if not inside and first_place(system, t0, x).region is None:
+        raise ValueError(f"x0 = {start!r} lies in a region for which no law is declared; {_OTHER}")
+    for k in inside:
+        if not np.isfinite(laws.numbers(("f", k), laws.regions[k].field, t0, start, system.parameter_array)).all():
+            raise ValueError(f"x0 = {start!r}: the field has no finite value there; {_OTHER}")
     return start
 
 
@@ -274,7 +281,7 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
     else:
         segment = _with_ends(0, rows.segment, runner.segment)[rest]
     if record == "end":
-        crossings = no_crossings(len(x0))
+        crossings = no_crossings(runner.system.laws)
         last = runner.entry()
         if sampler is None:
             entered_t, entered_x = np.array([t0, last[0]]), np.array([x0, last[1]])

@@ -1,4 +1,4 @@
-"""PiecewiseSystem and Parameter: a system is data, from which everything else is derived."""
+"""PiecewiseSystem, Region, Transition, Parameter: a system is data, from which everything else is derived."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 import sympy
@@ -14,13 +14,15 @@ from numpy.typing import ArrayLike
 
 from core.interface.arguments import listed, number
 from core.kernels.arrays import Floats
-from core.symbolic.declaration import Declaration, accepted, miscounted
+from core.symbolic.declaration import Declaration, RegionText, TransitionText, accepted, miscounted
 from core.symbolic.expressions import check_name, to_text
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
-from core.transition.records import SIDES_OF_MODES
 
-__all__ = ["Parameter", "PiecewiseSystem", "Start"]
+__all__ = ["Parameter", "PiecewiseSystem", "Region", "Start", "Transition"]
+
+#: Side of the only surface -> name of the mode.
+_SIDES = {-1: "-", 0: "0", 1: "+"}
 
 #: Initial state: d numbers, or a mapping from the name of each variable to its number.
 Start: TypeAlias = "Iterable[float] | Mapping[str, float]"
@@ -66,11 +68,45 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Region:
+    """The law of one region."""
+
+    f: tuple[str, ...]
+    """d expressions."""
+    psi: tuple[str, ...] = ()
+    """0 to d − 1 conserved quantities."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "f", _texts(self.f, "f"))
+        object.__setattr__(self, "psi", _texts(self.psi, "psi"))
+
+
+@dataclass(frozen=True)
+class Transition:
+    """A way out of a region: where its guard, positive inside, falls to zero."""
+
+    mode: str
+    """Key of the region that it ends."""
+    guard: str
+    """An expression, positive inside the region."""
+    to: str
+    """Key of the region that follows."""
+    jump: tuple[str, ...] | None = None
+    """d expressions: the state after reaching the guard's zero; None where it is continuous."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "guard", _text(self.guard))
+        object.__setattr__(self, "jump", None if self.jump is None else _texts(self.jump, "jump") or None)
+
+
+@dataclass(frozen=True)
 class PiecewiseSystem:
-    """x' = f₋(t, x) where g < 0 and f₊(t, x) where g > 0, each side with its own conserved quantities.
+    """x' = f₋(t, x) where g < 0 and f₊(t, x) where g > 0, each side with its own conserved quantities; or more regions.
 
     Expressions are text, or sympy, in the variables, the parameters and time ``t``; see `core.symbolic.expressions` for
-    the syntax. A system is frozen; `with_parameters` returns a new one.
+    the syntax. A system is frozen; `with_parameters` returns a new one. There are three ways to declare one: two sides
+    of one surface; `surfaces` and `regions`; or, where the way back is another than the way there, `regions` and
+    `transitions`, the general form from which the others are derived.
 
     Parameters
     ----------
@@ -79,7 +115,7 @@ class PiecewiseSystem:
     variables
         The d names of the state's coordinates.
     f_minus, f_plus
-        d expressions each.
+        d expressions each: regions "-" and "+" of the surface g.
     g
         The switching function; ∇g ≠ 0.
     psi_minus, psi_plus
@@ -93,19 +129,29 @@ class PiecewiseSystem:
         d expressions: the state after reaching the surface, for impacts. None or (): the state is continuous.
     doc
         Description of the system, in a sentence or two.
+    surfaces
+        Up to six switching functions.
+    regions
+        Key -> `Region`. A key has one sign a surface: “+-” is where the first function is positive and the second
+        negative. Regions that are never reached need no law; a run that reaches one stops. Where `transitions` are
+        declared, keys are any names; a run then begins in the first region whose guards are all positive.
+    jumps
+        Number of the surface, from 0 -> d expressions: the state after reaching it.
+    transitions
+        The ways between regions that have names, for hysteresis.
 
     Raises
     ------
     ValueError
         On unknown names, syntax outside the whitelist, wrong dimensions, constants that are not finite, or a ψ that the
-        field does not conserve everywhere on its side. The message names the text and what would be accepted.
+        field does not conserve everywhere in its region. The message names the text and what would be accepted.
     """
 
     name: str
     variables: tuple[str, ...]
-    f_minus: tuple[str, ...]
-    f_plus: tuple[str, ...]
-    g: str
+    f_minus: tuple[str, ...] = ()
+    f_plus: tuple[str, ...] = ()
+    g: str = ""
     psi_minus: tuple[str, ...] = ()
     psi_plus: tuple[str, ...] = ()
     parameters: tuple[Parameter, ...] = ()
@@ -114,24 +160,69 @@ class PiecewiseSystem:
     doc: str = ""
     values: Mapping[str, float] = field(default_factory=dict, hash=False)
     """Current value of each parameter; the default where none is given."""
+    surfaces: tuple[str, ...] = ()
+    regions: Mapping[str, Region] = field(default_factory=dict, hash=False)
+    jumps: Mapping[int, tuple[str, ...]] = field(default_factory=dict, hash=False)
+    transitions: tuple[Transition, ...] = ()
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         set_(self, "name", str(self.name))
         set_(self, "parameters", self._check_parameters())
-        for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus"):
+        for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "surfaces"):
             set_(self, name, _texts(getattr(self, name), name))
         set_(self, "jump", None if self.jump is None else _texts(self.jump, "jump") or None)
         set_(self, "g", _text(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
-        set_(self, "psi_minus", self._declared.psi_minus)
-        set_(self, "psi_plus", self._declared.psi_plus)
+        self._check_regions()
+        if self.f_minus or self.f_plus or self.g:
+            self._take_sides()
+        self._complete()
         start = self.check_state((0.0,) * self.dimension if isinstance(self.x0, tuple) and not self.x0 else self.x0)
         set_(self, "x0", start)
 
+    def _check_regions(self) -> None:
+        """Bring regions, jumps and transitions into their standard form."""
+        set_, regions, jumps = object.__setattr__, self.regions, self.jumps
+        if not isinstance(regions, Mapping) or not all(isinstance(law, Region) for law in regions.values()):
+            raise ValueError(f"regions = {regions!r}: a mapping is needed, as {{'+-': Region(f=('y', '-x'))}}")
+        if not isinstance(jumps, Mapping):
+            raise ValueError(f"jumps = {jumps!r}: a mapping from numbers of surfaces to expressions is needed")
+        given = listed(self.transitions, "transitions", "a tuple of Transition is needed", Transition)
+        if wrong := [part for part in given if not isinstance(part, Transition)]:
+            raise ValueError(f"transitions: {wrong[0]!r} is no Transition; give Transition(mode, guard, to)")
+        names = [str(name) for name in regions]
+        order = names if given else sorted(names, key=lambda name: name.replace("-", "\0"))  # - before +
+        set_(self, "regions", MappingProxyType({name: regions[name] for name in order}))
+        set_(self, "jumps", MappingProxyType({k: _texts(jump, f"jumps[{k}]") for k, jump in sorted(jumps.items())}))
+        set_(self, "transitions", tuple(given))
+
+    def _take_sides(self) -> None:
+        """Read the sides of one surface as its regions “-” and “+”."""
+        regions = {"-": Region(self.f_minus, self.psi_minus), "+": Region(self.f_plus, self.psi_plus)}
+        jumps = {} if self.jump is None else {0: self.jump}
+        declared = ((self.g,), regions, jumps)
+        if (self.regions or self.surfaces or self.jumps or self.transitions) and declared != (
+            self.surfaces, dict(self.regions), dict(self.jumps),
+        ):  # fmt: skip
+            raise ValueError("give either f_minus, f_plus, g and so on, or surfaces and regions, or transitions")
+        for name, value in zip(("surfaces", "regions", "jumps"), declared, strict=True):
+            object.__setattr__(self, name, MappingProxyType(value) if isinstance(value, dict) else value)
+
+    def _complete(self) -> None:
+        """Check the declaration, and add the ψ that are found for it; name the sides of one surface."""
+        declared, set_ = self._declared, object.__setattr__
+        set_(self, "regions", MappingProxyType({law.name: Region(law.f, law.psi) for law in declared.regions}))
+        if declared.two_sided:
+            for word, region in (("minus", self.regions["-"]), ("plus", self.regions["+"])):
+                set_(self, f"f_{word}", region.f)
+                set_(self, f"psi_{word}", region.psi)
+            set_(self, "g", self.surfaces[0])
+            set_(self, "jump", self.jumps.get(0))
+
     def __reduce__(self) -> tuple[Any, ...]:
-        given = [getattr(self, f.name) for f in fields(self)]
-        return PiecewiseSystem, (*given[:-1], dict(self.values))
+        given = (getattr(self, f.name) for f in fields(self))
+        return PiecewiseSystem, tuple(dict(value) if isinstance(value, Mapping) else value for value in given)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:g}" for name, value in self.values.items())
@@ -148,8 +239,10 @@ class PiecewiseSystem:
     def _declared(self) -> Declaration:
         """The checked declaration, shared by all systems that differ in parameter values only."""
         names, bounds = tuple(q.name for q in self.parameters), tuple(q.bounds for q in self.parameters)
-        texts = (self.f_minus, self.f_plus, (self.g,), self.psi_minus, self.psi_plus, self.jump or ())
-        return accepted(Declaration(self.variables, names, bounds, *texts))
+        regions = tuple(RegionText(name, law.f, law.psi) for name, law in self.regions.items())
+        ways = tuple(TransitionText(way.mode, way.guard, way.to, way.jump or ()) for way in self.transitions)
+        jumps = tuple(self.jumps.items())
+        return accepted(Declaration(self.variables, names, bounds, self.surfaces, regions, jumps, ways))
 
     @property
     def laws(self) -> Laws:
@@ -164,9 +257,17 @@ class PiecewiseSystem:
         return values
 
     @property
-    def modes(self) -> tuple[Mode, ...]:
-        """The modes that a run may be in, `Trajectory.mode` their index: g < 0, g > 0, and sliding along g = 0."""
-        return tuple(self.laws.mode(side) for side in SIDES_OF_MODES.tolist())
+    def modes(self) -> Modes:
+        """The modes that a run may be in, `Trajectory.mode` their index: the regions, then sliding between two of them.
+
+        Of one surface: g < 0, g > 0, and sliding along g = 0.
+        """
+        return Modes(self.laws)
+
+    @property
+    def two_sided(self) -> bool:
+        """Whether there is one surface, with a region on either side."""
+        return self.laws.two_sided
 
     def with_parameters(self, **values: float) -> PiecewiseSystem:
         """The same system with other parameter values.
@@ -180,9 +281,10 @@ class PiecewiseSystem:
 
     # Values at states ------------------------------------------------------------------------------------------------
 
-    def field(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
-        """f of a side, −1 or +1, or of sliding, 0, at states (..., d) -> (..., d)."""
-        return self._evaluate(("f", side), self._side(side).field, t, x)
+    def field(self, side: int | str, t: ArrayLike, x: ArrayLike) -> Floats:
+        """f of a side, −1 or +1, or of sliding, 0, at states (..., d) -> (..., d); a mode may be given by its name."""
+        mode = self._side(side)
+        return self._evaluate(("f", mode.name), mode.field, t, x)
 
     def switching(self, t: ArrayLike, x: ArrayLike) -> Floats:
         """g at states (..., d) -> (...)."""
@@ -192,13 +294,19 @@ class PiecewiseSystem:
         """∇g at states (..., d) -> (..., d)."""
         return self._evaluate("grad g", self.laws.gradient, t, x)
 
-    def switching_rate(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
+    def switching_rate(self, side: int | str, t: ArrayLike, x: ArrayLike) -> Floats:
         """ġ = g_t + ∇g·f with the field of a side, at states (..., d) -> (...)."""
-        return self._evaluate(("g'", side), (self._side(side).rate_of(self.laws.g),), t, x)[..., 0]
+        mode = self._side(side)
+        return self._evaluate(("g'", mode.name), (mode.rate_of(self.laws.g),), t, x)[..., 0]
 
-    def conserved(self, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
+    def conserved(self, side: int | str, t: ArrayLike, x: ArrayLike) -> Floats:
         """ψ of a side, or what sliding (side 0) keeps, at states (..., d) -> (..., m)."""
-        return self._evaluate(("psi", side), self._side(side).conserved, t, x)
+        mode = self._side(side)
+        return self._evaluate(("psi", mode.name), mode.conserved, t, x)
+
+    def heights(self, mode: int, t: ArrayLike, x: ArrayLike) -> Floats:
+        """The guards of a mode, given by its number, positive inside it: at states (..., d) -> (..., guards)."""
+        return self._evaluate(("heights", mode), self.laws.mode(mode).heights, t, x)
 
     def latex(self) -> dict[str, str]:
         """The declaration as LaTeX: keys f_minus, f_plus, g, psi_minus, psi_plus."""
@@ -223,10 +331,16 @@ class PiecewiseSystem:
             raise ValueError(f"x has shape {states.shape}: states (..., {self.dimension}) are needed")
         return self.laws.evaluate(key, expressions, times, states, self.parameter_array)
 
-    def _side(self, side: int) -> Mode:
+    def _side(self, side: int | str) -> Mode:
+        """A mode by its name; of one surface, by its side."""
+        numbers = self.laws.numbers_of_modes
+        if isinstance(side, str) and side in numbers:
+            return self.laws.mode(numbers[side])
+        if not self.two_sided:
+            raise ValueError(f"side = {side!r}: it is one of the modes {', '.join(map(repr, numbers))}")
         if np.ndim(side) or side not in (-1, 0, 1):
             raise ValueError(f"side = {side!r}: it is -1 where g < 0, +1 where g > 0, and 0 for sliding along g = 0")
-        return self.laws.mode(int(side))
+        return self.laws.mode(numbers[_SIDES[int(side)]])
 
     # Checks ----------------------------------------------------------------------------------------------------------
 
@@ -271,6 +385,27 @@ class PiecewiseSystem:
             raise ValueError(f"unknown parameter {sorted(unknown)[0]!r}; known are {', '.join(known) or 'none'}")
         defaults = {name: self.values.get(name, q.default) for name, q in known.items()}
         return {name: known[name].check(value) for name, value in {**defaults, **values}.items()}
+
+
+class Modes(Sequence[Mode]):
+    """The modes of a system; one of sliding is derived when it is first asked for."""
+
+    def __init__(self, laws: Laws) -> None:
+        self._laws = laws
+
+    def __len__(self) -> int:
+        return self._laws.count
+
+    @overload
+    def __getitem__(self, number: int) -> Mode: ...
+
+    @overload
+    def __getitem__(self, number: slice) -> tuple[Mode, ...]: ...
+
+    def __getitem__(self, number: int | slice) -> Mode | tuple[Mode, ...]:
+        if isinstance(number, slice):
+            return tuple(self[k] for k in range(len(self))[number])
+        return self._laws.mode(range(len(self))[number])
 
 
 def _texts(given: Any, what: str) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from core.kernels import abi, divided_differences, stack_array, taylor_coefficie
 from core.kernels.doubledouble import arithmetic, error_free
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
-from core.symbolic.mode import SLIDING, Mode
+from core.symbolic.mode import Mode
 
 __all__ = [
     "Names", "evaluate_switching_text", "function_text", "jump_text", "level_residual_lines", "levels_texts",
@@ -104,28 +104,26 @@ class Names:
         return doubled_assignments(targets, self.own(expressions), {**known, **exact}, self.temporaries)
 
 
-def evaluate_switching_text(laws: Laws, modes: Sequence[Mode], number: int = 0) -> str:
-    """Text of `evaluate_switching`: a guard that modes share, its rates in the first and last, and its rounding.
+def evaluate_switching_text(laws: Laws, guard: Expr, modes: Sequence[Mode]) -> str:
+    """Text of `evaluate_switching`: a guard, its rates in the first and the last of some modes, and its rounding.
 
     All are evaluated at `place`.
     """
-    names, guard = Names(laws), modes[0].guards[number]
+    names = Names(laws)
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
     slack = sympy.Add(*(magnitude(guard.diff(v) * v) for v in laws.x)) * sympy.Float(_EPS)
     doubt = rounding_bound(guard) * sympy.Float(_EPS)
-    rates = (modes[0].guard_rates[number], modes[-1].guard_rates[number])
-    values = names.own([guard, *rates, slack, doubt])
+    values = names.own([guard, modes[0].rate_of(guard), modes[-1].rate_of(guard), slack, doubt])
     places = (abi.G, abi.RATES, abi.RATES + 1, abi.ROUNDING_OF_STATE, abi.ROUNDING_OF_G)
     targets = [f"w[{k}]" for k in places]
     return function_text("evaluate_switching", [*lines, *assignments(targets, values, names.temporaries), "return 0"])
 
 
-def jump_text(laws: Laws) -> str:
-    """Text of `jump`: the identity for a system without jump."""
+def jump_text(laws: Laws, jump: Sequence[Expr]) -> str:
+    """Text of `jump`."""
     names = Names(laws)
-    after = names.own(laws.jump if laws.jump is not None else laws.x)
-    targets = [f"w[{names.frame.place + k}]" for k in range(len(after))]
-    return function_text("jump", [*names.unpack, *assignments(targets, after, names.temporaries), "return 0"])
+    targets = [f"w[{names.frame.place + k}]" for k in range(len(jump))]
+    return function_text("jump", [*names.unpack, *assignments(targets, names.own(jump), names.temporaries), "return 0"])
 
 
 def level_residual_lines(names: Names, mode: Mode) -> list[str]:
@@ -170,8 +168,8 @@ def project_to_surface_text(laws: Laws, mode: Mode, conservative: bool, number: 
     """
     names, d = Names(laws), len(laws.x)
     conserved = mode.conserved if conservative else ()
-    drifts = mode.side == SLIDING and d > 1 and not conservative
-    zeros = (laws.g, mode.guards[number]) if drifts else (mode.guards[number],)
+    drifts = mode.surface is not None and d > 1 and not conservative
+    zeros = (mode.surface, mode.guards[number]) if drifts and mode.surface is not None else (mode.guards[number],)
     m = len(conserved)
     moves, fields, slowness = named("a", d), named("f", d), named("q", d)
     lines = [*names.unpack, *(level_residual_lines(names, mode) if conservative else [])]

@@ -344,8 +344,7 @@ class StepCode:
         at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
         ends = zip(self._mode.guards, self._mode.guard_rates, strict=True)
         values = [e.xreplace(at_end) for pair in ends for e in pair]
-        places = (abi.G_END, abi.RATE_END, abi.G_END + abi.BESIDE, abi.RATE_END + abi.BESIDE)
-        targets = [f"w[{k}]" for k in places[: len(values)]]
+        targets = [f"w[{abi.G_END + k}]" for k in range(len(values))]
         lines += ["t1 = t + h", *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")
         return self._called + function_text("step", lines)

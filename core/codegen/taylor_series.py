@@ -22,7 +22,7 @@ from core.codegen.printing import printed
 from core.codegen.taylor_operations import Bag, Linear, Operations, single
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
-from core.symbolic.mode import SLIDING, Mode
+from core.symbolic.mode import Mode
 
 __all__ = ["ALONG", "SeriesCode", "series_code"]
 
@@ -58,8 +58,7 @@ def series_code(laws: Laws, mode: Mode) -> SeriesCode:
         For a function without a recurrence.
     """
     names = Names(laws)
-    way = ALONG if mode.side == SLIDING else Integer(1)
-    heights = [way * u for u in mode.heights]
+    heights = [(ALONG if mode.turns(k) else Integer(1)) * u for k, u in enumerate(mode.heights)]
     given = [e.xreplace(names.symbols) for e in (*mode.field, *heights)]
     writer = _Writer(names, len(heights))
     shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")

@@ -32,6 +32,7 @@ from core.codegen.functions import (
     project_to_surface_text,
 )
 from core.codegen.step import StepCode
+from core.compilation.guards import guard_table
 from core.compilation.worker_pool import WorkerPool, serve
 from core.interface.arguments import count, number
 from core.kernels.abi import FUNCTIONS
@@ -39,10 +40,8 @@ from core.kernels.digest import imported_modules, source_digest
 from core.methods import Method
 from core.methods.taylor_step import prepare_step_text
 from core.symbolic.laws import Laws
-from core.symbolic.mode import SLIDING
-from core.transition.records import SIDES_OF_MODES
 
-__all__ = ["Compiled", "compile_beside", "compile_run"]
+__all__ = ["Compiled", "compile_beside", "compile_run", "first_modes"]
 
 MAX_MODULES = 200  #: modules kept in memory
 MAX_FILES = 1000  #: modules kept on disk
@@ -56,40 +55,46 @@ _pool: WorkerPool | None = None
 
 
 class Compiled(NamedTuple):
-    """The compiled functions of a system and method."""
+    """The compiled functions of some modes of a system, for a method."""
 
     addresses: NDArray[np.int64]
-    """(modes + 1, functions) in the order of `abi.FUNCTIONS`; 0 for functions that the run does not need."""
+    """(rows, functions) in the order of `abi.FUNCTIONS`, with one row for each guard of each mode; 0 for functions that
+    the run does not need, and for modes that are not compiled."""
     modules: tuple[ModuleType, ...]
     """The modules, which keep the machine code alive."""
 
 
+def first_modes(laws: Laws) -> tuple[int, ...]:
+    """Modes compiled before a run begins: two regions, nearly always entered both; of more, none."""
+    return (0, 1) if len(laws.regions) == 2 else ()
+
+
 @lru_cache(maxsize=MAX_MODULES)
-def compile_run(laws: Laws, method: Method, levels: bool = False, sliding: bool = False) -> Compiled:
-    """Compile the functions that a run of a method calls.
+def compile_run(laws: Laws, method: Method, levels: bool = False, modes: tuple[int, ...] = (0, 1)) -> Compiled:
+    """Compile the functions that a run of a method calls in some modes.
 
     Parameters
     ----------
     levels
         Also compile ψ, so that a run that does not conserve it can be monitored.
-    sliding
-        Also compile the mode of sliding, which few runs enter; its addresses are 0 otherwise.
+    modes
+        Numbers of the modes.
     """
-    texts, submitted = [], []
+    table, texts, submitted = guard_table(laws), [], []
     with _lock:
-        for modes, text in _texts(laws, method, levels, sliding):
-            texts.append((modes, text))
+        for rows, text in _texts(laws, method, levels, modes):
+            texts.append((rows, text))
             if _pool is not None and not _is_compiled(text):
                 submitted.append(_pool.submit(text))
     wait(filter(None, submitted), _PATIENCE)
-    addresses, modules = np.zeros((len(SIDES_OF_MODES) + 1, len(FUNCTIONS)), dtype=np.int64), []
-    for modes, text in texts:
+    addresses, modules = np.zeros((len(table.guards), len(FUNCTIONS)), dtype=np.int64), []
+    for rows, text in texts:
         with _lock:
             module = _load(text)
         modules.append(module)
         for k, name in enumerate(FUNCTIONS):
             if hasattr(module, name):
-                addresses[modes, k] = getattr(module, name).address
+                addresses[rows, k] = getattr(module, name).address
     return Compiled(addresses, tuple(modules))
 
 
@@ -130,23 +135,43 @@ def serve_worker() -> None:
     serve(_load)
 
 
-def _texts(laws: Laws, method: Method, levels: bool, sliding: bool = False) -> Iterator[tuple[int | list[int], str]]:
-    """Texts of modules, each with the number of its mode or modes; those that take longest to compile come first."""
-    modes = [(k, laws.mode(side)) for k, side in enumerate(SIDES_OF_MODES.tolist()) if side != SLIDING or sliding]
-    codes = [(k, mode, StepCode(laws, mode)) for k, mode in modes]
-    yield from ((k, module_text([code.text(method.scheme.write(mode, code))])) for k, mode, code in codes)
+def _texts(laws: Laws, method: Method, levels: bool, numbers: tuple[int, ...]) -> Iterator[tuple[list[int], str]]:
+    """Texts of modules, each with the rows of its functions; those that take longest to compile come first."""
+    first = guard_table(laws).first_rows.tolist()
+    modes = [(first[number], laws.mode(number)) for number in numbers]
+    codes = [(row, mode, StepCode(laws, mode)) for row, mode in modes]
+    yield from (([row], module_text([code.text(method.scheme.write(mode, code))])) for row, mode, code in codes)
     if method.adaptive:
-        yield from ((k, module_text([prepare_step_text(laws, mode)])) for k, mode in modes)
-    guarded = [(k + number, mode, number) for k, mode in modes for number in range(len(mode.guards))]
+        yield from (([row], module_text([prepare_step_text(laws, mode)])) for row, mode in modes)
+    guarded = [(row + k, mode, k) for row, mode in modes for k in range(len(mode.guards))]
     yield from (
-        (k, module_text([project_to_surface_text(laws, mode, method.conservative, n)])) for k, mode, n in guarded
+        ([row], module_text([project_to_surface_text(laws, mode, method.conservative, k)])) for row, mode, k in guarded
     )
     if method.conservative or levels:
-        yield from ((k, module_text(levels_texts(laws, mode))) for k, mode in modes)
-    both = [mode for _, mode in modes[:2]]
-    yield [0, 1], module_text([evaluate_switching_text(laws, both), jump_text(laws)])
-    for k, mode, n in guarded[2:]:
-        yield k, module_text([evaluate_switching_text(laws, [mode], n)])
+        yield from (([row], module_text(levels_texts(laws, mode))) for row, mode in modes)
+    yield from _texts_at_surfaces(laws, numbers, first)
+
+
+def _texts_at_surfaces(laws: Laws, numbers: tuple[int, ...], first: list[int]) -> Iterator[tuple[list[int], str]]:
+    """Texts of what is evaluated where guards vanish; regions share it where they share the surface."""
+    shared: dict[str, list[int]] = {}
+    wanted = [(mode, k) for mode in numbers if mode < len(laws.regions) for k in range(len(laws.ways[mode]))]
+    for mode in numbers:
+        if mode >= len(laws.regions):  # where sliding ends, the surface is evaluated with the fields of both regions
+            low, high, surface = laws.pairs[mode - len(laws.regions)]
+            both = ((region, k) for region in (low, high) for k in range(len(laws.ways[region])))
+            wanted += [(region, k) for region, k in both if laws.ways[region][k].surface == surface]
+            for k, guard in enumerate(laws.mode(mode).guards):
+                text = module_text([evaluate_switching_text(laws, guard, [laws.mode(mode)])])
+                shared.setdefault(text, []).append(first[mode] + k)
+    for region, k in dict.fromkeys(wanted):
+        way, here = laws.ways[region][k], laws.regions[region]
+        beside = here if way.to is None or way.back is None else laws.regions[way.to]
+        sides = [here, beside] if way.sign < 0 else [beside, here]
+        texts = [evaluate_switching_text(laws, laws.surfaces[way.surface], sides)]
+        texts += [] if way.jump is None else [jump_text(laws, way.jump)]
+        shared.setdefault(module_text(texts), []).append(first[region] + k)
+    yield from ((rows, text) for text, rows in shared.items())
 
 
 def _is_compiled(text: str) -> bool:

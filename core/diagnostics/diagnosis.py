@@ -112,6 +112,9 @@ def diagnose(run: Trajectory) -> Diagnosis:
     ValueError
         If `run` is not a Trajectory.
     """
+    if isinstance(run, Trajectory) and not run.system.two_sided:
+        words = "the theory is about two sides of one surface"
+        raise ValueError(f"{run.system.name!r} has regions {', '.join(map(repr, run.system.regions))}: {words}")
     if not isinstance(run, Trajectory):
         raise ValueError(f"run = {run!r}: give a Trajectory, as `integrate` returns it")
     return _diagnosis(run, run.crossings)
@@ -125,7 +128,9 @@ def step_warning(run: Trajectory) -> str:
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
-    warnings = unresolved(run) or _diagnosis(run, run.crossings.first(_FIRST)).warnings
+    warnings = unresolved(run)
+    if not warnings and run.system.two_sided:
+        warnings = _diagnosis(run, run.crossings.first(_FIRST)).warnings
     return f"{warnings[0]}." if warnings else ""
 
 

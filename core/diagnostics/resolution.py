@@ -11,7 +11,6 @@ from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
-from core.transition.records import SIDES_OF_MODES
 
 __all__ = ["unresolved"]
 
@@ -97,7 +96,7 @@ class _Steps:
         places = _places(len(self.t))
         for number in np.unique(self.mode).tolist():
             rows = np.flatnonzero(self.mode == number)
-            hidden[rows] = self._hides(rows, SIDES_OF_MODES[number], places)
+            hidden[rows] = self._hides(rows, number, places)
         if hidden.any():
             yield (
                 f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
@@ -105,16 +104,16 @@ class _Steps:
                 f"crossings may have been missed; {self._advice}"
             )
 
-    def _hides(self, rows: NDArray[np.intp], side: int, places: Floats) -> NDArray[np.bool_]:
-        """Whether a height of the mode of a side is unresolved in some steps, all of that mode."""
+    def _hides(self, rows: NDArray[np.intp], number: int, places: Floats) -> NDArray[np.bool_]:
+        """Whether a height of a mode, given by its number, is unresolved in some steps, all of that mode."""
         t, x, h, system = self.t[rows], self.x[rows], self.h[rows, None], self.run.system
         times = t[:, None] + h * places
         states = np.concatenate([x[:, None], self._states(t, x, self.mode[rows], times[:, 1:])], axis=1)
-        law, hidden = system.laws.mode(side), np.zeros(len(rows), dtype=bool)
+        law, hidden = system.laws.mode(number), np.zeros(len(rows), dtype=bool)
         for k, height in enumerate(law.heights):
             wanted = (height, law.rate_of(height))
-            values = system.laws.evaluate(("height", side, k), wanted, times, states, system.parameter_array)
-            values *= np.where(h < 0.0, -1.0, 1.0)[:, :, None] if side == 0 else 1.0  # see `Mode.heights`
+            values = system.laws.evaluate(("height", number, k), wanted, times, states, system.parameter_array)
+            values *= np.where(h < 0.0, -1.0, 1.0)[:, :, None] if law.turns(k) else 1.0  # see `Mode.heights`
             with np.errstate(all="ignore"):
                 hidden |= self._hides_roots(places, values[..., 0], h * values[..., 1])
         return hidden

@@ -13,14 +13,15 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import ArrayLike, NDArray
 
-from core.compilation.compiled import compile_run
+from core.compilation.compiled import compile_run, first_modes
+from core.compilation.guards import guard_table
 from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS
 from core.methods import METHODS
 from core.system import PiecewiseSystem
-from core.transition.records import NO_MODE, SLIDING_MODE
+from core.transition.records import NO_MODE
 
 __all__ = ["level_residual_along", "psi_size", "with_exits"]
 
@@ -57,10 +58,13 @@ def level_residual_along(
     d, m = frame.d, frame.m if sliding else laws.most_conserved
     residual = np.full((len(t), m), np.nan)
     if m and len(t):
-        functions = compile_run(laws, METHODS[method], levels=True, sliding=bool((mode == SLIDING_MODE).any()))
+        modes = tuple(sorted({*first_modes(laws), *np.unique(mode[mode != NO_MODE]).tolist()}))
+        functions, table = compile_run(laws, METHODS[method], levels=True, modes=modes), guard_table(laws)
         w, scratch = frame.empty(), np.empty((1, 1))
         rows = (np.ascontiguousarray(a) for a in (t, x, mode, segment, entered_t, entered_x))
-        _compiled()(functions.addresses, system.parameter_array.copy(), w, scratch, d, *rows, residual)
+        _compiled()(
+            functions.addresses, table.first_rows, system.parameter_array.copy(), w, scratch, d, *rows, residual
+        )
     return residual
 
 
@@ -91,15 +95,15 @@ def with_exits(error: Floats, segment: NDArray[np.int64], exits: Floats) -> Floa
     return error
 
 
-def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> Floats:
+def psi_size(system: PiecewiseSystem, mode: int, t: ArrayLike, x: ArrayLike) -> Floats:
     """Scale of the round-off of ψ, which may be a small difference of large terms: |ψ| + Σₖ |xₖ ∂ψ/∂xₖ|.
 
     Rounding the state and ψ to doubles changes ψ by up to eps/2 times this.
 
     Parameters
     ----------
-    side
-        Side whose ψ is taken, −1 or +1; 0: what sliding keeps.
+    mode
+        Number of the mode whose ψ is taken: of sliding, what that keeps.
     t, x
         (...) times and (..., d) states.
 
@@ -108,8 +112,8 @@ def psi_size(system: PiecewiseSystem, side: int, t: ArrayLike, x: ArrayLike) -> 
     (...), the largest over the conserved quantities; 0 where none is known, or where it is not finite.
     """
     laws = system.laws
-    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.mode(side).conserved]
-    values = laws.evaluate(("size of psi", side), sizes, t, x, system.parameter_array)
+    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.mode(mode).conserved]
+    values = laws.evaluate(("size of psi", mode), sizes, t, x, system.parameter_array)
     largest: Floats = np.where(np.isfinite(values), values, 0.0).max(axis=-1, initial=0.0)
     return largest
 
@@ -119,12 +123,24 @@ def _compiled() -> Callable[..., None]:
     """Compile the loop over the rows, or load it from numba's cache."""
     vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
     signature: Any = types.void(
-        types.int64[:, ::1], vector, vector, matrix, types.int64, vector, matrix, whole, whole, vector, matrix, matrix
+        types.int64[:, ::1],
+        whole,
+        vector,
+        vector,
+        matrix,
+        types.int64,
+        vector,
+        matrix,
+        whole,
+        whole,
+        vector,
+        matrix,
+        matrix,
     )
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(signature, cache=True, nogil=True, **OPTIONS)
-    def along(functions, p, w, scratch, d, t, x, modes, segment, entered_t, entered_x, residual):
+    def along(functions, first_rows, p, w, scratch, d, t, x, modes, segment, entered_t, entered_x, residual):
         _ = sources  # closed over, it enters the key of numba's cache
         place, found = w[head : head + d], w[w.size - (w.size - head - 4 * d) // 3 :]
         now = -1
@@ -136,10 +152,10 @@ def _compiled() -> Callable[..., None]:
                 now = segment[row]
                 for i in range(d):
                     place[i] = entered_x[now, i]
-                call(functions[mode, SET_LEVELS], entered_t[now], 0.0, p, w, scratch)
+                call(functions[first_rows[mode], SET_LEVELS], entered_t[now], 0.0, p, w, scratch)
             for i in range(d):
                 place[i] = x[row, i]
-            call(functions[mode, LEVEL_RESIDUAL], t[row], 0.0, p, w, scratch)
+            call(functions[first_rows[mode], LEVEL_RESIDUAL], t[row], 0.0, p, w, scratch)
             for j in range(residual.shape[1]):
                 residual[row, j] = found[j]
 

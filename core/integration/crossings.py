@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from core.interface.arguments import listed
 from core.kernels.arrays import Floats
-from core.transition.records import NO_MODE, SIDES_OF_MODES
+from core.transition.records import NO_MODE
 
-__all__ = ["Crossing", "Crossings", "Integers", "with_columns"]
+__all__ = ["Crossing", "Crossings", "Integers", "side_columns", "with_columns"]
 
 Integers = NDArray[np.int64]
 
@@ -40,11 +40,10 @@ class Crossing:
     """∇g·f + g_t of the side left, at the surface."""
     rate_after: float
     """The same of the side entered."""
-
-    @property
-    def side(self) -> int:
-        """Side entered, −1 or +1; 0 if the run slides from there, or stopped there."""
-        return int(SIDES_OF_MODES[self.mode])
+    side: Any
+    """Side entered, −1 or +1; 0 if the run slides from there, or stopped there. (k,) of several surfaces."""
+    surface_met: int
+    """Index into `PiecewiseSystem.surfaces` of the surface met; −1 where sliding ended by itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +72,11 @@ class Crossings:
     """(k,) ∇g·f + g_t of the side left, at the surface."""
     rate_after: Floats
     """(k,) the same of the side entered."""
-
-    @property
-    def side(self) -> Integers:
-        """(k,) side entered, −1 or +1; 0 if the run slides from there, or stopped there."""
-        return SIDES_OF_MODES[self.mode]
+    side: Integers
+    """(k,) side entered, −1 or +1; 0 if the run slides from there, or stopped there. (k, surfaces) of several surfaces;
+    without columns where regions have names."""
+    surface_met: Integers
+    """(k,) index into `PiecewiseSystem.surfaces` of the surface met; −1 where sliding ended by itself."""
 
     def __repr__(self) -> str:
         if not len(self):
@@ -135,7 +134,15 @@ class Crossings:
         columns: dict[str, NDArray[Any]] = {"t": self.t}
         for part, ending in ((self.x, ""), (self.x_after, " after")):
             columns |= {f"{name}{ending}": part[:, i] for i, name in enumerate(names)}
-        return with_columns(columns, {n: getattr(self, n) for n in ("side", "g", "kind", "rate_before", "rate_after")})
+        columns = with_columns(columns, side_columns(self.side))
+        return with_columns(columns, {n: getattr(self, n) for n in ("g", "kind", "rate_before", "rate_after")})
+
+
+def side_columns(side: Integers) -> dict[str, NDArray[Any]]:
+    """Name -> column of sides: "side" of one surface; "side 1", "side 2" … of several."""
+    if side.ndim == 1:
+        return {"side": side}
+    return {f"side {k + 1}": side[:, k] for k in range(side.shape[1])}
 
 
 def with_columns(columns: dict[str, NDArray[Any]], more: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:

@@ -19,7 +19,8 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from core.compilation.compiled import Compiled, compile_run
+from core.compilation.compiled import Compiled, compile_run, first_modes
+from core.compilation.guards import guard_table
 from core.kernels.abi import LEVELS_SET, ORDER, PREPARE, SET_LEVELS, STEP, TOLERANCE, Frame, call
 from core.kernels.arrays import Floats
 from core.kernels.digest import source_digest
@@ -29,7 +30,6 @@ from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
 from core.system import PiecewiseSystem
-from core.transition.records import SIDES_OF_MODES, SLIDING_MODE
 
 __all__ = ["Found", "Stepper", "Track"]
 
@@ -92,18 +92,19 @@ class Stepper:
         x, mode, segment = np.empty((n, self._d)), np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         sign = 1.0 if track.t[-1] >= track.t[0] else -1.0
         arrays = (np.ascontiguousarray(a) for a in track[:-1])
-        compiled, scratch = self._functions(SLIDING_MODE in track.mode or SLIDING_MODE in track.entered_mode)
+        compiled, scratch = self._functions(np.unique(np.concatenate([track.mode, track.entered_mode])))
         solved = self._along(
-            compiled.addresses, self._p, self._w, scratch, self._d, self._adaptive, self._conservative,
+            compiled.addresses, guard_table(self._laws).first_rows, self._p, self._w, scratch, self._d, self._adaptive,
+            self._conservative,
             sign, *arrays, track.first, times, x, mode, segment,
         )  # fmt: skip
         return Found(x, mode, segment, int(solved))
 
-    def _functions(self, sliding: bool) -> tuple[Compiled, Floats]:
-        """The compiled functions, those of sliding if needed, and memory for them."""
-        sides = SIDES_OF_MODES.tolist() if sliding else (-1, 1)
-        rows = coefficient_rows(self._laws, sides) if self._adaptive else 1
-        return compile_run(self._laws, self._method, sliding=sliding), np.empty((rows, STRIDE))
+    def _functions(self, modes: Integers) -> tuple[Compiled, Floats]:
+        """The compiled functions of some modes, and memory for them."""
+        needed = tuple(sorted({*first_modes(self._laws), *modes[modes >= 0].tolist()}))
+        rows = coefficient_rows(self._laws, needed) if self._adaptive else 1
+        return compile_run(self._laws, self._method, modes=needed), np.empty((rows, STRIDE))
 
 
 @internal
@@ -163,10 +164,10 @@ def _signature() -> Any:
     vector, matrix, whole = types.float64[::1], types.float64[:, ::1], types.int64[::1]
     times, states = types.Array(types.float64, 1, "C", readonly=True), types.Array(types.float64, 2, "C", readonly=True)
     numbers = types.Array(types.int64, 1, "C", readonly=True)
-    addresses = types.Array(types.int64, 2, "C", readonly=True)
+    addresses, first_rows = types.Array(types.int64, 2, "C", readonly=True), types.Array(types.int64, 1, "C")
     track = (times, states, numbers, numbers, times, states, numbers)
     return types.int64(
-        addresses, vector, vector, matrix, types.int64, types.boolean, types.boolean, types.float64,
+        addresses, first_rows, vector, vector, matrix, types.int64, types.boolean, types.boolean, types.float64,
         *track, types.int64, times, matrix, whole, whole,
     )  # fmt: skip
 
@@ -178,20 +179,20 @@ def _compiled() -> Callable[..., int]:
 
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
     def along(
-        functions, p, w, scratch, d, adaptive, conservative, sign,
+        functions, first_rows, p, w, scratch, d, adaptive, conservative, sign,
         t, x, modes, segment, entered_t, entered_x, entered_mode, first, times, found, found_modes, segments,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         place, carry, increment = w[head : head + d], w[head + d : head + 2 * d], w[head + 2 * d : head + 3 * d]
         row, now = -1, -1  # the row before, and the segment whose levels are set
-        here, start, begin, mode, fresh = 0, x[0], t[0], 0, True
+        here, start, begin, mode, fresh = 0, x[0], t[0], first_rows[0], True  # the mode by its first row
         for k in range(times.size):
             time = times[k]
             before = row
             row = last_row(t, sign, max(row, 0), time)
             if row != before:
                 here, start, begin, fresh = segment[row], x[row], t[row], True
-                mode = max(modes[row], 0)  # where the run has stopped, no step is taken
+                mode = first_rows[max(modes[row], 0)]  # where the run has stopped, no step is taken
             # A crossing displaced by a perturbation counts from its displaced time on, but within its step.
             while row + 1 < t.size and here < segment[row + 1]:
                 entry = here + 1 - first
@@ -199,7 +200,7 @@ def _compiled() -> Callable[..., int]:
                 if ahead or (time == t[row] and entered_t[entry] != time):
                     break
                 here, start, begin, fresh = here + 1, entered_x[entry], entered_t[entry], True
-                mode = max(entered_mode[entry], 0)
+                mode = first_rows[max(entered_mode[entry], 0)]
             segments[k] = here
             found_modes[k] = modes[row] if here == segment[row] else entered_mode[here - first]
             h = time - begin

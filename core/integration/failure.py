@@ -21,14 +21,16 @@ _TOLERANCE = 1e-4  #: relative tolerance, enough to see whether the solution gro
 
 
 def runs_away(
-    system: PiecewiseSystem, side: int, t0: float, x0: Floats, t1: float, size: float, cancel: Cancel | None = None
+    system: PiecewiseSystem, mode: str, t0: float, x0: Floats, t1: float, size: float, cancel: Cancel | None = None
 ) -> bool | None:
-    """Whether the solution with the field of a side grows beyond `GROWTH` times its size between two times.
+    """Whether the solution with the field of a mode grows beyond `GROWTH` times its size between two times.
 
     It is integrated by an implicit method of SciPy, so that stiff fields cost no more than others.
 
     Parameters
     ----------
+    mode
+        Name of the mode.
     t0, x0
         Initial time and state (d,).
     t1
@@ -47,7 +49,7 @@ def runs_away(
     size = max(size, float(np.abs(x0).max())) or 1.0
 
     def field(t: float, x: Floats) -> Floats:
-        return system.field(side, t, x)
+        return system.field(mode, t, x)
 
     with np.errstate(all="ignore"):
         if not np.isfinite(field(t0, x0)).all():
@@ -75,8 +77,8 @@ def _pushes_outward(field: Callable[[float, Floats], Floats], t: float, x: Float
     return 0.0 < float(direction @ here) <= min(ahead)
 
 
-def ends_beyond(system: PiecewiseSystem, side: int, t: float, x: Floats, h: float) -> bool:
-    """Whether the field of a side is defined at a state, but not everywhere within a step of length h from there."""
-    here = system.field(side, t, x)
+def ends_beyond(system: PiecewiseSystem, mode: str, t: float, x: Floats, h: float) -> bool:
+    """Whether the field of a mode is defined at a state, but not everywhere within a step of length h from there."""
+    here = system.field(mode, t, x)
     ahead = x + h * np.linspace(0.125, 1.0, 8)[:, None] * here
-    return bool(np.isfinite(here).all() and np.isnan(system.field(side, t, ahead)).any())
+    return bool(np.isfinite(here).all() and np.isnan(system.field(mode, t, ahead)).any())

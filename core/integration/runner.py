@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compilation.compiled import compile_run
+from core.compilation.compiled import compile_run, first_modes
+from core.compilation.guards import guard_table
 from core.integration.crossings import Crossings
 from core.integration.failure import GROWTH, ends_beyond, runs_away
-from core.integration.guards import guard_table
-from core.integration.tangency import sides_entered
+from core.integration.starting import first_place, regions_entered, surfaces_met, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import ORDER, TOLERANCE, Frame
 from core.kernels.arrays import Floats
@@ -25,10 +25,10 @@ from core.kernels.root_isolation import scratch_shape
 from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
-from core.symbolic.declaration import MAX_DIMENSION
+from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 from core.transition.event_location import MAX_NODES
-from core.transition.records import HIT, NO_MODE, ROW, RUN, SIDES_OF_MODES, SLIDING_MODE
+from core.transition.records import HIT, NO_MODE, ROW, RUN
 from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
@@ -44,6 +44,8 @@ _SAMPLES = 128
 _KINDS = np.array(CROSSING_KINDS)
 #: Results of a start on the surface by first derivatives of g, for which second derivatives are then examined.
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
+#: Results of a run that stops at a surface.
+_AT_SURFACE = (*_UNDECIDED, Status.CORNER, Status.UNDECLARED)
 #: A pole is searched beyond the end of the run by this part of the time since the mode was entered.
 _MARGIN = 0.1
 #: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
@@ -102,7 +104,9 @@ class Runner:
         self.system, self.settings = system, settings
         self._march = compiled_march()
         self._method, self._levels = method, columns > 0
-        self._compiled = compile_run(system.laws, method, self._levels)
+        self._table = guard_table(system.laws)
+        self._modes = set(first_modes(system.laws))
+        self._corner = False
         self._p = system.parameter_array.copy()
         d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
         m = frame.m if settings.slides else system.laws.most_conserved
@@ -118,23 +122,30 @@ class Runner:
         self._run["t"] = self._run["last_hit"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._run["follow"] = settings.transition
-        self._run["slides"] = settings.slides and system.jump is None
+        self._run["slides"] = settings.slides
         self._run["mode"] = self._run["first_mode"] = NO_MODE
         self._run["partly_defined"] = system.laws.edged
-        self._guards = guard_table(system.laws)
         self._run["conservative"], self._run["monitored"] = method.conservative, m if columns else 0
         self._run["stride"], self._samples = 1, np.empty((_SAMPLES, 3 + d))
         self._coefficients = np.empty((1, 1))
         self._workspace: tuple[Floats, ...] = (np.empty((MAX_NODES, 3)), np.empty((1, 1)))
         if method.adaptive:
-            self._prepare_series()
+            order = order_of(settings.tolerance)
+            self._run["adaptive"] = 1
+            self._w[ORDER], self._w[TOLERANCE] = order, settings.tolerance
+            self._workspace = (self._workspace[0], np.empty(scratch_shape(order)))
+        if not system.laws.two_sided:
+            self._find_first_region()
+        self._compile()
 
-    def _prepare_series(self) -> None:
-        order = order_of(self.settings.tolerance)
-        self._run["adaptive"] = 1
-        self._w[ORDER], self._w[TOLERANCE] = order, self.settings.tolerance
-        self._coefficients = np.empty((coefficient_rows(self.system.laws), STRIDE))
-        self._workspace = (self._workspace[0], np.empty(scratch_shape(order)))
+    def _find_first_region(self) -> None:
+        """Find the region in which the run begins: the loop itself tells two sides of one surface apart."""
+        place = first_place(self.system, self.t, self.x)
+        if place.region is None:
+            raise ValueError(f"x0 = {self._x0!r} lies in a region for which no law is declared; choose another state")
+        self._run["row"], self._run["guard"] = self._table.first_rows[place.region], place.guard
+        self._modes.add(place.region)
+        self._corner = len(place.corner) > 1
 
     @property
     def t(self) -> float:
@@ -157,9 +168,9 @@ class Runner:
         return int(self._run["first_mode"][0])
 
     @property
-    def side(self) -> int:
-        """Side occupied, −1 or +1; 0 while sliding, and before the first step."""
-        return int(SIDES_OF_MODES[self.mode])
+    def slides(self) -> bool:
+        """Whether the run slides along a surface."""
+        return self.mode >= len(self.system.laws.regions)
 
     @property
     def samples(self) -> Floats:
@@ -192,8 +203,7 @@ class Runner:
 
         A crossing at which the run stops begins no new segment, unless the state has jumped, and ψ with it.
         """
-        stopped = self.status in (Status.SLIDING, Status.REPELLING, Status.GRAZING) and self.system.jump is None
-        return max(self.crossing_count - stopped, 0)
+        return max(self.crossing_count - (self.status in _AT_SURFACE and not self.system.laws.jumps), 0)
 
     def advance(
         self, t_end: float, record: bool = False, keep_hits: bool = True, after: Callable[[], object] | None = None
@@ -204,6 +214,8 @@ class Runner:
         run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
         run["shift"] = sign * self.settings.shift
         self.status = Status.COMPLETED if t_end == self.t else Status.RUNNING
+        if self._corner and self.first_mode == NO_MODE and self.status is Status.RUNNING:
+            self._pass_corner(sign)
         while self.status is Status.RUNNING:
             if self.steps >= self.settings.max_steps:
                 self.status = Status.STEP_LIMIT
@@ -211,29 +223,64 @@ class Runner:
                 self.status = Status.CANCELLED
             else:
                 if self._run["pending"][0]:
-                    self._compile_sliding()
+                    self._modes.add(self.mode)
+                    self._compile()
                 self.status = self._chunk(record, keep_hits)
+                if self.status is Status.CORNER and not self.slides:
+                    self._pass_corner(sign)
+                elif self.status in _AT_SURFACE and self._run["pending"][0] and self.crossing_count:
+                    self._hit_chunks[-1][0]["mode"][-1] = NO_MODE  # the mode that followed could not be begun
                 if after is not None:
                     after()
-        if self.status in _UNDECIDED and self.first_mode == NO_MODE:
-            sides = sides_entered(self.system, self.t, self.x, sign)
-            if len(sides) == 1:
-                self._run["first_mode"] = SIDES_OF_MODES.tolist().index(sides[0])
-                return self.advance(t_end, record, keep_hits, after)
-            self.status = Status.REPELLING if sides else self.status
+        if self.status in _UNDECIDED and self.first_mode == NO_MODE and self._find_first_mode(sign):
+            return self.advance(t_end, record, keep_hits, after)
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
             self.status = self._refined_status()
         return self.status
 
-    def _compile_sliding(self) -> None:
-        """Compile the mode of sliding, unless it is; the run is about to enter it."""
-        if self._compiled.addresses[SLIDING_MODE].any():
-            return
-        laws = self.system.laws
-        self._compiled = compile_run(laws, self._method, self._levels, sliding=True)
+    def _compile(self) -> None:
+        """Compile the modes entered so far."""
+        laws, modes = self.system.laws, tuple(sorted(self._modes))
+        self._compiled = compile_run(laws, self._method, self._levels, modes)
         if self._method.adaptive:
-            rows = coefficient_rows(laws, SIDES_OF_MODES.tolist())
-            self._coefficients = np.empty((rows, STRIDE))
+            self._coefficients = np.empty((coefficient_rows(laws, modes), STRIDE))
+
+    def _find_first_mode(self, sign: float) -> bool:
+        """Find the mode of a start on a surface by the second derivative of g; returns whether there is one only."""
+        row = int(self._run["row"][0])
+        region, guard = int(self._table.guards["mode"][row]), int(self._run["guard"][0])
+        entered = regions_entered(self.system, region, guard, self.t, self.x, sign)
+        if len(entered) == 1:
+            region, guard = entered[0]
+            self._begin_in(region, (self.system.laws.ways[region][guard].surface,))
+            return True
+        self.status = Status.REPELLING if entered else self.status
+        return False
+
+    def _begin_in(self, region: int, surfaces: tuple[int, ...]) -> None:
+        """Have the loop begin a region where it is bounded by some surfaces, at whose zeros the state is."""
+        row, ways = self._table.first_rows[region], self.system.laws.ways[region]
+        self._run["row"], self._run["guard"] = row, 0
+        self._run["at"] = sum(1 << k for k, way in enumerate(ways) if way.surface in surfaces)
+        if self.first_mode == NO_MODE:
+            self._run["first_mode"] = region
+            self._modes.add(region)
+            self._compile()
+            return
+        guard = self._table.guards[row]
+        for name in ("mode", "jumped", "past", "sliding", "entered", "pending", "guards"):
+            value = {"mode": region, "entered": math.nan, "pending": 1, "guards": guard["count"]}.get(name, 0)
+            self._run[name] = value
+
+    def _pass_corner(self, direction: float) -> None:
+        """Go on from a corner, if the fields of all regions around it lead the same way out."""
+        surfaces = surfaces_met(self.system, self.t, self.x)
+        region = way_out(self.system, self.t, self.x, surfaces, direction)
+        self.status = Status.CORNER if region is None else Status.RUNNING
+        if region is not None:
+            self._begin_in(region, surfaces)
+            if self.crossing_count:
+                self._hit_chunks[-1][0]["mode"][-1] = region
 
     def copy(self) -> Runner:
         """An independent copy."""
@@ -264,26 +311,31 @@ class Runner:
     def crossings(self) -> Crossings:
         """Every crossing kept so far."""
         if not self._hit_chunks:
-            return no_crossings(self.system.dimension)
+            return no_crossings(self.system.laws)
         hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
-        return _crossings(hits, places)
+        return _crossings(hits, places, self.system.laws)
 
     @property
     def reason(self) -> str:
         """Why the run ended, in plain words."""
-        return self.status.reason_while_sliding if self.mode == SLIDING_MODE else self.status.reason
+        return self.status.reason_while_sliding if self.slides else self.status.reason
 
     @property
     def advice(self) -> str:
         """Advice on the status; where a field is not defined ahead, to write it differently."""
-        failed = self.status is Status.NO_CONVERGENCE and self.side != 0
-        if failed and ends_beyond(self.system, self.side, self.t, self.x, self._step_length()):
-            word = "f_minus" if self.side < 0 else "f_plus"
+        failed, laws = (
+            self.status is Status.NO_CONVERGENCE and self.mode != NO_MODE and not self.slides,
+            self.system.laws,
+        )
+        if failed and ends_beyond(self.system, laws.name(self.mode), self.t, self.x, self._step_length()):
+            word = (
+                ("f_minus", "f_plus")[self.mode] if laws.two_sided else f"the field of region {laws.name(self.mode)!r}"
+            )
             return (
                 f"{word} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
                 "there too: (u**2)**0.75 for u**1.5."
             )
-        if self.status is Status.SLIDING and self.system.jump is not None:
+        if self.status is Status.SLIDING and self.system.laws.jumps:
             return "A system with a jump does not slide here: continue it with another system."
         return self.status.advice_without_tau if self._run["adaptive"][0] else self.status.advice
 
@@ -295,9 +347,9 @@ class Runner:
     def latest(self, count: int) -> Crossings:
         """The last `count` crossings, at most those of the last call of the loop."""
         if not count:
-            return no_crossings(self.system.dimension)
+            return no_crossings(self.system.laws)
         hits, places = self._hit_chunks[-1]
-        return _crossings(hits[-count:], places[-count:])
+        return _crossings(hits[-count:], places[-count:], self.system.laws)
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
@@ -307,7 +359,7 @@ class Runner:
         hits = (np.empty(crossings, dtype=HIT), np.empty((crossings, 3, d)))
         started = time.thread_time()
         status = self._march(
-            self._compiled.addresses, self._guards, self._run, self._p, self._w, d, self._coefficients,
+            self._compiled.addresses, self._table.guards, self._run, self._p, self._w, d, self._coefficients,
             *self._workspace, budget, rows, rows_x, *hits, self.envelope, self._samples,
         )  # fmt: skip
         self.seconds += time.thread_time() - started
@@ -331,28 +383,31 @@ class Runner:
         fails elsewhere, the solution is followed for some steps from here.
         """
         size, cancel = float(np.abs(self._x0).max()), self.settings.cancel
-        if self.side == 0:
+        if self.slides or self.mode == NO_MODE:
             return self.status
+        name = self.system.laws.name(self.mode)
         grown = self.status is Status.ESCAPED or float(np.abs(self._x).max()) > GROWTH * size > 0.0
         if grown:
             t, x = self.entry()
-            away = runs_away(self.system, self.side, t, x, self.t + _MARGIN * (self.t - t), size, cancel)
+            away = runs_away(self.system, name, t, x, self.t + _MARGIN * (self.t - t), size, cancel)
         else:
             ahead = self.t + _AHEAD * self._step_length()
-            away = ahead != self.t and runs_away(self.system, self.side, self.t, self.x, ahead, size, cancel)
+            away = ahead != self.t and runs_away(self.system, name, self.t, self.x, ahead, size, cancel)
         if away is None:
             return Status.CANCELLED if cancel is not None and cancel() else self.status
         return Status.ESCAPED if away else Status.UNSTABLE if grown else self.status
 
 
-def _crossings(hits: NDArray[Any], places: Floats) -> Crossings:
+def _crossings(hits: NDArray[Any], places: Floats, laws: Laws) -> Crossings:
     surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
     columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "rate_before", "rate_after")}
     mode, kind = np.ascontiguousarray(hits["mode"]), _KINDS[hits["kind"]]
-    return Crossings(x=x, x_after=after, surface=surface, mode=mode, kind=kind, **columns)
+    side, met = laws.sides[mode], np.ascontiguousarray(hits["surface"])
+    side = side[:, 0] if side.shape[1] == 1 else side
+    return Crossings(x=x, x_after=after, surface=surface, mode=mode, kind=kind, side=side, surface_met=met, **columns)
 
 
-@lru_cache(maxsize=MAX_DIMENSION)
-def no_crossings(d: int) -> Crossings:
-    """No crossings, in d dimensions."""
-    return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, d)))
+@lru_cache(maxsize=256)
+def no_crossings(laws: Laws) -> Crossings:
+    """No crossings of a system."""
+    return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, len(laws.x))), laws)

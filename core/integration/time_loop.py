@@ -16,13 +16,13 @@ from core.kernels.abi import STEP, Frame, call
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import OPTIONS, inlined, internal
-from core.transition.entering import enter_first_mode, enter_sliding
+from core.transition.entering import begin_mode, enter_first_mode
 from core.transition.event_location import BOUND, StepContext
-from core.transition.mannshardt import RUNNING, advance
+from core.transition.mannshardt import RUNNING, advance, end_at_once
 from core.transition.plain_steps import accept_plain_step
 from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
-from core.transition.surface import Log, contradicts, widen_envelope
+from core.transition.surface import Log, guards_contradict, widen_envelope
 
 __all__ = ["compiled_march"]
 
@@ -104,7 +104,7 @@ def compiled_march() -> Callable[..., int]:
           rows, rows_x, hits, places, envelope, samples) -> int
         A Status. Takes up to `budget` steps or parts of steps, and leaves the records ready for the next call; RUNNING
         means that the budget or a buffer is used up, or that the mode to be entered is not compiled yet. See `abi` for
-        functions (modes, functions), p, the frame w and scratch, `records` for the guards (modes,) and records.
+        functions (rows, functions), p, the frame w and scratch, `records` for the guards (rows,) and records.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
@@ -127,12 +127,18 @@ def compiled_march() -> Callable[..., int]:
             status = enter_first_mode(context)
             if status != RUNNING:
                 return status
-        if run.pending == 1:
-            status = enter_sliding(context)
+        elif run.pending == 1:
+            status = begin_mode(context)
             if status != RUNNING or run.pending == 1:
                 return status
             if run.rest == 0.0 and run.steps > 0 and run.monitored > 0:
                 widen_envelope(context, log)
+        while run.past > 0 and run.pending == 0:
+            status = end_at_once(context, log)
+            if status != RUNNING:
+                return status
+        if run.pending == 1:
+            return RUNNING
         for _ in range(budget):
             if run.rows == rows.size or run.hits == hits.size:
                 return RUNNING
@@ -143,7 +149,7 @@ def compiled_march() -> Callable[..., int]:
                     write_sample(run, x, samples)
                 h = (run.t_end - run.t) - run.t_carry
                 if h == 0.0:
-                    return _CONTRADICTION if contradicts(context, 0.0) else _COMPLETED
+                    return _CONTRADICTION if guards_contradict(context, 0.0) else _COMPLETED
                 if abs(h) <= abs(run.tau) * _STRETCH:
                     run.final = 1
                 else:
@@ -151,7 +157,7 @@ def compiled_march() -> Callable[..., int]:
             # Nearly every step is plain and taken here: passing so many arrays to `advance` costs more than the step.
             t, plain = run.t + run.t_carry, False
             if run.adaptive == 0:
-                count = call(functions[run.mode, STEP], t, h, p, w, scratch)
+                count = call(functions[run.row, STEP], t, h, p, w, scratch)
                 plain = count >= 0
                 for i in range(d):
                     plain = plain and abs(x[i] + increment[i]) < BOUND
@@ -167,12 +173,12 @@ def compiled_march() -> Callable[..., int]:
                 status = advance(context, log, h)
                 if run.hits != hits_before:
                     end_sample(run, hits[run.hits - 1].t, samples)
-                if status == RUNNING and run.pending == 1:
-                    status = enter_sliding(context)
-                    if run.pending == 1:
-                        if run.rest == 0.0:
-                            finish_step(run, x, rows, rows_x, samples)
-                        return status
+                while status == RUNNING and run.past > 0 and run.pending == 0 and run.hits < hits.size:
+                    status = end_at_once(context, log)
+                if status == RUNNING and (run.pending == 1 or run.past > 0):
+                    if run.rest == 0.0:
+                        finish_step(run, x, rows, rows_x, samples)
+                    return status
                 if status != RUNNING:
                     return status
             if run.rest != 0.0:
@@ -181,7 +187,7 @@ def compiled_march() -> Callable[..., int]:
             if run.monitored > 0:
                 widen_envelope(context, log)
             if run.final == 1:
-                return _CONTRADICTION if contradicts(context, h) else _COMPLETED
+                return _CONTRADICTION if guards_contradict(context, h) else _COMPLETED
         return RUNNING
 
     return march  # type: ignore[no-any-return]

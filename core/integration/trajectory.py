@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.integration.conserved_error import level_residual_along, psi_size, with_exits
-from core.integration.crossings import Crossings, Integers, with_columns
+from core.integration.crossings import Crossings, Integers, side_columns, with_columns
 from core.integration.dense_output import Stepper, Track
 from core.interface.arguments import numbers
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.system import PiecewiseSystem
-from core.transition.records import SIDES_OF_MODES, SLIDING_MODE
 from core.transition.status import Status
 
 __all__ = ["Status", "Trajectory"]
@@ -80,8 +79,16 @@ class Trajectory:
 
     @property
     def side(self) -> Integers:
-        """(n,) side occupied, −1 or +1; 0 while sliding (or if the run could not leave the surface at its start)."""
-        return SIDES_OF_MODES[self.mode]
+        """(n,) side occupied, −1 or +1; 0 while sliding (or if the run could not leave the surface at its start).
+
+        Of several surfaces (n, surfaces): the sign of each switching function. Where regions have names there are no
+        columns; see `mode`.
+        """
+        side: Integers = self.system.laws.sides[self.mode]
+        return side[:, 0] if side.shape[1] == 1 else side
+
+    def _is_sliding(self, mode: Integers) -> NDArray[np.bool_]:
+        return np.asarray(mode >= len(self.system.laws.regions))
 
     def __repr__(self) -> str:
         step = f"tolerance = {self.tolerance:g}" if METHODS[self.method].adaptive else f"tau = {self.tau:g}"
@@ -138,7 +145,7 @@ class Trajectory:
         """
         met = self.crossings
         off_surface = self._level_residual(met.t, met.x_after, met.mode, np.arange(len(met)), met.t, met.surface)
-        off_surface[(met.kind == "jump") | (met.mode == SLIDING_MODE)] = 0.0
+        off_surface[(met.kind == "jump") | (self._is_sliding(met.mode))] = 0.0
         left = np.nan_to_num(self.exit_error())
         left[met.kind == "leaving"] = 0.0
         errors = left + np.nan_to_num(off_surface)
@@ -162,7 +169,7 @@ class Trajectory:
         (n, m); nan where the mode occupied has fewer conserved quantities. While sliding, only the error of that.
         """
         carried = self.carried_error()[self.segment]
-        carried[self.mode == SLIDING_MODE] = 0.0
+        carried[self._is_sliding(self.mode)] = 0.0
         return self.conserved_error(exits=False) + carried
 
     def change_of_psi(self) -> Floats:
@@ -188,9 +195,10 @@ class Trajectory:
         """
         rows = np.arange(0, len(self.t), max(1, len(self.t) // _SAMPLE))
         largest = 0.0
-        for side in (-1, 1, 0) if self.slides else (-1, 1):
-            there = rows[self.side[rows] == side]
-            sizes = psi_size(self.system, side, self.t[there], self.x[there])
+        modes = self.mode[rows]
+        for number in np.unique(modes[modes >= 0]).tolist():
+            there = rows[modes == number]
+            sizes = psi_size(self.system, number, self.t[there], self.x[there])
             largest = max(largest, float(sizes.max(initial=0.0)))
         return largest
 
@@ -245,7 +253,7 @@ class Trajectory:
         columns |= {name: self.x[:, i] for i, name in enumerate(self.system.variables)}
         error = self.conserved_error()
         names = ["psi error"] if error.shape[1] == 1 else [f"psi error {j + 1}" for j in range(error.shape[1])]
-        return with_columns(columns, {"side": self.side, **{name: error[:, j] for j, name in enumerate(names)}})
+        return with_columns(columns, {**side_columns(self.side), **{name: error[:, j] for j, name in enumerate(names)}})
 
     def _checked_times(self, times: Floats) -> Floats:
         ends = [float(t) for t in (self.t[0], *self.t[-2:])]

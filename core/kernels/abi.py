@@ -4,8 +4,9 @@
 
 is a C function. The loop calls it by its address, so that one compiled loop serves every system and method. p holds
 the parameters, w is the frame of a run (`Frame`), and scratch is memory that a variable-step method keeps between
-calls. The addresses are in a table with one row for each mode, and one more for the second guard of sliding, which has
-its own `project_to_surface` and `evaluate_switching`. The columns are `FUNCTIONS`:
+calls. The addresses are in a table with one row for each guard of each mode. Functions of the mode are in the row of
+its first guard; `project_to_surface`, `evaluate_switching` and `jump` are those of the row's guard. The columns are
+`FUNCTIONS`:
 
 prepare_step
     Prepare a step from x. A variable-step method expands the solution in a Taylor series, kept in scratch. It writes
@@ -13,8 +14,8 @@ prepare_step
     level residual. The residual is zero where w[LEVELS_SET] is 1, because the levels have just been set at this state;
     the function resets w[LEVELS_SET] to 0.
 step
-    Take one step of length h from x + carry: write its increment to w, and the mode's guard and its rate at the end to
-    w[G_END], w[RATE_END]; those of a second guard to the places `BESIDE` these.
+    Take one step of length h from x + carry: write its increment to w, and the mode's guards and their rates at the end
+    to w[G_END + 2·k], w[RATE_END + 2·k] for guard k.
     h may have any length and either sign, because crossings are located on the scheme itself. Return the number of
     evaluations of the field, or `NO_SOLUTION`.
 set_levels
@@ -25,11 +26,11 @@ project_to_surface
     Project x + carry to guard = 0 (and to the levels of ψ, if the method keeps them), in double-double. Write to
     w[DELAY] how much later than x + carry the solution reaches the projected state.
 evaluate_switching
-    Evaluate the guard at `place` and its rate: of g, both rates ġ = g_t + ∇g·f with the fields of the sides; of a
-    guard of sliding, twice its rate along the sliding field. Bound the change of the guard by rounding the state alone
-    (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
+    Evaluate the guard at `place` and its rate: of a surface between two regions, both rates ġ = g_t + ∇g·f with their
+    fields; of any other guard, twice its rate along the field of the mode. Bound the change of the guard by rounding
+    the state alone (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
 jump
-    Write the state after the jump from x to `place`; sliding has none.
+    Write the state after the jump from x to `place`.
 """
 
 # mypy: disable-error-code="no-untyped-call"
@@ -46,26 +47,33 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 __all__ = [
-    "BESIDE",
     "CALL",
     "DELAY",
+    "ENTERED",
     "EVALUATE",
     "FUNCTIONS",
+    "GUARDS",
     "G_END",
+    "HEIGHT",
     "JUMP",
+    "KEPT",
+    "LEAVING",
     "LENGTH",
     "LEVELS_SET",
     "LEVEL_RESIDUAL",
+    "MAX_GUARDS",
     "NO_SOLUTION",
     "ORDER",
     "PER_UNIT",
     "PREPARE",
     "PROJECT",
+    "RATE",
     "RATES",
     "RATE_END",
     "ROUNDING_OF_G",
     "ROUNDING_OF_STATE",
     "SET_LEVELS",
+    "SIGN",
     "STEP",
     "TOLERANCE",
     "UNIT",
@@ -92,22 +100,27 @@ FUNCTIONS = (
 )
 PREPARE, STEP, SET_LEVELS, LEVEL_RESIDUAL, PROJECT, EVALUATE, JUMP = range(len(FUNCTIONS))
 
+#: Largest number of guards of a mode: six surfaces, or, of sliding, two rates and five more surfaces.
+MAX_GUARDS = 7
+
 # Scalars at the head of a frame.
-G_END = 0  #: guard at the end of the last trial step: g, or that of sliding
-RATE_END = 1  #: its rate at the end of the last trial step, with the field of the mode
-G = 2  #: guard where switching was evaluated last
-RATES = 3  #: its rates there: of g, w[RATES] with the field of g < 0, w[RATES + 1] with that of g > 0
-ROUNDING_OF_STATE = 5  #: bound on the change of g by rounding the state alone, likewise
-LENGTH = 6  #: length of the step that a variable-step method takes
-UNIT = 7  #: unit of time of the Taylor coefficients
-ORDER = 8  #: order of the Taylor polynomial
-TOLERANCE = 9  #: tolerance of a variable-step method
-DELAY = 10  #: time from the end of the step to the state projected to the surface
-LEVELS_SET = 11  #: 1 where the levels of ψ have just been set at the state
-PER_UNIT = 12  #: 1 / UNIT
-ROUNDING_OF_G = 13  #: bound on the change of g by rounding its arguments and all operations, likewise
-BESIDE = 14  #: distance to w[G_END] and w[RATE_END] of the second guard of sliding
-_HEAD = 16  #: number of scalars
+G_END = 0  #: first guard at the end of the last trial step; that of guard k follows at a distance of 2·k
+RATE_END = 1  #: its rate at the end of the last trial step, with the field of the mode; likewise
+G = 2 * MAX_GUARDS  #: guard where switching was evaluated last
+RATES = G + 1  #: its rates there: of g, w[RATES] with the field of g < 0, w[RATES + 1] with that of g > 0
+ROUNDING_OF_STATE = G + 3  #: bound on the change of g by rounding the state alone, likewise
+LENGTH = G + 4  #: length of the step that a variable-step method takes
+UNIT = G + 5  #: unit of time of the Taylor coefficients
+ORDER = G + 6  #: order of the Taylor polynomial
+TOLERANCE = G + 7  #: tolerance of a variable-step method
+DELAY = G + 8  #: time from the end of the step to the state projected to the surface
+LEVELS_SET = G + 9  #: 1 where the levels of ψ have just been set at the state
+PER_UNIT = G + 10  #: 1 / UNIT
+ROUNDING_OF_G = G + 11  #: bound on the change of g by rounding its arguments and all operations, likewise
+GUARDS = G + 12  #: what the loop keeps of each guard but the one looked at, in parts of `KEPT` numbers:
+HEIGHT, RATE, ENTERED, LEAVING, SIGN = range(5)  #: as in `records.RUN`
+KEPT = 5  #: how many these are
+_HEAD = GUARDS + KEPT * MAX_GUARDS  #: number of scalars
 
 
 class Frame(NamedTuple):

@@ -14,7 +14,7 @@ from core.kernels.abi import LENGTH, LEVELS_SET, ORDER, PER_UNIT, TOLERANCE, UNI
 from core.kernels.taylor_coefficients import LEAST_ORDER, STRIDE
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
-from core.symbolic.mode import SLIDING, Mode
+from core.symbolic.mode import Mode
 
 __all__ = ["coefficient_rows", "prepare_step_text"]
 
@@ -33,21 +33,21 @@ _PRIME = 7
 
 
 @lru_cache(maxsize=64)
-def _series(laws: Laws, side: int) -> SeriesCode:
-    return series_code(laws, laws.mode(side))
+def _series(laws: Laws, mode: Mode) -> SeriesCode:
+    return series_code(laws, mode)
 
 
-def coefficient_rows(laws: Laws, sides: Iterable[int] = (-1, 1)) -> int:
-    """Number of rows of coefficients that a step of any of these modes needs."""
-    return max(_series(laws, side).rows for side in sides)
+def coefficient_rows(laws: Laws, modes: Iterable[int]) -> int:
+    """Number of rows of coefficients that a step of any of these modes, given by their numbers, needs."""
+    return max(_series(laws, laws.mode(number)).rows for number in modes)
 
 
 def prepare_step_text(laws: Laws, mode: Mode) -> str:
     """Text of `prepare_step`: writes coefficients to scratch, heights from row d on, and the length to w[LENGTH]."""
-    code = _series(laws, mode.side)
+    code = _series(laws, mode)
     lines = [f"order = int(w[{ORDER}])", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
     lines += ["shrink, away, limit = 1.0, 0.0, math.nan"]
-    lines += [f"{ALONG} = 1.0 if h > 0.0 else -1.0"] if mode.side == SLIDING else []
+    lines += [f"{ALONG} = 1.0 if h > 0.0 else -1.0"] if mode.slides else []
     lines += [f"for _ in range({_ATTEMPTS}):", *(f"    {line}" for line in _attempt(laws, mode, code))]
     lines += _residual_lines(laws, mode)
     lines += [f"if length == math.inf and is_at_rest(c, {len(laws.x)}, order):", f"    unit *= {_AT_REST}"]

@@ -14,7 +14,7 @@ from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel, Cancelled
 from core.methods import METHODS
 from core.system import PiecewiseSystem
-from core.transition.records import NO_MODE, SIDES_OF_MODES
+from core.transition.records import NO_MODE
 
 __all__ = ["TaylorSolution"]
 
@@ -134,7 +134,8 @@ class _Path:
     def side(self, t: float) -> int:
         """Side occupied at time t."""
         mode = self._at(t).mode
-        return int(SIDES_OF_MODES[self._runner.first_mode if mode == NO_MODE else mode])
+        number = self._runner.first_mode if mode == NO_MODE else mode
+        return int(self._runner.system.laws.sides[number, 0])
 
     def _at(self, t: float) -> Runner:
         while self._kept[-1].t < t and not (self._ended and t < self._runner.t):

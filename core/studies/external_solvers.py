@@ -61,7 +61,7 @@ class Arcs:
         worst = np.nan
         for side in sorted(set(self.side)):
             ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == side]
-            if system.laws.mode(side).conserved:
+            if system.laws.of_side(side).conserved:
                 psi = [
                     system.conserved(side, np.array([t for t, _ in one]), np.array([x for _, x in one]))
                     for one in zip(*ends, strict=True)
@@ -120,12 +120,12 @@ class ScalarFunctions:
     @cached_property
     def field(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
         """(t, x) -> f (d,), of each side."""
-        return {side: self._function(self.laws.mode(side).field) for side in self.sides}
+        return {side: self._function(self.laws.of_side(side).field) for side in self.sides}
 
     @cached_property
     def heights(self) -> Mapping[int, Sequence[Callable[[float, Floats], Floats]]]:
         """Functions (t, x) -> (1,) of each side, positive there, of which each ends a segment where it vanishes."""
-        return {side: [self._function((u,)) for u in self.laws.mode(side).heights] for side in self.sides}
+        return {side: [self._function((u,)) for u in self.laws.of_side(side).heights] for side in self.sides}
 
     @cached_property
     def rate(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
@@ -270,7 +270,7 @@ class _PreparedHeyoka:
 def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: float) -> Any:
     laws, d = system.laws, system.dimension
     variables = [hy.expression(f"u{k}") for k in range(d)]
-    mode = laws.mode(side)
+    mode = laws.of_side(side)
     wanted = [_in_floats(e) for e in (*mode.field, *mode.heights)]
     used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # heyoka accepts no unused ones
     names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}

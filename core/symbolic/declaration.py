@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import product
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy
 from sympy import Expr, Symbol
 
 from core.symbolic.expressions import TIME, check_name, parse, quoted, to_text
-from core.symbolic.laws import Laws, derive
+from core.symbolic.laws import Laws, RegionLaw, Way, derive
 from core.symbolic.mode import rate_along
 from core.symbolic.stream_function import stream_function
-from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, tidied
+from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, is_zero, tidied
 
-__all__ = ["MAX_DIMENSION", "SIDES", "Declaration", "Problem", "Verdict", "accepted", "miscounted"]
+__all__ = [
+    "MAX_DIMENSION", "MAX_GUARDS", "MAX_SURFACES", "SIDES", "Declaration", "Problem", "RegionText", "TransitionText",
+    "Verdict", "accepted", "miscounted",
+]  # fmt: skip
 
 #: Largest number of variables.
 MAX_DIMENSION = 24
+#: Largest number of surfaces.
+MAX_SURFACES = 6
+#: Largest number of regions that have names.
+MAX_REGIONS = 64
+#: Largest number of guards of one region.
+MAX_GUARDS = 6
 #: Most characters that a message quotes of a field that is wrong as a whole.
 _SHOWN = 400
 #: Most nodes of an expression tree of dψ/dt that a message shows.
@@ -29,6 +39,28 @@ _SHOWN_NODES = 200
 
 #: Sign of g -> the word for that side in the names of fields.
 SIDES: Mapping[int, str] = MappingProxyType({-1: "minus", 1: "plus"})
+#: Sign of a switching function in the key of a region -> the sign as a number.
+_SIGNS = {"-": -1, "+": 1}
+_OTHER = {"-": "+", "+": "-"}
+
+Texts = tuple[str, ...]
+
+
+class RegionText(NamedTuple):
+    """A region as text: its key, d expressions of its field, and its conserved quantities."""
+
+    name: str
+    f: Texts
+    psi: Texts = ()
+
+
+class TransitionText(NamedTuple):
+    """A transition as text: where a guard of a region falls to zero, the region that follows, and the jump or ()."""
+
+    mode: str
+    guard: str
+    to: str
+    jump: Texts = ()
 
 
 class Problem(NamedTuple):
@@ -43,7 +75,7 @@ class Problem(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """Whether the field of a side conserves a quantity ψ."""
+    """Whether the field of a region conserves a quantity ψ."""
 
     objection: str
     """Why ψ is not conserved, and how to correct it; empty if it is conserved."""
@@ -53,17 +85,25 @@ class Verdict(NamedTuple):
 
 def _as_declared(field: str, entry: int | None) -> str:
     """Name of a field or of one of its entries, as in Python: ``f_plus[1]``."""
-    return field if entry is None or field == "g" else f"{field}[{entry}]"
+    return field if entry is None or field == "g" or field.endswith(".guard") else f"{field}[{entry}]"
 
 
 @dataclass(frozen=True)
 class Declaration:
-    """The texts of a system, valid or not: fields as in `PiecewiseSystem`, each a tuple, () for none.
+    """The texts of a system, valid or not.
 
     Parameters
     ----------
     bounds
         Least and greatest value of each parameter; None where it has none.
+    surfaces
+        The switching functions; () where transitions are declared.
+    regions
+        Its key has one sign a surface, in the order of `surfaces`; any names where transitions are declared.
+    jumps
+        (number of the surface, d expressions) where the state jumps.
+    transitions
+        The ways between regions that have names.
     called
         (field, index or None) -> the name that messages give to the field or to that entry of it.
     longest
@@ -73,14 +113,23 @@ class Declaration:
     variables: tuple[str, ...]
     parameters: tuple[str, ...]
     bounds: tuple[tuple[float, float] | None, ...]
-    f_minus: tuple[str, ...]
-    f_plus: tuple[str, ...]
-    g: tuple[str, ...]
-    psi_minus: tuple[str, ...] = ()
-    psi_plus: tuple[str, ...] = ()
-    jump: tuple[str, ...] = ()
+    surfaces: Texts
+    regions: tuple[RegionText, ...]
+    jumps: tuple[tuple[int, Texts], ...] = ()
+    transitions: tuple[TransitionText, ...] = ()
     called: Callable[[str, int | None], str] = _as_declared
     longest: int | None = None
+
+    @classmethod
+    def of_sides(
+        cls, variables: Texts, parameters: Texts, bounds: tuple[tuple[float, float] | None, ...], f_minus: Texts,
+        f_plus: Texts, g: Texts, psi_minus: Texts = (), psi_plus: Texts = (), jump: Texts = (),
+        called: Callable[[str, int | None], str] = _as_declared, longest: int | None = None,
+    ) -> Declaration:  # fmt: skip
+        """A system with one surface, g = 0: its regions are “-” and “+”."""
+        regions = (RegionText("-", f_minus, psi_minus), RegionText("+", f_plus, psi_plus))
+        jumps = ((0, jump),) if jump else ()
+        return cls(variables, parameters, bounds, g, regions, jumps, (), called, longest)
 
     @cached_property
     def problems(self) -> tuple[Problem, ...]:
@@ -89,41 +138,77 @@ class Declaration:
 
     def expressions(self, field: str) -> dict[int, Expr]:
         """Index -> expression, for those of a field that can be parsed."""
-        return {k: found for k, found in enumerate(self._read[field]) if not isinstance(found, Problem)}
+        return {k: found for k, found in enumerate(self._read.get(field, ())) if not isinstance(found, Problem)}
 
     @cached_property
-    def verdicts(self) -> Mapping[int, tuple[Verdict, ...]]:
-        """Side (−1 or +1) -> a verdict on each of its ψ; () where something else has to be corrected first."""
+    def verdicts(self) -> Mapping[str, tuple[Verdict, ...]]:
+        """Name of a region -> a verdict on each of its ψ; () where something else has to be corrected first."""
         wrong = {problem.field for problem in self._faults}
-        judged: dict[int, tuple[Verdict, ...]] = dict.fromkeys(SIDES, ())
-        for sign, word in SIDES.items():
-            if not wrong & {"variables", "parameters", f"f_{word}", f"psi_{word}"}:
-                quantities = self.expressions(f"psi_{word}").items()
-                judged[sign] = tuple(self._judge(sign, k, psi) for k, psi in quantities)
+        judged: dict[str, tuple[Verdict, ...]] = {}
+        for region in self.regions:
+            f, psi = self.field_of(region.name, "f"), self.field_of(region.name, "psi")
+            known = not wrong & {"variables", "parameters", f, psi}
+            quantities = self.expressions(psi).items() if known else ()
+            judged[region.name] = tuple(self._judge(region.name, k, u) for k, u in quantities)
         return judged
 
     @cached_property
     def laws(self) -> Laws:
         """The laws of a declaration without problems, shared by all declarations that differ in `bounds` only."""
-        law = {field: tuple(self.expressions(field).values()) for field in self._read}
-        x, p, (g,) = self._x, tuple(map(Symbol, self.parameters)), law["g"]
-        fields, quantities = (law["f_minus"], law["f_plus"]), (law["psi_minus"], law["psi_plus"])
-        return derive(x, p, g, fields, quantities, law["jump"] or None)
+        surfaces, ways = self._ways
+        names = [region.name for region in self.regions]
+        signs = [() if self.transitions else tuple(_SIGNS[s] for s in name) for name in names]
+        regions = tuple(
+            RegionLaw(name, sides, self._law(name, "f"), self._law(name, "psi"), tuple(ways[name]))
+            for name, sides in zip(names, signs, strict=True)
+        )
+        return derive(self._x, tuple(map(Symbol, self.parameters)), surfaces, regions)
 
     def completed(self) -> Declaration:
-        """Add a stream function as ψ to each side that has none, where the system is planar and f divergence-free.
+        """Add a stream function as ψ to each region that has none, where the system is planar and f divergence-free.
 
         The declaration must have no problems. See `stream_function` for what is found; a ψ that a declaration would
         refuse is left out.
         """
-        found: dict[str, Any] = {}
-        for sign, word in SIDES.items():
-            known = self.expressions(f"psi_{word}")
-            psi = None if known else stream_function(self._field(sign), self._x, self._domain(sign))
+        found = {}
+        for region in self.regions:
+            psi = (
+                None if region.psi else stream_function(self._law(region.name, "f"), self._x, self._domain(region.name))
+            )
             if psi is not None:
-                found[f"psi_{word}"] = (to_text(psi),)
-        refused = {problem.field for problem in replace(self, **found).problems} if found else set()
-        return replace(self, **{f: found[f] for f in found.keys() - refused}) if found.keys() - refused else self
+                found[region.name] = (to_text(psi),)
+        refused = {problem.field for problem in self._with(found).problems} if found else set()
+        kept = {name: psi for name, psi in found.items() if self.field_of(name, "psi") not in refused}
+        return self._with(kept) if kept else self
+
+    def _with(self, psi: Mapping[str, Texts]) -> Declaration:
+        regions = (region._replace(psi=psi.get(region.name, region.psi)) for region in self.regions)
+        return replace(self, regions=tuple(regions))
+
+    # Names of fields -------------------------------------------------------------------------------------------------
+
+    @property
+    def two_sided(self) -> bool:
+        """Whether there is one surface, with a region on either side: fields are then named f_minus, g and so on."""
+        names = [region.name for region in self.regions]
+        return not self.transitions and names == ["-", "+"] and {number for number, _ in self.jumps} <= {0}
+
+    def field_of(self, region: str, part: str) -> str:
+        """Name of the field that holds a region's f or psi."""
+        return f"{part}_{SIDES[_SIGNS[region]]}" if self.two_sided else f"regions[{region!r}].{part}"
+
+    @cached_property
+    def texts(self) -> Mapping[str, Texts]:
+        """Field -> its expressions."""
+        found: dict[str, Texts] = {self.field_of(region.name, "f"): region.f for region in self.regions}
+        found["g" if self.two_sided else "surfaces"] = self.surfaces
+        found |= {self.field_of(region.name, "psi"): region.psi for region in self.regions}
+        found |= {"jump" if self.two_sided else f"jumps[{k}]": texts for k, texts in self.jumps}
+        for k, transition in enumerate(self.transitions):
+            found[f"transitions[{k}].guard"] = (transition.guard,)
+            if transition.jump:
+                found[f"transitions[{k}].jump"] = transition.jump
+        return found
 
     # Names and expressions -------------------------------------------------------------------------------------------
 
@@ -131,7 +216,8 @@ class Declaration:
     def _faults(self) -> tuple[Problem, ...]:
         """What is wrong with names, counts and expressions; only without these is conservation tested."""
         unreadable = [found for entries in self._read.values() for found in entries if isinstance(found, Problem)]
-        return (*self._of_names(), *self._of_counts(), *unreadable)
+        first = (*self._of_names(), *self._of_regions(), *self._of_counts(), *unreadable)
+        return first or tuple(self._of_guards())
 
     def _of_names(self) -> Iterator[Problem]:
         for role, names in (("variable", self.variables), ("parameter", self.parameters)):
@@ -144,67 +230,148 @@ class Declaration:
             field = "parameters" if twice in self.parameters else "variables"
             yield Problem(field, f"{twice!r} stands for two things: names must differ")
 
+    def _of_regions(self) -> Iterator[Problem]:
+        names, k = [region.name for region in self.regions], len(self.surfaces)
+        if not names:
+            yield Problem("regions", "there are none; declare one at least")
+        elif self.transitions:
+            yield from self._of_transitions(names)
+        elif not self.two_sided:
+            if not 1 <= k <= MAX_SURFACES:
+                yield Problem("surfaces", f"{k} surfaces: from 1 to {MAX_SURFACES} are possible")
+            for name in names:
+                if len(name) != k or set(name) - set("-+"):
+                    yield Problem(
+                        "regions", f"{name!r} is no region: one sign, - or +, for each of {k} surfaces is needed"
+                    )
+            for number, _ in self.jumps:
+                if number not in range(k):
+                    yield Problem("jumps", f"{number!r} is no surface: they have the numbers 0 to {k - 1}")
+
+    def _of_transitions(self, names: Sequence[str]) -> Iterator[Problem]:
+        if self.surfaces or self.jumps:
+            yield Problem(
+                "transitions", "give either transitions, or surfaces and jumps, from which transitions follow"
+            )
+        if len(names) > MAX_REGIONS:
+            yield Problem("regions", f"{len(names)} regions: {MAX_REGIONS} at most are possible")
+        for k, transition in enumerate(self.transitions):
+            for name in (transition.mode, transition.to):
+                if name not in names:
+                    words = f"{name!r} is no region; there are {', '.join(map(repr, names))}"
+                    yield Problem("transitions", f"transition {k}: {words}")
+        for name, guards in Counter(transition.mode for transition in self.transitions).items():
+            if guards > MAX_GUARDS:
+                yield Problem("transitions", f"region {name!r} has {guards} guards: {MAX_GUARDS} at most are possible")
+        for name in names:
+            if name not in {transition.mode for transition in self.transitions}:
+                yield Problem("transitions", f"region {name!r} has no guard, so a run would never leave it")
+
     def _of_counts(self) -> Iterator[Problem]:
         d = len(self.variables)
         if not 1 <= d <= MAX_DIMENSION:
             yield Problem("variables", f"{d} variables: from 1 to {MAX_DIMENSION} are possible")
             return
-        for field, texts in {"f_minus": self.f_minus, "f_plus": self.f_plus, "jump": self.jump}.items():
-            words = miscounted(texts, "expression", self.variables)
-            if words and (texts or field != "jump"):
+        for field in self.texts:
+            if self._kind(field) in ("f", "jump") and (
+                words := miscounted(self.texts[field], "expression", self.variables)
+            ):
                 yield Problem(field, words)
-        if len(self.g) != 1:
+        if self.two_sided and len(self.surfaces) != 1:
             yield Problem("g", "type one expression, as in: x**2 + y**2 - 1; the law changes where it is zero")
-        for field, texts in {"psi_minus": self.psi_minus, "psi_plus": self.psi_plus}.items():
-            if len(texts) >= d:
+        for field, texts in self.texts.items():
+            if self._kind(field) == "psi" and len(texts) >= d:
                 yield Problem(field, f"there are {len(texts)} here; with {_count(d, 'variable')}, {d - 1} at most")
+
+    def _kind(self, field: str) -> str:
+        """What a field holds: f, psi, jump, or switching functions."""
+        for kind in ("f", "psi", "jump"):
+            if field.startswith((f"{kind}_", "jumps[")) or field.endswith(f"].{kind}") or field == kind:
+                return "jump" if field.startswith("jumps[") else kind
+        return "surface"
 
     @cached_property
     def _read(self) -> dict[str, list[Expr | Problem]]:
         """Field -> each expression, or what is wrong with it; only as many as the field may have."""
         d = len(self.variables)
-        most = {"f_minus": d, "f_plus": d, "g": 1, "psi_minus": d - 1, "psi_plus": d - 1, "jump": d}
-        most = most if 1 <= d <= MAX_DIMENSION else dict.fromkeys(most, 0)
-        return {f: [self._expression(f, k) for k in range(min(len(getattr(self, f)), n))] for f, n in most.items()}
+        if not 1 <= d <= MAX_DIMENSION:
+            return {field: [] for field in self.texts}
+        most = {"f": d, "psi": d - 1, "jump": d, "surface": 1 if self.two_sided else MAX_SURFACES}
+        kept = {field: min(len(texts), most[self._kind(field)]) for field, texts in self.texts.items()}
+        return {field: [self._expression(field, k) for k in range(n)] for field, n in kept.items()}
 
     def _expression(self, field: str, k: int) -> Expr | Problem:
         try:
-            found = parse(getattr(self, field)[k], (*self.variables, *self.parameters), self.called(field, k))
+            found = parse(self.texts[field][k], (*self.variables, *self.parameters), self.called(field, k))
         except ValueError as reason:
             return Problem(field, str(reason), k)
         if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(found)), self.longest):
             words = ": its derivatives are too long to work with; write it shorter"
-        elif field == "g" and not found.free_symbols & set(self._x):
+        elif self._kind(field) == "surface" and not found.free_symbols & set(self._x) and field == "g":
             words = f" names no variable, so g = 0 is not a surface: write one of {', '.join(self.variables)} into it"
+        elif self._kind(field) == "surface" and not found.free_symbols & {*self._x, TIME}:
+            words = f" names no variable, so it has no zero: write one of {', '.join(self.variables)} into it"
         else:
             return found
         return Problem(field, self._entry(field, k) + words, k)
 
     def _entry(self, field: str, k: int) -> str:
         """The name and the text of an expression, for a message."""
-        return f"{self.called(field, k)} = {quoted(getattr(self, field)[k])}"
+        return f"{self.called(field, k)} = {quoted(self.texts[field][k])}"
+
+    def _of_guards(self) -> Iterator[Problem]:
+        """Problems of surfaces that are the same: they would be met at the same instant, always."""
+        surfaces = self.expressions("surfaces")
+        for (i, u), (k, v) in product(surfaces.items(), repeat=2):
+            if i < k and (is_zero(u - v) or is_zero(u + v)):
+                yield Problem("surfaces", f"{self._entry('surfaces', k)} is the same surface as number {i}", k)
+
+    # Transitions -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _ways(self) -> tuple[tuple[Expr, ...], Mapping[str, list[Way]]]:
+        """The switching functions, and what follows at each guard of each region."""
+        numbers = {region.name: k for k, region in enumerate(self.regions)}
+        ways: dict[str, list[Way]] = {name: [] for name in numbers}
+        if not self.transitions:
+            jumps = {k: self._jump("jump" if self.two_sided else f"jumps[{k}]") for k, _ in self.jumps}
+            for name, i in product(numbers, range(len(self.surfaces))):
+                beside = name[:i] + _OTHER[name[i]] + name[i + 1 :]
+                ways[name].append(Way(i, _SIGNS[name[i]], numbers.get(beside), jump=jumps.get(i)))
+            return tuple(self.expressions("g" if self.two_sided else "surfaces").values()), ways
+        surfaces: list[Expr] = []
+        for k, transition in enumerate(self.transitions):
+            guard = self.expressions(f"transitions[{k}].guard")[0]
+            number, sign = _number_among(guard, surfaces)
+            jump = self._jump(f"transitions[{k}].jump") if transition.jump else None
+            ways[transition.mode].append(Way(number, sign, numbers[transition.to], jump=jump))
+        return tuple(surfaces), ways
+
+    def _jump(self, field: str) -> tuple[Expr, ...]:
+        return tuple(self.expressions(field).values())
 
     # Conserved quantities --------------------------------------------------------------------------------------------
 
     def _of_quantities(self) -> Iterator[Problem]:
-        for sign, verdicts in self.verdicts.items():
-            field = f"psi_{SIDES[sign]}"
+        for name, verdicts in self.verdicts.items():
+            field = self.field_of(name, "psi")
             wrong = [Problem(field, v.objection, k) for k, v in enumerate(verdicts) if v.objection]
             yield from wrong
             rows = sympy.Matrix([self._gradient(psi) for psi in self.expressions(field).values()])
-            if verdicts and not wrong and not independent(rows, self._domain(sign)):
+            if verdicts and not wrong and not independent(rows, self._domain(name)):
                 words = "their gradients are linearly dependent (or zero), everywhere or in a part of their side; "
                 yield Problem(field, words + "remove what follows from the others")
 
-    def _judge(self, sign: int, k: int, psi: Expr) -> Verdict:
-        word, domain = SIDES[sign], self._domain(sign)
-        name, field = self._entry(f"psi_{word}", k), self.called(f"f_{word}", None)
-        short = self.called(f"psi_{word}", k)
+    def _judge(self, region: str, k: int, psi: Expr) -> Verdict:
+        domain, its_field = self._domain(region), self.field_of(region, "psi")
+        name, field = self._entry(its_field, k), self.called(self.field_of(region, "f"), None)
+        short = self.called(its_field, k)
         remedy = f"correct {short} or {field}, or remove {short}"
-        rate = rate_along(self._field(sign), self._x, psi)
+        rate = rate_along(self._law(region, "f"), self._x, psi)
         if not has_values((psi, rate), domain):
             words = "write it so that it has, as log(x**2) in place of log(x), or remove it"
-            return Verdict(f"{name} has no real value where g {'<' if sign < 0 else '>'} 0: {words}")
+            where = f"where g {'<' if region == '-' else '>'} 0" if self.two_sided else f"in region {region!r}"
+            return Verdict(f"{name} has no real value {where}: {words}")
         found = counterexample(rate, domain)
         if found is None:
             return Verdict("")
@@ -220,20 +387,35 @@ class Declaration:
     def _x(self) -> tuple[Symbol, ...]:
         return tuple(map(Symbol, self.variables))
 
-    def _field(self, sign: int) -> tuple[Expr, ...]:
-        return tuple(self.expressions(f"f_{SIDES[sign]}").values())
+    def _law(self, region: str, part: str) -> tuple[Expr, ...]:
+        return tuple(self.expressions(self.field_of(region, part)).values())
 
     def _gradient(self, u: Expr) -> list[Expr]:
         return [u.diff(v) for v in (*self._x, TIME)]
 
-    def _domain(self, sign: int) -> Domain:
-        """Where the law of a side holds: on its side of the surface, for every value its parameters may take.
+    def _domain(self, region: str) -> Domain:
+        """Where the law of a region holds: between its surfaces, for every value its parameters may take.
 
-        Everywhere if g cannot be parsed.
+        Surfaces that cannot be parsed do not bound it.
         """
         ranges = {Symbol(name): ends for name, ends in zip(self.parameters, self.bounds, strict=True) if ends}
-        g = self.expressions("g").get(0)
-        return Domain(ranges, None if g is None else sign * g, self._field(sign))
+        if self.transitions:
+            guards = (f"transitions[{k}].guard" for k, way in enumerate(self.transitions) if way.mode == region)
+            heights: Iterable[Expr] = (u for field in guards for u in self.expressions(field).values())
+        else:
+            surfaces = self.expressions("g" if self.two_sided else "surfaces")
+            heights = (_SIGNS[region[k]] * u for k, u in surfaces.items() if k < len(region) and region[k] in _SIGNS)
+        return Domain(ranges, tuple(heights), self._law(region, "f"))
+
+
+def _number_among(guard: Expr, surfaces: list[Expr]) -> tuple[int, int]:
+    """Number of a guard among switching functions, and its sign; a new one is added to them."""
+    for number, u in enumerate(surfaces):
+        for sign in (1, -1):
+            if is_zero(guard - sign * u):
+                return number, sign
+    surfaces.append(guard)
+    return len(surfaces) - 1, 1
 
 
 @lru_cache(maxsize=256)
@@ -246,7 +428,7 @@ def accepted(declaration: Declaration) -> Declaration:
         For the first of its problems.
     """
     for problem in declaration.problems:
-        given = repr(getattr(declaration, problem.field))
+        given = repr(declaration.texts.get(problem.field, getattr(declaration, problem.field, "")))
         shown = given if len(given) <= _SHOWN else f"{given[: _SHOWN - 1]}…"
         raise ValueError((f"{problem.field} = {shown}: " if problem.entry is None else "") + problem.message)
     full = declaration.completed()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import keyword
 import math
 import re
@@ -14,7 +15,7 @@ import sympy
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
-__all__ = ["FUNCTIONS", "OPERATORS", "TIME", "check_name", "parse", "quoted", "to_text"]
+__all__ = ["FUNCTIONS", "OPERATORS", "SWITCHING", "TIME", "check_name", "parse", "quoted", "to_text"]
 
 #: The symbol of time in every expression.
 TIME = sympy.Symbol("t")
@@ -31,6 +32,10 @@ FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], Callable[[float], float]]]
     "cosh": (sympy.cosh, math.cosh),
     "tanh": (sympy.tanh, math.tanh),
 }
+#: Functions whose law switches; `parse` reads them only where it is told the sign of each switching function.
+SWITCHING = ("sign", "abs", "max", "min", "Heaviside", "Piecewise")
+#: Names that sympy gives to them in print.
+_SYMPY_NAMES = {"Abs": "abs", "Max": "max", "Min": "min"}
 #: Constants by name: name -> (sympy number, its value).
 _CONSTANTS = {"pi": (sympy.pi, math.pi), "e": (sympy.E, math.e)}
 #: Names that no variable or parameter may have.
@@ -61,6 +66,8 @@ _CANCELS = 1e-12
 
 #: A number and its fractional exponent.
 Root = tuple[sympy.Rational, sympy.Rational]
+#: An expression, and its value if it is constant.
+Operand = tuple[sympy.Expr, float | None]
 
 _NOT_REAL = "it contains a constant that is not a finite real number"
 #: The operators of expressions, as messages list them.
@@ -86,7 +93,12 @@ def check_name(name: str, role: str) -> str:
     return name
 
 
-def parse(text: str | float | sympy.Expr, names: Iterable[str], what: str = "expression") -> sympy.Expr:
+def parse(
+    text: str | float | sympy.Expr,
+    names: Iterable[str],
+    what: str = "expression",
+    sign_of: Callable[[sympy.Expr], int] | None = None,
+) -> sympy.Expr:
     """Read one scalar expression in the given names and time t.
 
     Parameters
@@ -97,6 +109,12 @@ def parse(text: str | float | sympy.Expr, names: Iterable[str], what: str = "exp
         The variables and parameters it may contain.
     what
         What the expression is, for the error message: ``"f_plus[1]"``.
+    sign_of
+        The sign −1 or +1 of an expression, 0 only if it vanishes everywhere. Where given, text may also contain
+        ``sign(u)``, ``abs(u)``, ``max(u, v, ...)``, ``min(u, v, ...)``, ``Heaviside(u)`` and
+        ``Piecewise((u, condition), ..., (v, True))``, where a condition combines comparisons (< <= > >=) by ``and``,
+        ``or``, ``not`` or & | ~. Each is read as the smooth law that it has for these signs. A second argument of
+        Heaviside is refused: its value at 0 never matters.
 
     Returns
     -------
@@ -115,7 +133,7 @@ def parse(text: str | float | sympy.Expr, names: Iterable[str], what: str = "exp
     if len(source) > MAX_LENGTH:
         raise ValueError(f"{what} is {len(source)} characters long: {MAX_LENGTH} at most")
     symbols = {name: sympy.Symbol(name) for name in names} | {"t": TIME}
-    return _Reader(source, what, symbols).read()
+    return _Reader(source, what, symbols, sign_of).read()
 
 
 def quoted(text: str) -> str:
@@ -168,8 +186,16 @@ class _Text(StrPrinter):
 class _Reader:
     """One pass over the syntax tree; each node becomes (sympy expression, its value if constant)."""
 
-    def __init__(self, source: str, what: str, symbols: Mapping[str, sympy.Symbol]) -> None:
+    def __init__(
+        self,
+        source: str,
+        what: str,
+        symbols: Mapping[str, sympy.Symbol],
+        sign_of: Callable[[sympy.Expr], int] | None = None,
+    ) -> None:
         self.source, self.what, self.symbols = source.strip(), what, symbols
+        self.switches, self.sign_of = sign_of is not None, sign_of or (lambda _: 0)
+        self.allowed = f"{_ALLOWED} {' '.join(SWITCHING)}" if self.switches else _ALLOWED
         self.nodes = 0
 
     def fail(self, reason: str) -> ValueError:
@@ -179,7 +205,7 @@ class _Reader:
         if not self.source:
             raise self.fail("it is empty; write 0 for a zero")
         if not self.source.isascii():
-            raise self.fail(f"only plain ASCII characters can be read; allowed are {_ALLOWED}")
+            raise self.fail(f"only plain ASCII characters can be read; allowed are {self.allowed}")
         if max(_nesting(self.source), self.source.count("**") // 2) > MAX_DEPTH:
             raise self.fail(f"nested deeper than {MAX_DEPTH}")
         try:
@@ -191,12 +217,16 @@ class _Reader:
         self.check_whole(expression)
         return expression
 
-    def visit(self, node: ast.expr, depth: int) -> tuple[sympy.Expr, float | None]:
+    def count(self, depth: int) -> None:
+        """Count one more node of the syntax tree."""
         self.nodes += 1
         if depth > MAX_DEPTH:
             raise self.fail(f"nested deeper than {MAX_DEPTH}")
         if self.nodes > MAX_NODES:
             raise self.fail(f"more than {MAX_NODES} operations and names")
+
+    def visit(self, node: ast.expr, depth: int) -> Operand:
+        self.count(depth)
         match node:
             case ast.Constant(value=int() | float()) if not isinstance(node.value, bool):
                 return self.number(node)
@@ -214,9 +244,21 @@ class _Reader:
                     raise self.fail(f"{name} takes one argument, here it has {len(args)}")
                 exact, real = FUNCTIONS[name]
                 return self.combine((exact, real), self.visit(args[0], depth + 1))
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if self.switches:
+                name = _SYMPY_NAMES.get(name, name)
+                if name in SWITCHING:
+                    return self.switching(name, args, depth + 1)
+        raise self.refused(node)
+
+    def refused(self, node: ast.expr) -> ValueError:
+        """The error that a part of the text is not in the whitelist."""
         piece = ast.get_source_segment(self.source, node) or type(node).__name__
         hint = "; powers are written **" if isinstance(getattr(node, "op", None), ast.BitXor) else ""
-        raise self.fail(f"{piece!r} is not allowed{hint}; allowed are {_ALLOWED}")
+        if self.switches and isinstance(getattr(node, "op", None), ast.BitAnd | ast.BitOr):
+            hint = "; conditions are written as (x > 0) & (y > 0), with these parentheses"
+        elif self.switches and isinstance(node, ast.Compare):
+            hint = "; conditions are written in Piecewise((value, condition), …, (value, True))"
+        return self.fail(f"{piece!r} is not allowed{hint}; allowed are {self.allowed}")
 
     def number(self, node: ast.Constant) -> tuple[sympy.Expr, float]:
         digits = (ast.get_source_segment(self.source, node) or "").replace("_", "")
@@ -232,21 +274,95 @@ class _Reader:
         exact = Fraction(digits)
         return sympy.Rational(exact.numerator, exact.denominator), value
 
-    def name(self, name: str) -> tuple[sympy.Expr, float | None]:
+    def name(self, name: str) -> Operand:
         if name in self.symbols:
             return self.symbols[name], None
         if name in _CONSTANTS:
             return _CONSTANTS[name]
-        if name in FUNCTIONS:
+        if name in FUNCTIONS or (self.switches and name in SWITCHING):
             raise self.fail(f"{name} is a function and needs an argument: {name}(…)")
         known = ", ".join(self.symbols)
         raise self.fail(f"unknown name {name!r}; known are {known}, pi, e")
 
+    # Terms that switch -----------------------------------------------------------------------------------------------
+
+    def switching(self, name: str, args: Sequence[ast.expr], depth: int) -> Operand:
+        """The smooth law of a call of one of `SWITCHING`, for the signs that `sign_of` gives."""
+        if name == "Piecewise":
+            return self.piecewise(args, depth)
+        if name in ("max", "min"):
+            return self.extremum(name, args, depth)
+        if len(args) != 1:
+            why = ": its value at 0 never matters" if name == "Heaviside" else ""
+            raise self.fail(f"{name} takes one argument, here it has {len(args)}{why}")
+        inner = self.visit(args[0], depth)
+        sign = self.sign(inner)
+        if name == "abs":
+            return self.combine(_OPERATIONS[ast.Mult], (sympy.Integer(sign), sign), inner)
+        return (sympy.Integer(sign), sign) if name == "sign" else (sympy.Rational(1 + sign, 2), (1 + sign) / 2)
+
+    def extremum(self, name: str, args: Sequence[ast.expr], depth: int) -> Operand:
+        if len(args) < 2:
+            raise self.fail(f"{name} takes two arguments or more, here it has {len(args)}")
+        read = [self.visit(u, depth) for u in args]
+        best, *others = sorted(read, key=lambda u: u[1] is None)  # numbers first: of these only one is compared
+        for other in others:
+            sign = self.sign(self.combine(_OPERATIONS[ast.Sub], other, best))
+            best = other if sign == (1 if name == "max" else -1) else best
+        return best
+
+    def piecewise(self, args: Sequence[ast.expr], depth: int) -> Operand:
+        """The value of the first condition that holds; all are read, so that none escapes the whitelist."""
+        chosen = []
+        for pair in args:
+            self.count(depth)
+            match pair:
+                case ast.Tuple(elts=[value, condition]):
+                    read, holds = self.visit(value, depth + 1), self.holds(condition, depth + 1)
+                    chosen += [read] if holds else []
+                case _:
+                    piece = ast.get_source_segment(self.source, pair)
+                    raise self.fail(f"{piece!r} is no pair; write Piecewise((value, condition), …, (value, True))")
+        if not chosen:
+            raise self.fail("Piecewise has no value where none of its conditions holds; end it with (value, True)")
+        return chosen[0]
+
+    def holds(self, node: ast.expr, depth: int) -> bool:
+        """Whether a condition holds."""
+        self.count(depth)
+        match node:
+            case ast.Constant(value=bool() as known):
+                return known
+            case ast.UnaryOp(op=ast.Not() | ast.Invert(), operand=operand):
+                return not self.holds(operand, depth + 1)
+            case ast.BoolOp(op=op, values=parts):
+                found = [self.holds(part, depth + 1) for part in parts]
+                return all(found) if isinstance(op, ast.And) else any(found)
+            case ast.BinOp(op=ast.BitAnd() | ast.BitOr() as op, left=left, right=right):
+                found = [self.holds(part, depth + 1) for part in (left, right)]
+                return all(found) if isinstance(op, ast.BitAnd) else any(found)
+            case ast.Compare(left=left, ops=ops, comparators=rest) if all(type(op) in _COMPARISONS for op in ops):
+                read = [self.visit(part, depth + 1) for part in (left, *rest)]
+                signs = [self.sign(self.combine(_OPERATIONS[ast.Sub], *pair)) for pair in itertools.pairwise(read)]
+                return all(sign in _COMPARISONS[type(op)] for op, sign in zip(ops, signs, strict=True))
+        piece = ast.get_source_segment(self.source, node)
+        raise self.fail(f"{piece!r} is no condition; write comparisons with < <= > >=, joined by and, or, not or & | ~")
+
+    def sign(self, operand: Operand) -> int:
+        """The sign of a switching function, or of a constant."""
+        expression, value = operand
+        if value is not None:
+            return (value > 0) - (value < 0)
+        self.check_whole(expression)
+        return self.sign_of(expression)
+
+    # Bounds ----------------------------------------------------------------------------------------------------------
+
     def combine(
         self,
         operation: tuple[Callable[..., sympy.Expr], Callable[..., float]],
-        *operands: tuple[sympy.Expr, float | None],
-    ) -> tuple[sympy.Expr, float | None]:
+        *operands: Operand,
+    ) -> Operand:
         """Apply `operation`; to constants in floating point first, so that no exact result grows beyond bounds."""
         exact, real = operation
         if exact is _power:
@@ -268,7 +384,7 @@ class _Reader:
         self.check_value(value, expression)
         return expression, value
 
-    def check_power(self, base: tuple[sympy.Expr, float | None], exponent: tuple[sympy.Expr, float | None]) -> None:
+    def check_power(self, base: Operand, exponent: Operand) -> None:
         """Refuse large powers before sympy computes them: nested ones such as (1.000000001**64)**64."""
         if exponent[1] is None:
             if base[1] is not None and base[1] <= 0:
@@ -414,4 +530,11 @@ _OPERATIONS: dict[type[ast.operator], tuple[Callable[..., sympy.Expr], Callable[
     ast.Mult: (_times, lambda a, b: a * b),
     ast.Div: (_over, lambda a, b: a / b),
     ast.Pow: (_power, lambda a, b: a**b),
+}
+#: Comparison -> the signs of left − right for which it holds.
+_COMPARISONS: dict[type[ast.cmpop], tuple[int, ...]] = {
+    ast.Lt: (-1,),
+    ast.LtE: (-1, 0),
+    ast.Gt: (1,),
+    ast.GtE: (0, 1),
 }

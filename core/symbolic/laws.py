@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, cached_property, lru_cache
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import sympy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Symbol
 
 from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME
-from core.symbolic.impacts import stays_on_surface
-from core.symbolic.mode import SLIDING, Mode
+from core.symbolic.mode import Mode
 from core.symbolic.sliding import sliding_mode
 
-__all__ = ["Laws", "coordinates", "derive"]
+__all__ = ["Laws", "RegionLaw", "Way", "coordinates", "derive"]
 
 Vector: TypeAlias = "tuple[Symbol, ...]"
-Pair: TypeAlias = "tuple[tuple[Expr, ...], tuple[Expr, ...]]"
 
 #: Powers up to this are written as products: numpy works out x*x*x ten times as fast as x**3.
 _LONGEST_PRODUCT = 4
@@ -30,47 +28,181 @@ _LONGEST_PRODUCT = 4
 _LARGEST_EXACT = 2**53
 
 
+class Way(NamedTuple):
+    """What follows where a guard of a region vanishes."""
+
+    surface: int
+    """Number of the surface: index into `Laws.surfaces`."""
+    sign: int
+    """Sign of the surface's switching function in the region."""
+    to: int | None
+    """Number of the region entered; None where no region is declared."""
+    back: int | None = None
+    """The guard of that region that leads back; None where the way is one-way, as with hysteresis."""
+    jump: tuple[Expr, ...] | None = None
+    """The state after reaching the surface; None where it is continuous."""
+    sliding: int | None = None
+    """Number of the mode of sliding between both regions; None where the way is one-way."""
+
+
+class RegionLaw(NamedTuple):
+    """A region as it was declared."""
+
+    name: str
+    sides: tuple[int, ...]
+    """Signs of the surfaces' switching functions; () where regions have names."""
+    field: tuple[Expr, ...]
+    conserved: tuple[Expr, ...]
+    ways: tuple[Way, ...]
+    """What follows at each of its guards, with surface, sign, region entered and jump."""
+
+
 class Laws:
     """Everything about a system that does not depend on the values of its parameters.
+
+    Its modes are numbered: the regions, then the modes of sliding between two of them.
 
     Parameters
     ----------
     x, p
         Symbols of the d variables, and of the parameters.
-    g
-        The switching function.
-    fields, quantities
-        f (d expressions) and ψ (any number of them) of the sides − and +.
-    jump
-        d expressions: the state after reaching the surface; None where the state is continuous.
+    surfaces
+        The switching functions.
+    regions
+        The regions declared.
     """
 
-    def __init__(
-        self, x: Vector, p: Vector, g: Expr, fields: Pair, quantities: Pair, jump: tuple[Expr, ...] | None
-    ) -> None:
-        self.x, self.p, self.g, self.jump = x, p, g, jump
-        self.gradient = tuple(g.diff(v) for v in x)
+    def __init__(self, x: Vector, p: Vector, surfaces: tuple[Expr, ...], regions: tuple[RegionLaw, ...]) -> None:
+        self.x, self.p, self.surfaces = x, p, surfaces
         taken = frozenset(map(str, (*x, *p)))
-        #: Sign of g -> mode.
-        self.modes = {
-            sign: Mode(sign, x, field, conserved, (g,), taken)
-            for sign, field, conserved in zip((-1, 1), fields, quantities, strict=True)
-        }
+        #: Pairs (number of the region where g < 0, of that where g > 0, number of the surface between).
+        self.pairs: tuple[tuple[int, int, int], ...] = ()
+        #: For each region, what follows at each of its guards.
+        self.ways: tuple[tuple[Way, ...], ...] = self._joined(regions)
+        self.regions = tuple(
+            Mode(
+                law.name, law.sides, x, law.field, law.conserved, tuple(surfaces[way.surface] for way in law.ways),
+                tuple(way.sign for way in law.ways), taken,
+            )
+            for law in regions
+        )  # fmt: skip
+        self._sliding: dict[int, Mode] = {}
         self._functions: dict[object, Callable[..., Floats]] = {}
 
-    @cached_property
-    def sliding(self) -> Mode:
-        """The mode of sliding along the surface; derived when it is first asked for."""
-        return sliding_mode(self.modes[-1], self.modes[1])
+    def _joined(self, regions: tuple[RegionLaw, ...]) -> tuple[tuple[Way, ...], ...]:
+        """The ways of all regions, each with the way back and the mode of sliding, where there are any."""
+        pairs: dict[tuple[int, int, int], int] = {}
+        joined = []
+        for a, law in enumerate(regions):
+            ways = []
+            for way in law.ways:
+                back = None if way.to is None else _leading_back(regions[way.to], a, way)
+                if way.to is not None and back is not None:
+                    pair = (a, way.to, way.surface) if way.sign < 0 else (way.to, a, way.surface)
+                    number = pairs.setdefault(pair, len(regions) + len(pairs))
+                    way = way._replace(back=back, sliding=number)
+                ways.append(way)
+            joined.append(tuple(ways))
+        self.pairs = tuple(pairs)
+        return tuple(joined)
 
-    def mode(self, side: int) -> Mode:
-        """The mode of a side, −1 or +1, or that of sliding, 0."""
-        return self.sliding if side == SLIDING else self.modes[side]
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return len(self.regions) + len(self.pairs)
+
+    def mode(self, number: int) -> Mode:
+        """A mode by its number; one of sliding is derived when it is first asked for."""
+        if number < len(self.regions):
+            return self.regions[number]
+        if number not in self._sliding:
+            low, high, surface = self.pairs[number - len(self.regions)]
+            minus, plus = self.regions[low], self.regions[high]
+            self._sliding[number] = sliding_mode(minus, plus, self.surfaces[surface], self.name(number))
+        return self._sliding[number]
+
+    def name(self, number: int) -> str:
+        """Name of a mode: its key among the regions, as “-+”; with 0 for the surface along which it slides."""
+        if number < len(self.regions):
+            return self.regions[number].name
+        low, high, surface = self.pairs[number - len(self.regions)]
+        name = self.regions[low].name
+        return f"{name[:surface]}0{name[surface + 1 :]}" if self.regions[low].sides else f"{name}|{self.name(high)}"
+
+    @cached_property
+    def numbers_of_modes(self) -> Mapping[str, int]:
+        """Name -> number of each mode."""
+        return {self.name(k): k for k in range(self.count)}
+
+    @cached_property
+    def sides(self) -> NDArray[np.int64]:
+        """(modes + 1, surfaces) sign of each switching function in each mode, 0 where it slides along its surface.
+
+        The last row, that of a run which stopped on a surface, is 0. Where regions have names, there are no columns.
+        """
+        signs = [list(mode.sides) for mode in self.regions]
+        for low, high, _ in self.pairs:
+            signs.append([a if a == b else 0 for a, b in zip(signs[low], signs[high], strict=True)])
+        return np.array([*signs, [0] * len(signs[0])], dtype=np.int64).reshape(len(signs) + 1, -1)
+
+    # Systems with one surface ----------------------------------------------------------------------------------------
+
+    @property
+    def two_sided(self) -> bool:
+        """Whether there is one surface, with a region on either side."""
+        return len(self.regions) == 2 and self.regions[0].sides == (-1,)
+
+    @property
+    def g(self) -> Expr:
+        """The only switching function."""
+        self._require_two_sides()
+        return self.surfaces[0]
+
+    @property
+    def gradient(self) -> tuple[Expr, ...]:
+        """∇g of the only switching function."""
+        return tuple(self.g.diff(v) for v in self.x)
+
+    @property
+    def modes(self) -> Mapping[int, Mode]:
+        """Sign of the only switching function -> mode."""
+        self._require_two_sides()
+        return {-1: self.regions[0], 1: self.regions[1]}
+
+    def of_side(self, side: int) -> Mode:
+        """The mode of a side of the only surface, −1 or +1, or that of sliding, 0."""
+        return self.modes[side] if side else self.sliding
+
+    @property
+    def sliding(self) -> Mode:
+        """The mode of sliding along the only surface."""
+        self._require_two_sides()
+        return self.mode(2)
+
+    @property
+    def jump(self) -> tuple[Expr, ...] | None:
+        """The state after reaching the only surface; None where it is continuous."""
+        self._require_two_sides()
+        return self.ways[0][0].jump
+
+    def _require_two_sides(self) -> None:
+        if not self.two_sided:
+            names = ", ".join(map(repr, (mode.name for mode in self.regions)))
+            raise ValueError(
+                f"this needs a system with one surface and a region on either side; it has regions {names}"
+            )
+
+    # All modes -------------------------------------------------------------------------------------------------------
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the state jumps at a surface."""
+        return any(way.jump is not None for ways in self.ways for way in ways)
 
     @property
     def most_conserved(self) -> int:
-        """The larger number of conserved quantities of the two sides."""
-        return max(len(mode.conserved) for mode in self.modes.values())
+        """The largest number of conserved quantities of a region."""
+        return max(len(mode.conserved) for mode in self.regions)
 
     @property
     def most_conserved_sliding(self) -> int:
@@ -80,13 +212,8 @@ class Laws:
     @cached_property
     def edged(self) -> bool:
         """Whether a field or a ψ contains a root, a real power or a logarithm, which are not defined everywhere."""
-        parts = [e for mode in self.modes.values() for e in (*mode.field, *mode.conserved)]
+        parts = [e for mode in self.regions for e in (*mode.field, *mode.conserved)]
         return any(e.atoms(sympy.log) or any(not p.exp.is_Integer for p in e.atoms(sympy.Pow)) for e in parts)
-
-    @cached_property
-    def jump_stays(self) -> bool:
-        """Whether the jump maps the surface into itself."""
-        return self.jump is not None and stays_on_surface(self.g, self.x, self.jump)
 
     def evaluate(self, key: object, expressions: Sequence[Expr], t: ArrayLike, x: ArrayLike, p: Floats) -> Floats:
         """Values of expressions at many states.
@@ -127,6 +254,14 @@ class Laws:
             return np.array(self._functions["number", key](t, *x, *p.tolist()), dtype=float)
         except (ArithmeticError, ValueError, TypeError):  # undefined or complex: nan or inf in numpy
             return self.evaluate(key, expressions, t, x, p)
+
+
+def _leading_back(region: RegionLaw, to: int, way: Way) -> int | None:
+    """Index of the guard of a region that leads back through the surface of a way."""
+    for k, other in enumerate(region.ways):
+        if (other.surface, other.sign, other.to) == (way.surface, -way.sign, to):
+            return k
+    return None
 
 
 def coordinates(states: Floats) -> list[Floats]:

@@ -12,31 +12,43 @@ from sympy import Expr, Symbol
 from core.symbolic.expressions import TIME
 from core.symbolic.multiplier import DiscreteField, Endpoints
 
-__all__ = ["SLIDING", "Mode", "rate_along"]
-
-#: Side of the mode in which the state slides along the surface.
-SLIDING = 0
+__all__ = ["Mode", "rate_along"]
 
 
 @dataclass(frozen=True)
 class Mode:
     """A smooth law: its field f, its conserved quantities ψ, and the guards of which a zero ends it."""
 
-    side: int
-    """−1 where g < 0, +1 where g > 0, `SLIDING` on the surface."""
+    name: str
+    """Its key among the regions, as “-+”; with 0 for the surface along which it slides."""
+    sides: tuple[int, ...]
+    """Sign of each surface's switching function, 0 where it slides along it; () where regions have names."""
     variables: tuple[Symbol, ...]
     field: tuple[Expr, ...]
     conserved: tuple[Expr, ...]
     guards: tuple[Expr, ...]
-    """g; of sliding, the rates ġ₋ and ġ₊ of g with the fields of the sides, of which each ends it where it vanishes."""
+    """Switching functions; of sliding, first the rates of g with the fields of both sides, which end it where they
+    vanish."""
+    signs: tuple[int, ...]
+    """Signs that make the guards positive in this mode, if time runs forward."""
     taken: frozenset[str]
     """Names of the variables and of the parameters."""
+    surface: Expr | None = None
+    """The switching function along whose zeros it slides; None for a region."""
+
+    @property
+    def slides(self) -> bool:
+        """Whether the state slides along a surface."""
+        return self.surface is not None
 
     @property
     def heights(self) -> tuple[Expr, ...]:
         """The guards with the signs that make them positive in this mode, if time runs forward."""
-        signs = (1, -1) if self.side == SLIDING else (self.side,)
-        return tuple(sign * guard for sign, guard in zip(signs, self.guards, strict=True))
+        return tuple(sign * guard for sign, guard in zip(self.signs, self.guards, strict=True))
+
+    def turns(self, guard: int) -> bool:
+        """Whether the sign of a guard turns with the direction of time: it is a rate."""
+        return self.slides and guard < 2
 
     @cached_property
     def guard_rates(self) -> tuple[Expr, ...]:

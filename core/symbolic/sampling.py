@@ -72,8 +72,8 @@ class Domain:
 
     ranges: Mapping[Symbol, tuple[float, float]] = field(default_factory=dict)
     """Bounds of the symbols that have them."""
-    positive: Expr | None = None
-    """An expression that is positive in the domain: −g or g, on a side of the surface."""
+    positive: tuple[Expr, ...] = ()
+    """Expressions that are positive in the domain: −g or g, on a side of the surface."""
     defined: tuple[Expr, ...] = ()
     """Expressions that have real, finite values in the domain."""
 
@@ -107,7 +107,7 @@ class Samples:
 
     def __init__(self, expressions: Sequence[Expr], domain: Domain, thorough: bool = True) -> None:
         self.domain = domain
-        guards = [*domain.defined, *([] if domain.positive is None else [domain.positive])]
+        guards = [*domain.defined, *domain.positive]
         self.symbols = sorted(set().union(*(u.free_symbols for u in (*expressions, *guards))), key=str)
         self.tape = Tape(expressions)
         self.folds = folds(self.tape) if len(self.tape.nodes) <= _LONG else []
@@ -129,8 +129,8 @@ class Samples:
             points, nodes = self._joined((points, nodes), self._with_values(tried))
         few = len(points) < _ENOUGH
         sought = self.folds if thorough or few else []
-        if few and self.domain.positive is not None:
-            sought = [*sought, self.domain.positive]
+        if few:
+            sought = [*sought, *self.domain.positive]
         if sought and self.symbols:
             near = near_folds(sought, self.symbols, points if len(points) > 1 else tried, self._rng)
             points, nodes = self._joined((points, nodes), self._with_values(near))
@@ -147,8 +147,8 @@ class Samples:
         inside = np.ones(len(points), dtype=bool)
         for k in self._guards:
             inside &= np.isfinite(nodes[k])
-        if self.domain.positive is not None:
-            inside &= nodes[self.tape.place[self.domain.positive]] > 0
+        for u in self.domain.positive:
+            inside &= nodes[self.tape.place[u]] > 0
         self.inside += int(inside.sum())
         wanted = np.stack([nodes[k] for k in self._wanted])
         self.unreal += int((inside & np.isnan(wanted).any(axis=0)).sum())
@@ -205,9 +205,7 @@ class Samples:
             values = self.tape.run(arithmetic, at)
         except (ArithmeticError, ValueError):
             return None
-        if self.domain.positive is not None and not values[self.tape.place[self.domain.positive]] > 0:
-            return None
-        return values
+        return values if all(values[self.tape.place[u]] > 0 for u in self.domain.positive) else None
 
     def chosen(self, first: Rows) -> Iterator[tuple[Point, list[Any]]]:
         """Yield a few points, from every piece in turn, with the values of all nodes there in many digits.

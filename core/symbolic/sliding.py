@@ -14,11 +14,12 @@ Reference: Filippov, Differential Equations with Discontinuous Righthand Sides (
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import sympy
 from sympy import Expr
 
-from core.symbolic.mode import SLIDING, Mode
+from core.symbolic.mode import Mode
 from core.symbolic.zero_testing import Domain, independent, is_larger, is_zero
 
 __all__ = ["sliding_mode"]
@@ -27,24 +28,27 @@ __all__ = ["sliding_mode"]
 _CANCELLED_NODES = 200
 
 
-def sliding_mode(minus: Mode, plus: Mode) -> Mode:
-    """The mode of sliding between two modes that a surface separates.
+def sliding_mode(minus: Mode, plus: Mode, g: Expr, name: str) -> Mode:
+    """The mode of sliding along g = 0 between two modes that this surface separates; g > 0 in `plus`.
 
-    Its guards are the rates of g with both fields. While time runs forward, ġ₋ > 0 and ġ₊ < 0; backward, the surface
-    attracts where it repels forward. Where one of them vanishes, the field of that side turns, and the state leaves.
+    Its first guards are the rates of g with both fields. While time runs forward, ġ₋ > 0 and ġ₊ < 0; backward, the
+    surface attracts where it repels forward. Where one of them vanishes, the field of that side turns, and the state
+    leaves. The other guards are those of both modes: further surfaces.
     """
-    (below,), (above,) = minus.guard_rates, plus.guard_rates
+    below, above = minus.rate_of(g), plus.rate_of(g)
     pairs = zip(minus.field, plus.field, strict=True)
     field = tuple(_cancelled((below * b - above * a) / (below - above)) for a, b in pairs)
-    guards = (_cancelled(below), _cancelled(above))
-    bare = Mode(SLIDING, minus.variables, field, (), guards, minus.taken)
-    return Mode(SLIDING, minus.variables, field, tuple(_kept(bare, minus, plus)), guards, minus.taken)
+    others = {u: s for mode in (minus, plus) for u, s in zip(mode.guards, mode.signs, strict=True) if u != g}
+    guards, signs = (_cancelled(below), _cancelled(above), *others), (1, -1, *others.values())
+    sides = tuple(a if a == b else 0 for a, b in zip(minus.sides, plus.sides, strict=True))
+    bare = Mode(name, sides, minus.variables, field, (), guards, signs, minus.taken, g)
+    return replace(bare, conserved=tuple(_kept(bare, minus, plus)))
 
 
 def _kept(sliding: Mode, minus: Mode, plus: Mode) -> Iterator[Expr]:
     """Quantities of the sides that the field of sliding keeps on the surface; last, g: d − 1 at most in all."""
-    (g,), d = minus.guards, len(sliding.variables)
-    if d == 1:
+    g, d = sliding.surface, len(sliding.variables)
+    if g is None or d == 1:
         return
     chosen: list[Expr] = []
     most = min(d - 2, max(len(minus.conserved), len(plus.conserved)))
@@ -67,8 +71,9 @@ def _is_zero_on(g: Expr, sliding: Mode, u: Expr) -> bool:
 
 
 def _attracting(sliding: Mode) -> Domain:
-    """Where the rates point to the surface from both sides, or away from it on both."""
-    return Domain(positive=sympy.Mul(*sliding.heights))
+    """Where the rates point to the surface from both sides, or away from it on both; within the other surfaces."""
+    below, above, *others = sliding.heights
+    return Domain(positive=(below * above, *others))
 
 
 def _cancelled(u: Expr) -> Expr:

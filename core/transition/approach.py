@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import LENGTH, PREPARE, RATE_END, ROUNDING_OF_G, G, call
+from core.kernels.abi import LENGTH, PREPARE, ROUNDING_OF_G, G, call
 from core.kernels.jit import inlined, internal
-from core.transition.event_location import BOUND, try_step, write_end
+from core.transition.event_location import BOUND, rate_at_end, try_step, write_end
+from core.transition.plain_steps import look_at
 from core.transition.surface import MARGIN, evaluate_g, evaluate_switching
 
 __all__ = ["check_at_surface", "cut_to_domain", "cut_to_prepared", "reflect_across", "try_finite_step"]
@@ -30,7 +31,7 @@ _NOTHING = 2.0**-48
 def cut_to_prepared(context, t, h):
     """Prepare a step; returns the length that a variable-step method takes, at most h in size; nan if it finds none."""
     run = context.run
-    run.evaluations += call(context.functions[run.mode, PREPARE], t, h, context.p, context.w, context.scratch)
+    run.evaluations += call(context.functions[run.row, PREPARE], t, h, context.p, context.w, context.scratch)
     length = context.w[LENGTH]
     if length >= abs(h):
         return h
@@ -42,7 +43,13 @@ def cut_to_prepared(context, t, h):
 def try_finite_step(context, t, h):
     """Try a step of length h; returns whether state, height and rate at its end are finite."""
     height = try_step(context, t, h)
-    return abs(height) < math.inf and abs(context.w[RATE_END]) < math.inf and write_end(context) < BOUND
+    return abs(height) < math.inf and abs(rate_at_end(context)) < math.inf and write_end(context) < BOUND
+
+
+@inlined
+def is_ahead(run, h):
+    """Whether the surface looked at lies within two steps of length h, at the present rate."""
+    return run.rate < 0.0 and run.height + 2.0 * run.rate * abs(h) <= 0.0
 
 
 @internal
@@ -54,7 +61,11 @@ def cut_to_domain(context, t, h):
     to be projected to the levels of ψ.
     """
     run = context.run
-    ahead = run.rate < 0.0 and run.height + 2.0 * run.rate * abs(h) <= 0.0
+    ahead = is_ahead(run, h)
+    for k in range(run.guards):
+        if not ahead:
+            look_at(run, context.w, k)
+            ahead = is_ahead(run, h)
     if not ahead and run.adaptive == 0:
         return 0.0
     for _ in range(_HALVINGS):

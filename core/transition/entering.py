@@ -1,4 +1,4 @@
-"""Enter a mode: the first one, the other side of the surface, or sliding. Jitted; inlined into `time_loop`.
+"""Enter a mode: the first one, the one beyond a surface, or sliding. Jitted; inlined into `time_loop`.
 
 Heights and rates are as in `event_location`.
 """
@@ -10,83 +10,158 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import ROUNDING_OF_STATE, SET_LEVELS, STEP, G, call
+from core.kernels.abi import ROUNDING_OF_G, ROUNDING_OF_STATE, SET_LEVELS, STEP, G, call
 from core.kernels.jit import inlined, internal
-from core.transition.plain_steps import swap_guards
-from core.transition.records import NO_MODE, SLIDING_MODE, mode_of
+from core.transition.plain_steps import set_guard, take_guard
+from core.transition.records import NO_MODE
 from core.transition.status import Status
-from core.transition.surface import evaluate_rates, evaluate_switching
+from core.transition.surface import MARGIN, evaluate_rates, evaluate_switching
 
-__all__ = ["enter_first_mode", "enter_mode", "enter_sliding"]
+__all__ = ["begin_mode", "enter_first_mode", "enter_mode", "set_mode"]
 
 _RUNNING, _SLIDING, _REPELLING = int(Status.RUNNING), int(Status.SLIDING), int(Status.REPELLING)
-_GRAZING, _NO_CONVERGENCE = int(Status.GRAZING), int(Status.NO_CONVERGENCE)
+_GRAZING, _NO_CONVERGENCE, _UNDECLARED = int(Status.GRAZING), int(Status.NO_CONVERGENCE), int(Status.UNDECLARED)
+#: Result of `examine_guard`: the state is beyond a surface after a jump, so that the mode is another one.
+_BEYOND = -1
 
 
 @inlined
-def enter_mode(context, mode, rate):
-    """Enter a mode at its surface, with this rate away from it."""
-    run = context.run
-    run.mode, run.guard, run.sign = mode, 0, context.guards[mode].sign
-    run.height, run.rate, run.entered = 0.0, rate, rate
-    run.leaving = 1
-    if run.conservative == 1 or run.monitored > 0:
-        call(context.functions[mode, SET_LEVELS], run.t, 0.0, context.p, context.w, context.scratch)
+def set_mode(context, row, at, rate):
+    """Take a mode, by the row of its first guard, as the one to be entered at the zeros of some guards.
+
+    at holds their bits; rate is that away from the surface, nan where it has to be evaluated.
+    """
+    run, guard = context.run, context.guards[row]
+    run.row, run.mode, run.guards, run.sliding = row, guard.mode, guard.count, guard.slides
+    run.at, run.entered, run.pending, run.jumped, run.past = at, rate, 1, 0, 0
+
+
+@inlined
+def enter_mode(context, row, at, rate):
+    """Enter a mode at the zeros of some guards: see `set_mode`."""
+    set_mode(context, row, at, rate)
+    return begin_mode(context)
 
 
 @internal
-def enter_sliding(context):
-    """Enter the mode of sliding, where both fields point to the surface; it stays pending until compiled."""
+def begin_mode(context):
+    """Begin the mode that has been set; it stays pending until it is compiled.
+
+    Every guard gets its height and rate. A guard at or beyond whose zero the mode is entered, other than by the way
+    that led here, ends it at once (run.past).
+    """
     run, w = context.run, context.w
-    if context.functions[SLIDING_MODE, STEP] == 0:
+    if context.functions[run.row, STEP] == 0:
         return _RUNNING
-    run.pending = 0
     for i in range(context.x.size):
         context.place[i] = context.x[i]
-    run.mode, run.leaving, run.guard = SLIDING_MODE, 0, 1
-    run.sign = -1 if run.tau > 0.0 else 1
-    for _ in range(2):  # the second guard, then the first
-        evaluate_switching(context, run.t)
-        run.height, run.rate = run.sign * w[G], run.own
-        swap_guards(run)
-    swap_guards(run)
-    run.entered = run.rate
-    if not (run.height > 0.0 and run.beside_height > 0.0):
-        return _GRAZING  # one of the fields is tangent to the surface
+    rate, k, tries = run.entered, 0, 0
+    known = run.at > 0 and rate == rate and (run.follow == 1 or run.crossings == 0)
+    if known and run.guards == 1:
+        run.guard, run.sign, run.height, run.rate, run.leaving = 0, guard_sign(context, 0), 0.0, rate, 1
+        k = 1
+    while k < run.guards:
+        sign = guard_sign(context, k)
+        if known and (run.at >> k) & 1 == 1:
+            set_guard(w, k, sign, 0.0, rate, 1.0)
+            k += 1
+            continue
+        status = examine_guard(context, k, sign)
+        if status == _BEYOND:  # followed from surface to surface, each at most once
+            tries += 1
+            to = context.guards[run.row + k].to
+            if to == NO_MODE or tries > run.guards:
+                return _UNDECLARED
+            run.row, run.mode, run.guards = to, context.guards[to].mode, context.guards[to].count
+            run.at, k = 0, 0
+            if context.functions[run.row, STEP] == 0:
+                return _RUNNING
+        elif status != _RUNNING:
+            return status
+        else:
+            k += 1
+    run.pending = 0
+    if run.guards > 1 or not known:
+        take_guard(run, w, 0)
     if run.conservative == 1 or run.monitored > 0:
-        call(context.functions[SLIDING_MODE, SET_LEVELS], run.t, 0.0, context.p, w, context.scratch)
+        call(context.functions[run.row, SET_LEVELS], run.t, 0.0, context.p, w, context.scratch)
+    return _RUNNING
+
+
+@inlined
+def guard_sign(context, k):
+    """Sign that makes a guard of the mode positive inside it, in the direction of time of the run."""
+    guard = context.guards[context.run.row + k]
+    return -guard.sign if guard.turns == 1 and context.run.tau < 0.0 else guard.sign
+
+
+@internal
+def examine_guard(context, k, sign):
+    """Evaluate a guard as its mode is entered, and set it; returns a Status, RUNNING if the mode can be entered."""
+    run, w, guard = context.run, context.w, context.guards[context.run.row + k]
+    run.guard, run.sign = k, sign
+    evaluate_switching(context, run.t)
+    height, noise = sign * w[G], MARGIN * w[ROUNDING_OF_G]
+    if not abs(height) < math.inf:
+        return _NO_CONVERGENCE
+    if (run.at >> k) & 1 == 1:
+        if run.follow == 1 or run.crossings == 0:
+            set_guard(w, k, sign, 0.0, max(run.own, 0.0), 1.0)
+        else:  # the surface has been stepped over
+            set_guard(w, k, sign, height, run.own, 0.0)
+        return _RUNNING
+    if guard.turns == 1:
+        if not height > 0.0:
+            return _GRAZING  # one of the fields is tangent to the surface
+    elif height < -noise:
+        if run.jumped == 1 and guard.back != NO_MODE:
+            return _BEYOND
+        run.past = k + 1
+    elif height <= noise:
+        if run.own > 0.0 and not (guard.back != NO_MODE and run.other > 0.0):
+            set_guard(w, k, sign, 0.0, run.own, 1.0)
+            return _RUNNING
+        if not run.own < 0.0:
+            return _REPELLING if run.own > 0.0 else _GRAZING
+        run.past = k + 1
+    set_guard(w, k, sign, height, run.own, 0.0)
     return _RUNNING
 
 
 @internal
 def enter_first_mode(context):
-    """Enter the mode of the initial value, given by the sign of g; on the surface, by the directions of the fields."""
-    run, w = context.run, context.w
+    """Enter the mode of the initial value, given by the sign of g; on the surface, by the directions of the fields.
+
+    run.row is that of a region whose guard `run.guard`, g, bounds it where the initial value is.
+    """
+    run, w, row = context.run, context.w, context.run.row
+    guard = context.guards[row + run.guard]
+    if run.first_mode != NO_MODE:  # `Runner` has found it by the second derivative of g, or at a corner
+        return enter_mode(context, row, run.at, math.nan)
     for i in range(context.x.size):
         context.place[i] = context.x[i]
-    into_minus, into_plus = evaluate_rates(context, 0, run.t)
+    into_minus, into_plus = evaluate_rates(context, row + run.guard, run.t)
     g = w[G]
     if not abs(g) < math.inf:
         return _NO_CONVERGENCE
-    mode = mode_of(g)
-    if run.first_mode != NO_MODE:  # `Runner` has found it by the second derivative of g
-        mode = run.first_mode
-        enter_mode(context, mode, max(into_plus if mode == 1 else into_minus, 0.0))
+    at_here, at_there, beyond = 1 << run.guard, 1 << max(guard.back, 0), guard.to
+    into_here, into_there = (into_minus, into_plus) if guard.sign < 0 else (into_plus, into_minus)
+    if guard.back == NO_MODE:
+        status = enter_mode(context, row, 0, math.nan)
     elif abs(g) <= w[ROUNDING_OF_STATE]:  # on the surface to round-off
-        if into_plus > 0.0 and into_minus > 0.0:
+        if into_here > 0.0 and into_there > 0.0:
             return _REPELLING
-        if into_plus < 0.0 and into_minus < 0.0:
-            if run.slides == 0:
+        if into_here < 0.0 and into_there < 0.0:
+            if run.slides == 0 or guard.slide == NO_MODE:
                 return _SLIDING
-            run.mode = run.first_mode = SLIDING_MODE
-            run.pending = 1
-            return _RUNNING
-        if not (into_plus * into_minus < 0.0):
+            status = enter_mode(context, guard.slide, 0, math.nan)
+        elif not (into_here * into_there < 0.0):
             return _GRAZING
-        mode = mode_of(into_plus)
-        enter_mode(context, mode, into_plus if mode == 1 else into_minus)
+        elif into_here > 0.0:
+            status = enter_mode(context, row, at_here, into_here)
+        else:
+            status = enter_mode(context, beyond, at_there, into_there)
     else:
-        enter_mode(context, mode, into_plus if mode == 1 else into_minus)
-        run.height, run.leaving = run.sign * g, 0
-    run.first_mode = mode
-    return _RUNNING
+        status = enter_mode(context, row if guard.sign * g > 0.0 else beyond, 0, math.nan)
+    run.first_mode = run.mode
+    return status

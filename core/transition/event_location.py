@@ -1,8 +1,8 @@
 """Locate the first crossing in a step, on the scheme itself. Jitted; inlined into `time_loop`.
 
 Throughout, the *height* is σ = sign·g, the guard height of the mode occupied (positive inside), and the *rate* is dσ/dt
-in the direction of the run, negative while it approaches the surface. For sliding, g stands for the one of its two
-guards that is looked at, `run.guard`. Lengths s along a step have the sign of the step.
+in the direction of the run, negative while it approaches the surface. Of a mode with several guards, g stands for the
+one that is looked at, `run.guard`. Lengths s along a step have the sign of the step.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -14,7 +14,6 @@ import math
 from typing import Any, NamedTuple
 
 from core.kernels.abi import (
-    BESIDE,
     EVALUATE,
     G_END,
     ORDER,
@@ -72,8 +71,8 @@ _MARGIN = 16.0
 class StepContext(NamedTuple):
     """Everything a step needs: the compiled functions, the guards, the run's record and frame, and scratch."""
 
-    functions: Any  # (modes + 1, functions) addresses, in the order of `abi.FUNCTIONS`
-    guards: Any  # (modes + 1,) `records.GUARD`
+    functions: Any  # (rows, functions) addresses, in the order of `abi.FUNCTIONS`
+    guards: Any  # (rows,) `records.GUARD`
     run: Any  # `records.RUN`
     p: Any
     w: Any  # frame; x, carry, increment, place are parts of it
@@ -90,7 +89,7 @@ class StepContext(NamedTuple):
 def try_step(context, t, s):
     """Try a step of length s; returns the height at its end, nan if the step fails."""
     run = context.run
-    count = call(context.functions[run.mode, STEP], t, s, context.p, context.w, context.scratch)
+    count = call(context.functions[run.row, STEP], t, s, context.p, context.w, context.scratch)
     if count < 0:
         return math.nan
     run.evaluations += count
@@ -101,7 +100,7 @@ def try_step(context, t, s):
 @inlined
 def height_at_end(context):
     """Height at the end of the last trial step."""
-    return context.run.sign * context.w[G_END + BESIDE * context.run.guard]
+    return context.run.sign * context.w[G_END + 2 * context.run.guard]
 
 
 @inlined
@@ -119,7 +118,7 @@ def state_rounding(context, t):
     """Bound on the change of g by rounding the state alone, at the end of the last trial step."""
     write_end(context)
     run = context.run
-    call(context.functions[run.mode + run.guard, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
+    call(context.functions[run.row + run.guard, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
     return context.w[ROUNDING_OF_STATE]
 
 
@@ -134,7 +133,7 @@ def g_rounding(context, t):
 def rate_at_end(context):
     """Rate at the end of the last trial step."""
     run = context.run
-    return math.copysign(1.0, run.tau) * run.sign * context.w[RATE_END + BESIDE * run.guard]
+    return math.copysign(1.0, run.tau) * run.sign * context.w[RATE_END + 2 * run.guard]
 
 
 @inlined
@@ -230,6 +229,10 @@ def locate_crossing(context, t, h, f_end, r_end):
     """
     run, nodes = context.run, context.nodes
     s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
+    if run.leaving == 1 and run.guards > 1:  # another guard may have been evaluated last
+        for i in range(context.x.size):
+            context.place[i] = context.x[i]
+        call(context.functions[run.row + run.guard, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
     # Rounding of g, and of rates over the step, as evaluated at the last crossing.
     rates = max(abs(context.w[RATES]), abs(context.w[RATES + 1]))
     noise = _MARGIN * (context.w[ROUNDING_OF_G] + _EPS * abs(h) * rates)
@@ -320,7 +323,7 @@ def isolate_root_of_series(context, h):
     """Isolate the first root of the Taylor polynomial of the height by `first_root`, in its own unit of time."""
     run, order, w = context.run, int(context.w[ORDER]), context.w
     if run.leaving == 1 and run.rate == 0.0:
-        context.scratch[context.x.size, 1] = 0.0  # at a fold the rate is zero, and not its rounding
+        context.scratch[context.x.size + run.guard, 1] = 0.0  # at a fold the rate is zero, and not its rounding
     return first_root(context.scratch[context.x.size + run.guard], order, h * w[PER_UNIT], run.leaving, context.pieces)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import DELAY, PROJECT, G, call
+from core.kernels.abi import DELAY, G_END, GUARDS, HEIGHT, KEPT, PROJECT, G, call
 from core.kernels.jit import inlined, internal
 from core.kernels.root_isolation import NONE as NO_ROOT
 from core.kernels.root_isolation import ROOT
@@ -32,16 +32,19 @@ from core.transition.event_location import (
     try_step,
     write_end,
 )
-from core.transition.plain_steps import end_beside, swap_guards
-from core.transition.records import NO_JUMP, SLIDING_MODE
+from core.transition.plain_steps import end_of_guard, look_at, update_other_guards
+from core.transition.records import NO_JUMP
 from core.transition.status import Status
 from core.transition.surface import accept_step, advance_time, contradicts, evaluate_switching, record_place
 from core.transition.switching import switch_mode
 
-__all__ = ["RUNNING", "advance"]
+__all__ = ["RUNNING", "advance", "end_at_once"]
 
 RUNNING = int(Status.RUNNING)
 _NO_CONVERGENCE, _ESCAPED, _CONTRADICTION = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CONTRADICTION)
+_ZENO = int(Status.ZENO)
+#: Most modes in a row that end where they are entered.
+_LONGEST_CHAIN = 16
 
 
 @inlined
@@ -62,7 +65,7 @@ def land(context, log, t):
         return False
     accept_step(context)
     if run.shift == 0.0:
-        call(context.functions[run.mode + run.guard, PROJECT], t + run.hit, 0.0, context.p, context.w, context.scratch)
+        call(context.functions[run.row + run.guard, PROJECT], t + run.hit, 0.0, context.p, context.w, context.scratch)
         run.hit += context.w[DELAY]
         if run.hit * math.copysign(1.0, run.tau) < 0.0:
             run.hit = 0.0  # a start on the surface is not moved back in time
@@ -71,7 +74,11 @@ def land(context, log, t):
         for i in range(x.size):
             place[i] = x[i]
         evaluate_switching(context, run.t)
-        if run.partly_defined == 1 and context.guards[run.mode].jump == NO_JUMP and run.sign * context.w[G] > 0.0:
+        if (
+            run.partly_defined == 1
+            and context.guards[run.row + run.guard].jump == NO_JUMP
+            and run.sign * context.w[G] > 0.0
+        ):
             reflect_across(context, run.t)
         record_place(context, log, 0)
     return True
@@ -79,29 +86,44 @@ def land(context, log, t):
 
 @inlined
 def step_over(context, log, t, h):
-    """Without a transition: accept the step, and switch modes at its end if g has changed sign."""
-    run, x, place = context.run, context.x, context.place
-    if run.mode == SLIDING_MODE and height_at_end(context) > 0.0:
-        if end_beside(run, context.w)[0] <= 0.0:
-            swap_guards(run)
-        else:
-            run.beside_height, run.beside_rate = end_beside(run, context.w)
+    """Without a transition: accept the step, and switch modes at its end if a guard has changed sign."""
+    run, x, w, place = context.run, context.x, context.w, context.place
+    look_at_first_passed(run, w)
     height, rate = height_at_end(context), rate_at_end(context)
     if height <= 0.0:  # the fields are compared where the chord of the step meets the surface
-        part = run.height / (run.height - height) if run.height > 0.0 else 0.0
+        part = chord_to_zero(run.height, height)
         for i in range(x.size):
             place[i] = x[i] + part * context.increment[i]
         record_place(context, log, 0)
         evaluate_switching(context, t + part * h)
+    else:
+        update_other_guards(run, w)
     accept_step(context)
     advance_time(run, h)
-    run.height, run.rate = height, rate
+    run.height, run.rate, run.chain = height, rate, 0
     if height > 0.0:
         run.leaving = 0
         return RUNNING
-    status = switch_mode(context, log, FOUND)
-    run.leaving, run.height = 0, run.sign * context.w[G]
-    return status
+    return switch_mode(context, log, FOUND)
+
+
+@inlined
+def chord_to_zero(height, end):
+    """Part of a step at which the chord between two heights, the second not positive, is zero."""
+    return height / (height - end) if height > 0.0 else 0.0
+
+
+@inlined
+def look_at_first_passed(run, w):
+    """Look at the guard that the chord of the step passes first, if any is not positive at its end."""
+    first, least = 0, math.inf
+    for k in range(run.guards):
+        kept = GUARDS + KEPT * k
+        height = run.height if k == run.guard else w[kept + HEIGHT]
+        end = run.sign * w[G_END + 2 * k] if k == run.guard else end_of_guard(run, w, k)[0]
+        if end <= 0.0 and chord_to_zero(height, end) < least:
+            first, least = k, chord_to_zero(height, end)
+    look_at(run, w, first)
 
 
 @inlined
@@ -135,52 +157,73 @@ def locate(context, t, h, kind, low, high):
 @inlined
 def end_step(context, t, h):
     """Accept a step of length h in which no crossing has been found."""
-    run = context.run
+    run, w = context.run, context.w
     if run.tried != h:  # the search has changed the increment
         try_step(context, t, h)
     height, rate = height_at_end(context), rate_at_end(context)
-    beside = math.inf
-    if run.mode == SLIDING_MODE:
-        run.beside_height, run.beside_rate = end_beside(run, context.w)
-        beside = run.beside_height
+    if run.guards > 1:
+        update_other_guards(run, w)
     accept_step(context)
     advance_time(run, h)
     run.height, run.rate = height, rate
     run.leaving = 0 if height > 0.0 else run.leaving
     run.longest = max(run.longest, abs(h))
-    if beside < 0.0:
-        swap_guards(run)
-        contradicted = contradicts(context, h)
-        swap_guards(run)
-        if contradicted:
-            return _CONTRADICTION
-    return _CONTRADICTION if height < 0.0 and contradicts(context, h) else RUNNING
+    run.chain = 0
+    contradicted = height < 0.0 and contradicts(context, h)
+    for k in range(1, run.guards):
+        if w[GUARDS + KEPT * k + HEIGHT] < 0.0:
+            look_at(run, w, k)
+            contradicted = contradicted or contradicts(context, h)
+            look_at(run, w, 0)
+    return _CONTRADICTION if contradicted else RUNNING
 
 
 @internal
 def compare_guards(context, t, found, length):
-    """Search for a zero of the second guard of sliding before that of the first, or in the length searched for it.
+    """Search for a zero of each other guard before the one found, or in the length searched.
 
-    Returns the result and the length searched; the guard looked at is that which has been found.
+    Returns the result and the length searched; the guard looked at is the one whose zero is the first.
     """
-    run = context.run
-    hit, until = run.hit, run.hit if found != NONE else length
-    swap_guards(run)
-    kind, low, high = NO_ROOT, 0.0, 0.0
-    if run.adaptive == 1:
-        kind, low, high = isolate_root_of_series(context, until)
-        if kind == ROOT and locate_near_root(context, t, low, high):
-            return FOUND, until
-    if not try_finite_step(context, t, until):
-        return FAILED, until
-    beside, shorter = locate(context, t, until, kind, low, high)
-    if beside != NONE:
-        return beside, shorter
-    swap_guards(run)
-    if shorter != until:
-        return NONE, shorter
+    run, w = context.run, context.w
+    searched, best, hit = run.guard, run.guard, run.hit
+    for k in range(run.guards):
+        if k == searched:
+            continue
+        look_at(run, w, k)
+        until = hit if found != NONE else length
+        kind, low, high = NO_ROOT, 0.0, 0.0
+        if run.adaptive == 1:
+            kind, low, high = isolate_root_of_series(context, until)
+            if kind == ROOT and locate_near_root(context, t, low, high):
+                found, best, hit = FOUND, k, run.hit
+                continue
+        if not try_finite_step(context, t, until):
+            return FAILED, until
+        result, shorter = locate(context, t, until, kind, low, high)
+        if result == FAILED:
+            return FAILED, shorter
+        if result != NONE:
+            found, best, hit, length = result, k, run.hit, shorter
+        elif shorter != until:
+            found, length = NONE, shorter
+    look_at(run, w, best if found != NONE else 0)
     run.hit = hit
     return found, length
+
+
+@inlined
+def end_at_once(context, log):
+    """End a mode that was entered beyond, or at, the zero of one of its guards and leads further."""
+    run = context.run
+    look_at(run, context.w, run.past - 1)
+    run.past, run.hit, run.chain = 0, 0.0, run.chain + 1
+    if run.chain > _LONGEST_CHAIN:
+        return _ZENO
+    for i in range(context.x.size):
+        context.place[i] = context.x[i]
+    evaluate_switching(context, run.t)
+    record_place(context, log, 0)
+    return switch_mode(context, log, FOUND)
 
 
 @inlined
@@ -205,7 +248,7 @@ def advance(context, log, h):
         return _ESCAPED
     if found == FAILED and run.follow == 1:
         found, length = locate_in_shorter_step(context, t, h)
-    if run.mode == SLIDING_MODE and found != FAILED:
+    if run.guards > 1 and found != FAILED:
         found, length = compare_guards(context, t, found, length)
     if found == NONE:
         run.rest = h - length if run.adaptive == 0 else 0.0
@@ -216,4 +259,5 @@ def advance(context, log, h):
         run.own = 0.0  # the height turns at the surface: its rate is zero
     run.rest = h - run.hit if run.adaptive == 0 else 0.0
     run.final = run.final if run.adaptive == 0 else 0
+    run.chain = 0
     return switch_mode(context, log, found)

@@ -1,6 +1,7 @@
 """Accept steps that end no mode, by the heights of its guards at both ends. Jitted; inlined into `time_loop`.
 
-Heights and rates are as in `event_location`. Most modes have one guard; sliding has two.
+Heights and rates are as in `event_location`. Of a mode with several guards the run's record holds the height and the
+rate of one, the guard looked at, and the frame those of the others (`abi.GUARDS`).
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -10,11 +11,10 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import BESIDE, G_END, RATE_END
+from core.kernels.abi import ENTERED, G_END, GUARDS, HEIGHT, KEPT, LEAVING, RATE, RATE_END, SIGN
 from core.kernels.jit import inlined, internal
-from core.transition.records import SLIDING_MODE
 
-__all__ = ["accept_plain_step", "end_beside", "swap_guards"]
+__all__ = ["accept_plain_step", "end_of_guard", "look_at", "set_guard", "take_guard", "update_other_guards"]
 
 
 @inlined
@@ -35,28 +35,65 @@ def accept_plain_step(run, h, w):
     height, rate, third = run.sign * w[G_END], along * (run.sign * w[RATE_END]), abs(h) / 3.0
     if not stays_above(run.height, run.rate, height, rate, third):
         return False
-    if run.mode == SLIDING_MODE:
-        height_beside, rate_beside = end_beside(run, w)
-        if not stays_above(run.beside_height, run.beside_rate, height_beside, rate_beside, third):
-            return False
-        run.beside_height, run.beside_rate = height_beside, rate_beside
+    if run.guards > 1 and not accept_at_other_guards(run, third, w):
+        return False
     run.height, run.rate, run.leaving = height, rate, 0
     return True
 
 
+@internal
+def accept_at_other_guards(run, third, w):
+    """As `accept_plain_step`, for the guards of a mode after the first."""
+    for k in range(1, run.guards):
+        kept = GUARDS + KEPT * k
+        height, rate = end_of_guard(run, w, k)
+        if not stays_above(w[kept + HEIGHT], w[kept + RATE], height, rate, third):
+            return False
+    update_other_guards(run, w)
+    return True
+
+
 @inlined
-def end_beside(run, w):
-    """Height and rate at the end of the last trial step of the second guard of sliding, while the first is looked at.
-
-    The guards are the rates of g with the fields of both sides, which have opposite signs.
-    """
-    along = math.copysign(1.0, run.tau)
-    return -run.sign * w[G_END + BESIDE], -along * (run.sign * w[RATE_END + BESIDE])
+def end_of_guard(run, w, k):
+    """Height and rate, at the end of the last trial step, of a guard that is not looked at."""
+    sign = w[GUARDS + KEPT * k + SIGN]
+    return sign * w[G_END + 2 * k], math.copysign(1.0, run.tau) * (sign * w[RATE_END + 2 * k])
 
 
 @inlined
-def swap_guards(run):
-    """Look at the other guard of sliding."""
-    run.guard, run.sign = 1 - run.guard, -run.sign
-    run.height, run.beside_height = run.beside_height, run.height
-    run.rate, run.beside_rate = run.beside_rate, run.rate
+def update_other_guards(run, w):
+    """Take the heights and rates at the end of the last trial step for all guards but the one looked at."""
+    for k in range(run.guards):
+        if k != run.guard:
+            kept = GUARDS + KEPT * k
+            w[kept + HEIGHT], w[kept + RATE] = end_of_guard(run, w, k)
+            if w[kept + HEIGHT] > 0.0:
+                w[kept + LEAVING] = 0.0
+
+
+@inlined
+def set_guard(w, k, sign, height, rate, leaving):
+    """Set what the frame keeps of a guard, as the mode is entered."""
+    kept = GUARDS + KEPT * k
+    w[kept + SIGN], w[kept + HEIGHT], w[kept + RATE] = sign, height, rate
+    w[kept + ENTERED], w[kept + LEAVING] = rate, leaving
+
+
+@internal
+def look_at(run, w, k):
+    """Look at another guard of the mode."""
+    if k == run.guard:
+        return
+    kept = GUARDS + KEPT * run.guard
+    w[kept + SIGN], w[kept + HEIGHT], w[kept + RATE] = run.sign, run.height, run.rate
+    w[kept + ENTERED], w[kept + LEAVING] = run.entered, run.leaving
+    take_guard(run, w, k)
+
+
+@inlined
+def take_guard(run, w, k):
+    """Take from the frame what it keeps of a guard."""
+    kept = GUARDS + KEPT * k
+    run.guard, run.sign = k, int(w[kept + SIGN])
+    run.height, run.rate = w[kept + HEIGHT], w[kept + RATE]
+    run.entered, run.leaving = w[kept + ENTERED], int(w[kept + LEAVING])

@@ -2,29 +2,28 @@
 
 import numpy as np
 
-from core.kernels.jit import inlined
+__all__ = ["GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN"]
 
-__all__ = [
-    "GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN", "SIDES_OF_MODES",
-    "SLIDING_MODE", "mode_of",
-]  # fmt: skip
-
-#: Side of each mode: 0 has g < 0, 1 has g > 0, 2 slides along g = 0. The last is that of `NO_MODE`, −1, too.
-SIDES_OF_MODES = np.array([-1, 1, 0])
-#: Number of the mode of sliding.
-SLIDING_MODE = 2
-#: Mode of a run that has not entered any yet, or that has stopped at the surface.
+#: Mode of a run that has not entered any yet, or that has stopped at a surface; row where there is no mode.
 NO_MODE = -1
 
 #: Jump of a guard: none; to a state whose mode is given by the sign of g there; or to a state on the surface.
 NO_JUMP, JUMP_ANYWHERE, JUMP_TO_SURFACE = 0, 1, 2
 
-#: The guard that ends a mode: its height is sign·guard, positive inside; where it is zero, a transition follows.
+#: A guard that ends a mode: its height is sign·guard, positive inside; where it is zero, a transition follows. The
+#: table has one row for each guard of each mode; a mode is entered by the row of its first guard.
 GUARD = np.dtype(
     [
+        ("mode", np.int64),  # mode that it ends
+        ("count", np.int64),  # number of guards of that mode
         ("sign", np.int64),
-        ("to", np.int64),  # mode on the other side of the surface, or to which sliding leaves
+        ("to", np.int64),  # row of the mode that follows; NO_MODE where none is declared
+        ("back", np.int64),  # guard of that mode that leads back; NO_MODE where the way is one-way
+        ("slide", np.int64),  # row of the mode of sliding between both; NO_MODE where there is none
+        ("turns", np.int64),  # 1: the sign turns with the direction of time, as of the rates that end sliding
+        ("slides", np.int64),  # 1: the mode slides
         ("jump", np.int64),  # one of the codes above
+        ("surface", np.int64),  # number of the surface; NO_MODE for a rate
     ],
     align=True,
 )
@@ -39,9 +38,9 @@ RUN = np.dtype(
         ("tau", np.float64),  # step size, negative where time runs back; infinite where the method chooses its steps
         ("rest", np.float64),  # length left of a step that a crossing has cut; 0 at the end of a step
         ("shift", np.float64),  # c·τᵖ added to every crossing time
-        ("height", np.float64),  # height of that guard at the current state, and its rate along the run
+        ("height", np.float64),  # height of the guard looked at, at the current state, and its rate along the run
         ("rate", np.float64),
-        ("entered", np.float64),  # rate with which the mode was entered
+        ("entered", np.float64),  # rate with which the mode was entered there
         ("own", np.float64),  # rate at the surface into the mode occupied; `other`: into the one on the other side
         ("other", np.float64),
         ("hit", np.float64),  # length from the start of the step to the surface
@@ -52,16 +51,24 @@ RUN = np.dtype(
         ("gap", np.float64),  # time between the last two crossings
         ("shrinking", np.int64),  # how many gaps in a row have shrunk
         ("final", np.int64),  # 1: the step ends at t_end
-        ("beside_height", np.float64),  # height and rate of the second guard of sliding
-        ("beside_rate", np.float64),
         ("mode", np.int64),  # carried, never read from the sign of g after a crossing; NO_MODE before the first step
-        ("guard", np.int64),  # number of the guard looked at: 1 while the second guard of sliding is, else 0
+        ("row", np.int64),  # row of its first guard
+        ("guards", np.int64),  # number of its guards
+        ("sliding", np.int64),  # 1 while the mode slides
+        ("guard", np.int64),  # number of the guard looked at, 0 between steps; of the others the frame keeps the same
         ("sign", np.int64),  # sign of that guard of the mode occupied
+        ("leaving", np.int64),  # 1 while that guard has not yet taken its sign, since the mode was entered there
         ("first_mode", np.int64),  # in which the run begins; NO_MODE until that is known
-        ("leaving", np.int64),  # 1 while g has not yet taken the sign of the mode
         ("follow", np.int64),  # 1: Mannshardt's transition; 0: step over the surface
         ("slides", np.int64),  # 1: where both fields point to the surface, the run slides along it; 0: it stops there
-        ("pending", np.int64),  # 1: the mode of sliding is to be entered before the next step
+        ("pending", np.int64),  # 1: the mode is to be entered, as soon as it is compiled, before the next step
+        ("at", np.int64),  # bits of the guards at whose zeros it is entered
+        ("jumped", np.int64),  # 1: it is entered by a jump, so that it depends on the signs of all guards
+        (
+            "past",
+            np.int64,
+        ),  # number + 1 of a guard beyond whose zero the mode is entered, which ends it at once; or 0
+        ("chain", np.int64),  # number of modes in a row that ended where they were entered
         ("adaptive", np.int64),  # 1: a variable-step method
         ("conservative", np.int64),  # 1: the method holds ψ at its level
         ("monitored", np.int64),  # number of ψ whose level residual is recorded in the envelope
@@ -92,12 +99,7 @@ HIT = np.dtype(
         ("rate_after", np.float64),
         ("mode", np.int64),  # mode entered; NO_MODE if the run stopped here
         ("kind", np.int64),
+        ("surface", np.int64),  # number of the surface met; NO_MODE where sliding ends by itself
     ],
     align=True,
 )
-
-
-@inlined
-def mode_of(side):  # type: ignore[no-untyped-def]
-    """Number of the mode on a side of the surface."""
-    return 1 if side > 0 else 0

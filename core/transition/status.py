@@ -23,6 +23,8 @@ class Status(IntEnum):
     CANCELLED = 10
     CONTRADICTION = 11
     UNSTABLE = 12
+    CORNER = 13
+    UNDECLARED = 14
 
     @property
     def reason(self) -> str:
@@ -86,11 +88,20 @@ _WORDS = {
         "the step is too long for this field: the numerical solution departs from the exact one",
         "Take a smaller step size, or a method that chooses its steps (taylor).",
     ),
+    Status.CORNER: (
+        "two surfaces are met at the same instant, and the laws around do not all lead the same way out",
+        "Change the initial condition or a parameter slightly, so that one surface is met before the other.",
+    ),
+    Status.UNDECLARED: (
+        "the trajectory enters a region for which no law is declared",
+        "Declare the law of that region (regions), or end the run before.",
+    ),
 }
 
 _WHILE_SLIDING = {
     Status.GRAZING: "sliding ends where the rates do not tell where the solution leads: both fields turn at once, or "
     "one turns infinitely slowly, or back again",
+    Status.CORNER: "sliding along one surface reaches another one; no law is given for sliding along both",
 }
 
 _WITHOUT_TAU = {
@@ -102,4 +113,4 @@ _WITHOUT_TAU = {
 }
 
 #: Names of the kinds of crossing, in the order of the compiled codes.
-CROSSING_KINDS = ("transversal", "grazing", "sliding", "repelling", "jump", "leaving")
+CROSSING_KINDS = ("transversal", "grazing", "sliding", "repelling", "jump", "leaving", "corner")

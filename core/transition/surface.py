@@ -14,10 +14,11 @@ from typing import Any, NamedTuple
 from core.kernels.abi import EVALUATE, LEVEL_RESIDUAL, RATES, ROUNDING_OF_G, G, call
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import inlined, internal
+from core.transition.plain_steps import look_at
 
 __all__ = [
     "MARGIN", "Log", "accept_step", "advance_time", "contradicts", "evaluate_g", "evaluate_rates", "evaluate_switching",
-    "is_contradicted", "is_on_surface", "record_place", "widen_envelope",
+    "guards_contradict", "is_contradicted", "is_on_surface", "record_place", "widen_envelope",
 ]  # fmt: skip
 
 _EPS = 2.0**-52
@@ -51,7 +52,7 @@ def advance_time(run, h):
 def evaluate_g(context, t):
     """Evaluate g at `place`."""
     run = context.run
-    call(context.functions[run.mode + run.guard, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
+    call(context.functions[run.row + run.guard, EVALUATE], t, 0.0, context.p, context.w, context.scratch)
     return context.w[G]
 
 
@@ -59,7 +60,7 @@ def evaluate_g(context, t):
 def evaluate_rates(context, row, t):
     """Rates at `place` with which the fields lead into g < 0 and into g > 0; writes g to w[G].
 
-    `row` is the mode; or, of a guard of sliding, its row: it takes the place of g.
+    `row` is that of the guard, which takes the place of g.
     """
     w, along = context.w, math.copysign(1.0, context.run.tau)
     call(context.functions[row, EVALUATE], t, 0.0, context.p, w, context.scratch)
@@ -70,7 +71,7 @@ def evaluate_rates(context, row, t):
 def evaluate_switching(context, t):
     """Write the rates at `place` into the mode occupied and the other one to run.own and run.other, and g to w[G]."""
     run = context.run
-    into_minus, into_plus = evaluate_rates(context, run.mode + run.guard, t)
+    into_minus, into_plus = evaluate_rates(context, run.row + run.guard, t)
     run.own, run.other = (into_plus, into_minus) if run.sign > 0 else (into_minus, into_plus)
 
 
@@ -85,7 +86,7 @@ def record_place(context, log, which):
 def widen_envelope(context, log):
     """Widen the envelope at this time by the level residual."""
     run, residual, envelope = context.run, log.residual, log.envelope
-    call(context.functions[run.mode, LEVEL_RESIDUAL], run.t, 0.0, context.p, context.w, context.scratch)
+    call(context.functions[run.row, LEVEL_RESIDUAL], run.t, 0.0, context.p, context.w, context.scratch)
     columns = envelope.shape[0]
     column = min(int(columns * ((run.t - run.t_start) / (run.t_end - run.t_start))), columns - 1)
     for j in range(residual.size):
@@ -99,6 +100,18 @@ def widen_envelope(context, log):
 def is_on_surface(context):
     """Whether g, as evaluated last, is zero within rounding."""
     return abs(context.w[G]) <= MARGIN * context.w[ROUNDING_OF_G]
+
+
+@internal
+def guards_contradict(context, h):
+    """Whether the state contradicts any guard of the mode: see `contradicts`."""
+    run = context.run
+    found = contradicts(context, h)
+    for k in range(1, run.guards):
+        look_at(run, context.w, k)
+        found = found or contradicts(context, h)
+    look_at(run, context.w, 0)
+    return found
 
 
 @internal

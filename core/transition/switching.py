@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import JUMP, ROUNDING_OF_G, G, call
+from core.kernels.abi import EVALUATE, JUMP, ROUNDING_OF_G, G, call
 from core.kernels.jit import inlined, internal
-from core.transition.entering import enter_mode
+from core.transition.entering import begin_mode, enter_mode, set_mode
 from core.transition.event_location import TOUCH
-from core.transition.plain_steps import swap_guards
-from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE, SLIDING_MODE
+from core.transition.plain_steps import look_at
+from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE
 from core.transition.status import CROSSING_KINDS, Status
 from core.transition.surface import (
     MARGIN,
@@ -32,8 +32,9 @@ __all__ = ["switch_mode"]
 _RUNNING, _SLIDING, _REPELLING = int(Status.RUNNING), int(Status.SLIDING), int(Status.REPELLING)
 _GRAZING, _ZENO, _UNSTABLE = int(Status.GRAZING), int(Status.ZENO), int(Status.UNSTABLE)
 _CROSSING_LIMIT = int(Status.CROSSING_LIMIT)
+_CORNER, _UNDECLARED = int(Status.CORNER), int(Status.UNDECLARED)
 (
-    _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND, _LEAVING_KIND,
+    _TRANSVERSAL_KIND, _GRAZING_KIND, _SLIDING_KIND, _REPELLING_KIND, _JUMP_KIND, _LEAVING_KIND, _CORNER_KIND,
 ) = range(len(CROSSING_KINDS))  # fmt: skip
 
 _EPS = 2.0**-52
@@ -67,8 +68,12 @@ def is_met_against_the_field(context, found, own):
 
 
 @inlined
-def classify(run):
+def classify(run, guard):
     """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
+    if guard.back == NO_MODE:  # a one-way guard, or no law beyond
+        if run.own < 0.0 or run.follow == 0:
+            return _RUNNING if guard.to != NO_MODE else _UNDECLARED, _TRANSVERSAL_KIND
+        return _GRAZING, _GRAZING_KIND
     if run.own < 0.0 and run.other < 0.0:
         return _SLIDING, _SLIDING_KIND
     if run.own < 0.0 < run.other or run.follow == 0:  # without a transition the place is too inaccurate to tell a touch
@@ -77,30 +82,55 @@ def classify(run):
 
 
 @internal
+def is_at_corner(context):
+    """Whether the state, where switching has just been evaluated, is within rounding of another surface, too."""
+    run, w = context.run, context.w
+    here, found = run.guard, False
+    for k in range(run.guards):
+        if k != here and context.guards[run.row + k].turns == 0:
+            call(context.functions[run.row + k, EVALUATE], run.t, 0.0, context.p, w, context.scratch)
+            found = found or abs(w[G]) <= MARGIN * w[ROUNDING_OF_G]
+    own, other = run.own, run.other
+    evaluate_switching(context, run.t)
+    run.own, run.other = own, other
+    return found
+
+
+@internal
 def jump(context):
-    """Jump, and find where the fields lead from there: status, kind, mode entered, and the rate into it.
+    """Jump, and find where the fields lead from there: status, kind, row of the mode entered, and the rate into it.
 
     If the declared jump leads from the surface to the surface and the run has landed on it, the sign of g after the
-    jump is round-off, and the fields decide. Otherwise the sign of g decides, unless g is within rounding of zero.
+    jump is round-off, and the fields decide. Otherwise the sign of g decides, unless g is within rounding of zero. A
+    one-way guard leads to its mode from wherever the jump has led.
     """
     run, x, w = context.run, context.x, context.w
-    guard = context.guards[run.mode]
-    call(context.functions[run.mode, JUMP], run.t, 0.0, context.p, w, context.scratch)
+    row = run.row + run.guard
+    guard, here = context.guards[row], run.row
+    call(context.functions[row, JUMP], run.t, 0.0, context.p, w, context.scratch)
     for i in range(x.size):
         x[i], context.carry[i] = context.place[i], 0.0
-    into_minus, into_plus = evaluate_rates(context, run.mode, run.t)
-    minus, plus = (guard.to, run.mode) if run.sign > 0 else (run.mode, guard.to)
+    into_minus, into_plus = evaluate_rates(context, row, run.t)
     landed = run.follow == 1 and run.shift == 0.0
     run.leaving = 1 if (landed and guard.jump == JUMP_TO_SURFACE) or is_on_surface(context) else 0
+    if guard.to == NO_MODE:  # a wall: no law is declared beyond
+        into_here = into_plus if run.sign > 0 else into_minus
+        if run.leaving == 0:
+            return (_RUNNING if run.sign * w[G] > 0.0 else _UNDECLARED), _JUMP_KIND, here, into_here
+        return (_RUNNING, _JUMP_KIND, here, into_here) if into_here > 0.0 else (_SLIDING, _SLIDING_KIND, here, 0.0)
+    if guard.back == NO_MODE:
+        run.leaving = 0
+        return _RUNNING, _JUMP_KIND, guard.to, 0.0
+    minus, plus = (guard.to, here) if run.sign > 0 else (here, guard.to)
     if run.leaving == 0:
         return (_RUNNING, _JUMP_KIND, plus, into_plus) if w[G] > 0.0 else (_RUNNING, _JUMP_KIND, minus, into_minus)
     if into_minus > 0.0 and into_plus > 0.0:
-        return _REPELLING, _REPELLING_KIND, run.mode, 0.0
+        return _REPELLING, _REPELLING_KIND, here, 0.0
     if into_plus > 0.0:
         return _RUNNING, _JUMP_KIND, plus, into_plus
     if into_minus > 0.0:
         return _RUNNING, _JUMP_KIND, minus, into_minus
-    return _SLIDING, _SLIDING_KIND, run.mode, 0.0
+    return _SLIDING, _SLIDING_KIND, here, 0.0
 
 
 @inlined
@@ -117,7 +147,7 @@ def is_lost_in_rounding(context, found, own, rate):
     rounding of g neither place nor rates are known, so that where a touch leads is undetermined.
     """
     run = context.run
-    if context.guards[run.mode].jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
+    if context.guards[run.row + run.guard].jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
         return False
     return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * context.w[ROUNDING_OF_G]
 
@@ -139,17 +169,18 @@ def accumulates(run):
 def switch_mode(context, log, found):
     """At the surface: jump, classify, record the crossing, and enter the next mode."""
     run, x = context.run, context.x
-    if run.mode == SLIDING_MODE:
+    if run.sliding == 1:
         return leave_sliding(context, log, found)
     hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
-    guard = context.guards[run.mode]
-    hit.t = run.t
+    here, guard = run.row, context.guards[run.row + run.guard]
+    hit.t, hit.surface = run.t, guard.surface
     hit.rate_before, hit.rate_after = along * run.sign * run.own, -along * run.sign * run.other
     own, other = run.own, run.other
     if run.shift != 0.0 or run.follow == 0:  # the state is not where the surface was met
         for i in range(x.size):
             context.place[i] = x[i]
         evaluate_switching(context, run.t)
+    corner = run.guards > 1 and run.follow == 1 and run.shift == 0.0 and is_at_corner(context)
     hit.g, rate = context.w[G], run.other
     run.own, run.other = own, other
     record_place(context, log, 1)
@@ -157,34 +188,38 @@ def switch_mode(context, log, found):
         widen_envelope(context, log)
     against = is_met_against_the_field(context, found, own)
     run.leaving = 1
-    if guard.jump != NO_JUMP:
-        status, kind, mode, rate = jump(context)
+    row, at = guard.to, 0 if guard.back == NO_MODE else 1 << guard.back
+    if corner:
+        status, kind = _CORNER, _CORNER_KIND
+    elif guard.jump != NO_JUMP:
+        status, kind, row, rate = jump(context)
         if status == _RUNNING and run.leaving == 1 and is_lost_in_rounding(context, found, own, rate):
             status = _ZENO if run.shrinking >= _COMING and elapsed(run) < run.gap else _GRAZING
             kind = _GRAZING_KIND
         elif status == _RUNNING and against:
             status, kind = _UNSTABLE, _GRAZING_KIND
-        hit.rate_after = along * context.guards[mode].sign * rate
+        at = 0 if run.leaving == 0 else 1 << run.guard if row == here else at
+        hit.rate_after = along * (-run.sign if row == guard.to else run.sign) * rate
     else:
-        status, kind = classify(run)
+        status, kind = classify(run, guard)
         status = _UNSTABLE if status == _GRAZING and against else status
-        mode = guard.to
-        if status == _SLIDING and run.slides == 1:
-            status, mode = _RUNNING, SLIDING_MODE
-    leaving = run.leaving
+        if status == _SLIDING and run.slides == 1 and guard.slide != NO_MODE:
+            status, row, at, rate = _RUNNING, guard.slide, 0, math.nan
     record_place(context, log, 2)
-    record_crossing(run, hit, kind, mode, status)
+    jumped = run.leaving == 0 or guard.jump != NO_JUMP
+    record_crossing(run, hit, kind, context.guards[max(row, 0)].mode, status)
     if status != _RUNNING:
         return status
-    if mode == SLIDING_MODE:
-        run.mode, run.pending = mode, 1
-    else:
-        enter_mode(context, mode, rate)
-        if leaving == 0:  # it has jumped off the surface
-            run.height, run.leaving = run.sign * context.w[G], 0
-        elif is_contradicted(context, run.hit):  # the step is so stiff that its rounding hides the surface
+    sign, leaving = run.sign, run.leaving
+    set_mode(context, row, at, rate if at > 0 else math.nan)
+    run.jumped = 1 if jumped else 0
+    if leaving == 1 and at > 0 and guard.back != NO_MODE:  # one that has jumped off the surface contradicts nothing
+        run.sign = sign if row == here else -sign
+        if is_contradicted(context, run.hit):  # the step is so stiff that its rounding hides the surface
             return _UNSTABLE
-    return limit_crossings(run)
+    status = begin_mode(context)
+    hit.mode = run.mode if status == _RUNNING else NO_MODE  # a jump may have led beyond other surfaces
+    return limit_crossings(run) if status == _RUNNING else status
 
 
 @internal
@@ -192,34 +227,41 @@ def leave_sliding(context, log, found):
     """Where sliding ends: find the field that has turned, record the crossing, and enter the mode of its side.
 
     Its rate, a guard, vanishes there, as at a fold. If both rates vanish to round-off, or the one that does so does not
-    change its sign, or only as a power of the time, the rates do not tell where the solution leads.
+    change its sign, or only as a power of the time, the rates do not tell where the solution leads. Where another
+    surface is reached, no field is given along both.
     """
     run, x, w = context.run, context.x, context.w
+    guard, guard_left = context.guards[run.row + run.guard], run.guard
     known = run.follow == 1 and run.height > MARGIN * w[ROUNDING_OF_G]
     flat = known and -run.own * abs(run.hit - run.shift) <= _FLAT * run.height
     hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)
     for i in range(x.size):
         context.place[i] = x[i]
-    mode = context.guards[SLIDING_MODE + run.guard].to
-    swap_guards(run)
-    evaluate_switching(context, run.t)
-    attracts = run.sign * w[G] > MARGIN * w[ROUNDING_OF_G]
-    swap_guards(run)
-    into_minus, into_plus = evaluate_rates(context, 0, run.t)
-    rate = into_minus if mode == 0 else into_plus
-    hit.t, hit.g = run.t, w[G]
-    hit.rate_before, hit.rate_after = 0.0, along * context.guards[mode].sign * rate
+    hit.t, hit.surface = run.t, guard.surface
     record_place(context, log, 1)
     record_place(context, log, 2)
     if run.monitored > 0:
         widen_envelope(context, log)
+    if guard.turns == 0 or (run.guards > 2 and is_at_corner(context)):
+        evaluate_switching(context, run.t)
+        hit.g, hit.rate_before, hit.rate_after = w[G], along * run.sign * run.own, 0.0
+        record_crossing(run, hit, _CORNER_KIND, NO_MODE, _CORNER)
+        return _CORNER
+    look_at(run, w, 1 - guard_left)
+    evaluate_switching(context, run.t)
+    attracts = run.sign * w[G] > MARGIN * w[ROUNDING_OF_G]
+    look_at(run, w, guard_left)
+    into_minus, into_plus = evaluate_rates(context, guard.to + guard.back, run.t)
+    rate = into_minus if guard_left == 0 else into_plus
+    hit.g = w[G]
+    hit.rate_before, hit.rate_after = 0.0, along * (-rate if guard_left == 0 else rate)
     tangent = found == TOUCH or flat or not attracts
     status = _GRAZING if tangent else _RUNNING
-    record_crossing(run, hit, _GRAZING_KIND if tangent else _LEAVING_KIND, mode, status)
+    record_crossing(run, hit, _GRAZING_KIND if tangent else _LEAVING_KIND, context.guards[guard.to].mode, status)
     if status != _RUNNING:
         return status
-    enter_mode(context, mode, 0.0 if run.shift == 0.0 and run.follow == 1 else rate)
-    return limit_crossings(run)
+    status = enter_mode(context, guard.to, 1 << guard.back, 0.0 if run.shift == 0.0 and run.follow == 1 else rate)
+    return limit_crossings(run) if status == _RUNNING else status
 
 
 @inlined

@@ -218,7 +218,7 @@ class _Check:
         read = {p.name: p.bounds for p in self.parameters}
         bounds = tuple(read.get(name) for name in names)
         texts = {name: self.items[name] for name in _EXPRESSIONS}
-        return Declaration(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
+        return Declaration.of_sides(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
 
     def check_declaration(self) -> None:
         """Complain about the declaration, in the fields that could be read."""
@@ -261,7 +261,10 @@ class _Check:
         """Return a finding on each given quantity of a side; if none is given, on those found symbolically."""
         word = SIDES[side]
         if self.items[f"psi_{word}"]:
-            return tuple(self.finding(word, k, verdict) for k, verdict in enumerate(self.declaration.verdicts[side]))
+            return tuple(
+                self.finding(word, k, verdict)
+                for k, verdict in enumerate(self.declaration.verdicts["-" if side < 0 else "+"])
+            )
         found = () if system is None else system.laws.modes[side].conserved
         words = f"Found automatically, since the divergence of f{_SIGNS[word][0]} is 0:"
         none = Finding(_without_quantity(word, system), False)
@@ -279,7 +282,7 @@ class _Check:
 
     def build(self) -> core.PiecewiseSystem | None:
         """Return the system, or None after a complaint if it is refused or cannot start."""
-        texts: dict[str, Any] = {name: self.items[name] for name in _EXPRESSIONS} | {"g": self.declaration.g[0]}
+        texts: dict[str, Any] = {name: self.items[name] for name in _EXPRESSIONS} | {"g": self.declaration.surfaces[0]}
         names = {"name": self.texts["name"].strip(), "variables": self.variables, "parameters": self.parameters}
         field = "system"
         try:

@@ -41,9 +41,9 @@ def texts_of(system, method):
         yield project_to_surface_text(laws, side, method.conservative)
         if method.adaptive:
             yield prepare_step_text(laws, side)
-    yield evaluate_switching_text(laws, tuple(laws.modes.values()))
-    yield from (evaluate_switching_text(laws, [laws.sliding], number) for number in (0, 1))
-    yield jump_text(laws)
+    yield evaluate_switching_text(laws, laws.g, laws.regions)
+    yield from (evaluate_switching_text(laws, guard, [laws.sliding]) for guard in laws.sliding.guards[:2])
+    yield jump_text(laws, laws.jump or laws.x)
 
 
 def unknown_names(text):
@@ -97,7 +97,7 @@ def drawn_declaration(rng, depth):
 )
 def test_a_surface_with_exponentials_is_written(g):
     laws = core.PiecewiseSystem("g", ("x",), ("1",), ("2",), g, parameters=PARAMETERS).laws
-    assert not unknown_names(evaluate_switching_text(laws, tuple(laws.modes.values())))
+    assert not unknown_names(evaluate_switching_text(laws, laws.g, laws.regions))
 
 
 def test_whatever_is_declared_is_written_for_every_method_in_names_that_are_known(draws):

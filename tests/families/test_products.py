@@ -38,7 +38,7 @@ def _drawn(rng: np.random.Generator) -> str:
 
 def _computed(text: str) -> np.ndarray:
     """Coefficients of g = text while (x, y) turns on the unit circle."""
-    laws = Declaration(("x", "y"), (), (), ("y", "-x"), ("y", "-x"), (text,)).laws
+    laws = Declaration.of_sides(("x", "y"), (), (), ("y", "-x"), ("y", "-x"), (text,)).laws
     code = series_code(laws, laws.modes[1])
     lines = [f"order = int(w[{ORDER_SLOT}])", f"c = carray(scratch, ({code.rows}, {ORDER + 1}))", "shrink = 1.0"]
     module = _load(module_text([function_text("series", [*lines, *code.lines, f"w[{UNIT}] = unit", "return 0"])]))

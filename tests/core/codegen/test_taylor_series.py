@@ -21,7 +21,7 @@ from core.compilation.compiled import _load
 from core.kernels.abi import ORDER as ORDER_SLOT
 from core.kernels.abi import UNIT, Frame
 from core.symbolic.expressions import parse
-from core.symbolic.laws import Laws
+from core.symbolic.laws import Laws, RegionLaw, Way
 from tests.core.exact import EPS
 from tests.core.frames import pointer
 
@@ -35,7 +35,8 @@ def laws_of(variables: str, field: tuple[str, ...], g: str, parameters: str = ""
     names = (*variables, *parameters)
     x, p = (tuple(map(sympy.Symbol, letters)) for letters in (variables, parameters))
     f = tuple(parse(text, names, "f") for text in field)
-    return Laws(x, p, parse(g, names, "g"), (f, f), ((), ()), None)
+    sides = (RegionLaw(name, (sign,), f, (), (Way(0, sign, to),)) for name, sign, to in (("-", -1, 1), ("+", 1, 0)))
+    return Laws(x, p, (parse(g, names, "g"),), tuple(sides))
 
 
 @lru_cache(maxsize=64)

@@ -26,7 +26,7 @@ def test_levels_of_psi_are_exact_to_double_double_after_a_thousand_crossings(met
     run.advance(1000.0, keep_hits=False)
     assert run.crossing_count > 1000
     with mp.workdps(40):
-        exact = mp.mpf(0) if run.side > 0 else 2 * mp.cos(4 * mp.pi / 7)
+        exact = mp.mpf(0) if run.mode == 1 else 2 * mp.cos(4 * mp.pi / 7)
         (level,) = levels(run)
         # Every landing rounds at 2⁻¹⁰⁶ or so of terms up to 3.
         assert abs(level - exact) <= run.crossing_count * 8 * mp.mpf(2) ** -106 * 3

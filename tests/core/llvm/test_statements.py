@@ -117,7 +117,7 @@ def test_jitted_functions_come_out_to_the_same_bits_as_by_numba(name, draws):
 def test_steps_come_out_to_the_same_bits_as_by_numba(name, method, draws):
     system = core.CATALOGUE[name]
     frame = Frame(system.dimension, 1)
-    text = next(text for side, text in _texts(system.laws, METHODS[method], False) if side == 1)
+    text = next(text for rows, text in _texts(system.laws, METHODS[method], False, (0, 1)) if rows == [1])
     numba_text = text.replace("@native", "@cfunc(CALL, error_model='numpy')").replace(
         "from core.llvm.native import native", "from numba import cfunc\nfrom core.kernels.abi import CALL"
     )

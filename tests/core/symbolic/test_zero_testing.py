@@ -81,8 +81,8 @@ def test_what_vanishes_in_a_part_only_is_not_zero_and_a_place_is_shown_where_it_
     ("domain", "expected"),
     [
         (Domain(), "x > 0"),
-        (Domain(positive=-X - 5), None),  # zero nowhere
-        (Domain(positive=Y - X), "x > 0"),
+        (Domain(positive=(-X - 5,)), None),  # zero nowhere
+        (Domain(positive=(Y - X,)), "x > 0"),
         (Domain(defined=(sympy.sqrt(2 - X),)), "x > 0"),
     ],
 )
@@ -93,15 +93,15 @@ def test_the_part_in_which_it_vanishes_is_said(domain: Domain, expected: str | N
     assert found.partly == (expected is not None)
 
 
-@pytest.mark.parametrize("domain", [Domain(positive=X), Domain(defined=(sympy.log(X),)), Domain({X: (0.0, 9.0)})])
+@pytest.mark.parametrize("domain", [Domain(positive=(X,)), Domain(defined=(sympy.log(X),)), Domain({X: (0.0, 9.0)})])
 def test_what_vanishes_all_over_the_domain_is_zero_there(domain: Domain) -> None:
     assert is_zero(sympy.sqrt(X**2) - X, domain)
     assert counterexample(sympy.sqrt(X**2) - X, domain) is None
 
 
 def test_values_are_found_where_there_are_any() -> None:
-    assert has_values((sympy.log(X),), Domain(positive=Y))
-    assert not has_values((sympy.log(X),), Domain(positive=-X))
+    assert has_values((sympy.log(X),), Domain(positive=(Y,)))
+    assert not has_values((sympy.log(X),), Domain(positive=(-X,)))
     assert has_values((sympy.sqrt(X - 300),))
     assert not has_values((sympy.sqrt(-1 - X**2),))
 

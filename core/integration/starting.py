@@ -1,0 +1,151 @@
+"""Where a run begins: the region of its initial value, and the regions into which the fields lead from a surface."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import sympy
+
+from core.codegen.printing import magnitude
+from core.codegen.rounding import rounding_bound
+from core.kernels.arrays import Floats
+from core.symbolic.laws import Laws
+from core.system import PiecewiseSystem
+
+__all__ = ["Place", "first_place", "regions_entered", "surfaces_met", "way_out"]
+
+_EPS = 2.0**-52
+_MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
+
+
+class Place(NamedTuple):
+    """Where a state lies among the surfaces."""
+
+    region: int | None
+    """Number of a region in which, or at the boundary of which, it lies; None where none is declared."""
+    guard: int = 0
+    """Guard of that region at which it lies; 0 if it lies at none."""
+    corner: tuple[int, ...] = ()
+    """Numbers of the surfaces on which it lies, if more than one."""
+
+
+def first_place(system: PiecewiseSystem, t: float, x: Floats) -> Place:
+    """Find the region of an initial value.
+
+    Where regions have names, it is the first of which all guards are positive or zero.
+    """
+    laws = system.laws
+    value, bound = _values(system, t, x)
+    zero = np.abs(value) <= _EPS * bound
+    if laws.regions[0].sides:
+        met = np.flatnonzero(zero)
+        inside = [k for k, mode in enumerate(laws.regions) if ((np.array(mode.sides) * value > 0) | zero).all()]
+        if len(met) > 1:
+            return Place(inside[0] if inside else None, corner=tuple(met.tolist()))
+        return Place(inside[0], int(met[0]) if len(met) else 0) if inside else Place(None)
+    for k, ways in enumerate(laws.ways):
+        heights = [way.sign * value[way.surface] for way in ways]
+        if all(h > 0 or zero[way.surface] for h, way in zip(heights, ways, strict=True)):
+            return Place(k, next((n for n, way in enumerate(ways) if zero[way.surface]), 0))
+    return Place(None)
+
+
+def _values(system: PiecewiseSystem, t: float, x: Floats) -> tuple[Floats, Floats]:
+    """All switching functions at a state, and for each the size of which rounding the state changes it by eps."""
+    laws = system.laws
+    sizes = [sympy.Add(*(sympy.Abs(u.diff(v) * v) for v in laws.x)) for u in laws.surfaces]
+    both = laws.numbers("surfaces", (*laws.surfaces, *sizes), t, x.tolist(), system.parameter_array)
+    return both[: len(sizes)], both[len(sizes) :]
+
+
+def surfaces_met(system: PiecewiseSystem, t: float, x: Floats) -> tuple[int, ...]:
+    """Numbers of the surfaces on which a state lies, to rounding of the switching functions."""
+    laws = system.laws
+    bounds = [rounding_bound(u).replace(magnitude, sympy.Abs) for u in laws.surfaces]
+    both = laws.numbers("roundings", (*laws.surfaces, *bounds), t, x.tolist(), system.parameter_array)
+    met = np.abs(both[: len(bounds)]) <= _MARGIN * _EPS * both[len(bounds) :]
+    return tuple(np.flatnonzero(met).tolist())
+
+
+def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, ...], direction: float) -> int | None:
+    """Region into which every field around a corner leads, out of the point at which several surfaces meet.
+
+    Parameters
+    ----------
+    t, x
+        Time and state (d,) of the corner.
+    surfaces
+        Numbers of the surfaces that meet there.
+    direction
+        Positive where time runs on, negative where it runs back.
+
+    Returns
+    -------
+    int or None
+        None where the fields of the regions around do not all lead to the same declared region.
+    """
+    laws = system.laws
+    value, _ = _values(system, t, x)
+    found: set[tuple[int, ...]] = set()
+    numbers = {mode.sides: k for k, mode in enumerate(laws.regions)}
+    for signs in product((-1, 1), repeat=len(surfaces)):
+        sides = np.sign(value).astype(int)
+        sides[list(surfaces)] = signs
+        region = numbers.get(tuple(sides.tolist()))
+        if region is not None:
+            rates = [_rate(system, region, surface, t, x) * direction for surface in surfaces]
+            sides[list(surfaces)] = np.sign(rates).astype(int)
+            found.add(tuple(sides.tolist()))
+    return numbers.get(found.pop()) if len(found) == 1 else None
+
+
+def _rate(system: PiecewiseSystem, region: int, surface: int, t: float, x: Floats) -> float:
+    """Rate of a switching function with the field of a region; 0 where it is within rounding of that."""
+    rate = system.laws.regions[region].rate_of(system.laws.surfaces[surface])
+    wanted = (rate, rounding_bound(rate).replace(magnitude, sympy.Abs))
+    value, doubt = system.laws.numbers(("rate", region, surface), wanted, t, x.tolist(), system.parameter_array)
+    return float(value) if abs(value) > _MARGIN * _EPS * doubt else 0.0
+
+
+def regions_entered(
+    system: PiecewiseSystem, region: int, guard: int, t: float, x: Floats, direction: float
+) -> list[tuple[int, int]]:
+    """Regions on both sides of a surface into which the solutions from a point on it may lead.
+
+    A field leads into its region if the rate of g along the run has the sign of that side, or, at a fold, where the
+    rate vanishes, the second derivative of g has (Filippov, Differential Equations with Discontinuous Righthand Sides,
+    §19).
+
+    Parameters
+    ----------
+    region, guard
+        Region on one side, and its guard at which the point lies.
+    t, x
+        Time and state (d,), with g(t, x) = 0.
+    direction
+        Positive where time runs on, negative where it runs back.
+
+    Returns
+    -------
+    list of (region, guard)
+        One side, both (the solution is not unique), or neither; with the guard at which the point lies.
+    """
+    way = system.laws.ways[region][guard]
+    sides = [(region, guard)]
+    if way.to is not None and way.back is not None:
+        sides.append((way.to, way.back))
+    ordered = sorted(sides, key=lambda side: system.laws.ways[side[0]][side[1]].sign)
+    return [side for side in ordered if _leads_into(system, *side, t, x, direction)]
+
+
+def _leads_into(system: PiecewiseSystem, region: int, guard: int, t: float, x: Floats, direction: float) -> bool:
+    laws: Laws = system.laws
+    mode, sign = laws.regions[region], laws.ways[region][guard].sign
+    rate = mode.guard_rates[guard]
+    wanted = (rate, rounding_bound(rate).replace(magnitude, sympy.Abs), mode.rate_of(rate))
+    first, doubt, second = laws.evaluate(("fold", region, guard), wanted, t, x, system.parameter_array)
+    if abs(first) > _MARGIN * _EPS * doubt:
+        return bool(sign * first * direction > 0.0)
+    return bool(sign * second > 0.0)  # the same in both directions of time
