@@ -184,21 +184,22 @@ def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
 def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple[float, ...]:
     """Return the initial state; ValueError if no run can start there."""
     start = system.x0 if x0 is None else system.check_state(x0)
-    laws, x = system.laws, np.array(start)
-    wanted = (*laws.surfaces, *(u.diff(v) for u in laws.surfaces for v in laws.x))
-    values = laws.numbers("start", wanted, t0, start, system.parameter_array)
-    g, gradients = values[: len(laws.surfaces)], values[len(laws.surfaces) :].reshape(len(laws.surfaces), -1)
+    laws, count, d = system.laws, len(system.laws.surfaces), system.dimension
+    values = laws.numbers("start", laws.at_start, t0, start, system.parameter_array).tolist()
+    heights, gradients, rest = values[:count], values[count : count * (1 + d)], values[count * (1 + d) :]
     word = "g" if laws.two_sided else "a switching function"
-    if not np.isfinite(g).all():
-        raise ValueError(f"x0 = {start!r}: {word} has no finite value there; choose another state")
-    if ((g == 0.0) & ~gradients.any(axis=1)).any():
-        raise ValueError(f"x0 = {start!r}: {word} and its gradient vanish there, so {word} has no surface; {_OTHER}")
-    inside = [k for k, ways in enumerate(laws.ways) if all(way.sign * g[way.surface] >= 0 for way in ways)]
-    if not inside and first_place(system, t0, x).region is None:
+    if not all(map(math.isfinite, heights)):
+        raise ValueError(f"x0 = {start!r}: {word} has no finite value there; {_OTHER}")
+    for k, g in enumerate(heights):
+        if g == 0.0 and not any(gradients[k * d : (k + 1) * d]):
+            raise ValueError(
+                f"x0 = {start!r}: {word} and its gradient vanish there, so {word} has no surface; {_OTHER}"
+            )
+    inside = [k for k, ways in enumerate(laws.ways) if all(way.sign * heights[way.surface] >= 0.0 for way in ways)]
+    if not inside and first_place(system, t0, np.array(start)).region is None:
         raise ValueError(f"x0 = {start!r} lies in a region for which no law is declared; {_OTHER}")
-    for k in inside:
-        if not np.isfinite(laws.numbers(("f", k), laws.regions[k].field, t0, start, system.parameter_array)).all():
-            raise ValueError(f"x0 = {start!r}: the field has no finite value there; {_OTHER}")
+    if not all(math.isfinite(f) for k in inside for f in rest[k * d : (k + 1) * d]):
+        raise ValueError(f"x0 = {start!r}: the field has no finite value there; {_OTHER}")
     return start
 
 

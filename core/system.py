@@ -18,6 +18,7 @@ from core.symbolic.declaration import Declaration, RegionText, TransitionText, a
 from core.symbolic.expressions import check_name, to_text
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
+from core.symbolic.switching_terms import read_switching
 
 __all__ = ["Parameter", "PiecewiseSystem", "Region", "Start", "Transition"]
 
@@ -224,6 +225,40 @@ class PiecewiseSystem:
         given = (getattr(self, f.name) for f in fields(self))
         return PiecewiseSystem, tuple(dict(value) if isinstance(value, Mapping) else value for value in given)
 
+    @classmethod
+    def from_field(
+        cls, variables: Sequence[str], f: Sequence[str], psi: Sequence[str] | None = None,
+        parameters: Mapping[str, float | Parameter] | Sequence[Parameter] = (), x0: Sequence[float] = (),
+        name: str = "system", doc: str = "",
+    ) -> PiecewiseSystem:  # fmt: skip
+        """Declare a system by one field with sign, abs, max, min, Heaviside or Piecewise; its surfaces are found.
+
+        Parameters
+        ----------
+        f
+            d expressions, as in ``("v", "-x - mu*sign(v - 1)")``.
+        psi
+            Conserved quantities, in which such terms may stand as well; None for none.
+        variables, parameters, x0, name, doc
+            As of the class.
+
+        Raises
+        ------
+        ValueError
+            Also where nothing switches, or more than six surfaces are found; see `core.symbolic.switching_terms`.
+        """
+        given = parameters
+        if isinstance(given, Mapping):
+            given = tuple(q if isinstance(q, Parameter) else Parameter(key, q) for key, q in given.items())
+        names, bounds = tuple(q.name for q in given), tuple(q.bounds for q in given)
+        quantities = () if psi is None else _texts(psi, "psi")
+        found = read_switching(_texts(variables, "variables"), names, _texts(f, "f"), quantities, bounds)
+        regions = {key: Region(found.fields[key], found.quantities[key]) for key in found.fields}
+        return cls(
+            name=name, variables=tuple(variables), surfaces=found.surfaces, regions=regions, parameters=tuple(given),
+            x0=tuple(x0), doc=doc,
+        )  # fmt: skip
+
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:g}" for name, value in self.values.items())
         return f"<PiecewiseSystem {self.name!r} in {', '.join(self.variables)}{values and '; ' + values}>"
@@ -263,6 +298,16 @@ class PiecewiseSystem:
         Of one surface: g < 0, g > 0, and sliding along g = 0.
         """
         return Modes(self.laws)
+
+    def law_arguments(self) -> dict[str, Any]:
+        """Return the arguments that declare the laws, without those that are empty.
+
+        They are f_minus, f_plus, g and so on; or surfaces and regions; or regions and transitions.
+        """
+        sides = ("f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump")
+        names = sides if self.two_sided else ("surfaces", "regions", "jumps", "transitions")
+        given = {name: getattr(self, name) for name in names}
+        return {name: dict(part) if isinstance(part, Mapping) else part for name, part in given.items() if part}
 
     @property
     def two_sided(self) -> bool:
@@ -309,16 +354,19 @@ class PiecewiseSystem:
         return self._evaluate(("heights", mode), self.laws.mode(mode).heights, t, x)
 
     def latex(self) -> dict[str, str]:
-        """The declaration as LaTeX: keys f_minus, f_plus, g, psi_minus, psi_plus."""
+        """The declaration as LaTeX: keys f_minus, f_plus, g, psi_minus, psi_plus; of more regions surfaces,
+        regions['-+'].f and so on.
+        """
         names = {sympy.Symbol(q.name): q.symbol for q in self.parameters}
         names |= {v: _latex_name(str(v)) for v in self.laws.x}
 
         def typeset(expressions: Sequence[sympy.Expr]) -> str:
             return r",\; ".join(sympy.latex(e, symbol_names=names) for e in expressions)
 
-        texts = {"g": typeset((self.laws.g,))}
-        for side, word in ((self.laws.modes[-1], "minus"), (self.laws.modes[1], "plus")):
-            texts |= {f"f_{word}": typeset(side.field), f"psi_{word}": typeset(side.conserved)}
+        texts = {"g" if self.two_sided else "surfaces": typeset(self.laws.surfaces)}
+        for mode in self.laws.regions:
+            for part, expressions in (("f", mode.field), ("psi", mode.conserved)):
+                texts[self._declared.field_of(mode.name, part)] = typeset(expressions)
         return texts
 
     def _evaluate(self, key: object, expressions: Sequence[sympy.Expr], t: ArrayLike, x: ArrayLike) -> Floats:

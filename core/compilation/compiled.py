@@ -41,7 +41,7 @@ from core.methods import Method
 from core.methods.taylor_step import prepare_step_text
 from core.symbolic.laws import Laws
 
-__all__ = ["Compiled", "compile_beside", "compile_run", "first_modes"]
+__all__ = ["Compiled", "compile_beside", "compile_run", "modes_entered"]
 
 MAX_MODULES = 200  #: modules kept in memory
 MAX_FILES = 1000  #: modules kept on disk
@@ -64,9 +64,13 @@ class Compiled(NamedTuple):
     """The modules, which keep the machine code alive."""
 
 
-def first_modes(laws: Laws) -> tuple[int, ...]:
-    """Modes compiled before a run begins: two regions, nearly always entered both; of more, none."""
-    return (0, 1) if len(laws.regions) == 2 else ()
+@lru_cache(maxsize=MAX_MODULES)
+def modes_entered(laws: Laws, method: Method, levels: bool = False) -> set[int]:
+    """Numbers of the modes that runs have entered so far, to which theirs are added: the next run compiles them first.
+
+    Of two regions nearly every run enters both.
+    """
+    return {0, 1} if len(laws.regions) == 2 else set()
 
 
 @lru_cache(maxsize=MAX_MODULES)

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import ArrayLike, NDArray
 
-from core.compilation.compiled import compile_run, first_modes
+from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.kernels.abi import LEVEL_RESIDUAL, SET_LEVELS, Frame, call
 from core.kernels.arrays import Floats
@@ -58,7 +58,9 @@ def level_residual_along(
     d, m = frame.d, frame.m if sliding else laws.most_conserved
     residual = np.full((len(t), m), np.nan)
     if m and len(t):
-        modes = tuple(sorted({*first_modes(laws), *np.unique(mode[mode != NO_MODE]).tolist()}))
+        known = modes_entered(laws, METHODS[method], True)
+        known.update(np.unique(mode[mode != NO_MODE]).tolist())
+        modes = tuple(sorted(known))
         functions, table = compile_run(laws, METHODS[method], levels=True, modes=modes), guard_table(laws)
         w, scratch = frame.empty(), np.empty((1, 1))
         rows = (np.ascontiguousarray(a) for a in (t, x, mode, segment, entered_t, entered_x))

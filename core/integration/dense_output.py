@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from core.compilation.compiled import Compiled, compile_run, first_modes
+from core.compilation.compiled import Compiled, compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.kernels.abi import LEVELS_SET, ORDER, PREPARE, SET_LEVELS, STEP, TOLERANCE, Frame, call
 from core.kernels.arrays import Floats
@@ -102,7 +102,7 @@ class Stepper:
 
     def _functions(self, modes: Integers) -> tuple[Compiled, Floats]:
         """The compiled functions of some modes, and memory for them."""
-        needed = tuple(sorted({*first_modes(self._laws), *modes[modes >= 0].tolist()}))
+        needed = tuple(sorted({*modes_entered(self._laws, self._method), *modes[modes >= 0].tolist()}))
         rows = coefficient_rows(self._laws, needed) if self._adaptive else 1
         return compile_run(self._laws, self._method, modes=needed), np.empty((rows, STRIDE))
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compilation.compiled import compile_run, first_modes
+from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.integration.crossings import Crossings
 from core.integration.failure import GROWTH, ends_beyond, runs_away
@@ -105,7 +105,7 @@ class Runner:
         self._march = compiled_march()
         self._method, self._levels = method, columns > 0
         self._table = guard_table(system.laws)
-        self._modes = set(first_modes(system.laws))
+        self._modes = modes_entered(system.laws, method, columns > 0)
         self._corner = False
         self._p = system.parameter_array.copy()
         d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
@@ -166,6 +166,11 @@ class Runner:
     def first_mode(self) -> int:
         """Number of the mode in which the run began; `NO_MODE` before the first step."""
         return int(self._run["first_mode"][0])
+
+    @property
+    def first_region(self) -> int:
+        """Number of a region in which, or at the boundary of which, the run begins."""
+        return int(self._table.guards["mode"][int(self._run["row"][0])])
 
     @property
     def slides(self) -> bool:
@@ -247,8 +252,7 @@ class Runner:
 
     def _find_first_mode(self, sign: float) -> bool:
         """Find the mode of a start on a surface by the second derivative of g; returns whether there is one only."""
-        row = int(self._run["row"][0])
-        region, guard = int(self._table.guards["mode"][row]), int(self._run["guard"][0])
+        region, guard = self.first_region, int(self._run["guard"][0])
         entered = regions_entered(self.system, region, guard, self.t, self.x, sign)
         if len(entered) == 1:
             region, guard = entered[0]

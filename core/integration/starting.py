@@ -55,9 +55,9 @@ def first_place(system: PiecewiseSystem, t: float, x: Floats) -> Place:
 def _values(system: PiecewiseSystem, t: float, x: Floats) -> tuple[Floats, Floats]:
     """All switching functions at a state, and for each the size of which rounding the state changes it by eps."""
     laws = system.laws
-    sizes = [sympy.Add(*(sympy.Abs(u.diff(v) * v) for v in laws.x)) for u in laws.surfaces]
-    both = laws.numbers("surfaces", (*laws.surfaces, *sizes), t, x.tolist(), system.parameter_array)
-    return both[: len(sizes)], both[len(sizes) :]
+    wanted, k = (*laws.surfaces, *laws.state_roundings), len(laws.surfaces)
+    both = laws.numbers("surfaces", wanted, t, x.tolist(), system.parameter_array)
+    return both[:k], both[k:]
 
 
 def surfaces_met(system: PiecewiseSystem, t: float, x: Floats) -> tuple[int, ...]:

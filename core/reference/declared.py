@@ -69,6 +69,10 @@ def reference_solution(
     system, t0 = system_of(system), number(t0, "t0")
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
     laws = system.laws
+    if not laws.two_sided:
+        if independent:
+            raise ValueError("independent = True: the external solver needs two sides of one surface; leave it out")
+        return TaylorSolution(system, start, t0, cancel, checked_sliding(sliding))
     # Exactly the numbers that the compiled functions use: every double is a ratio.
     numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
     fields = {side: tuple(f.xreplace(numbers) for f in laws.modes[side].field) for side in (-1, 1)}

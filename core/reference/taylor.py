@@ -58,7 +58,7 @@ class TaylorSolution:
         settings = [Settings(np.inf, accuracy, max_steps=_MAX_STEPS, slides=slides, cancel=cancel)
                     for accuracy in (_FINE, _COARSE)]  # fmt: skip
         self._fine, self._coarse = (_Path(system, x0, t0, one) for one in settings)
-        self._t0 = t0
+        self._system, self._t0 = system, t0
         self._error = 0.0
         for path in (self._fine, self._coarse):
             path.begin()
@@ -82,9 +82,9 @@ class TaylorSolution:
         return np.array(self._fine.crossings(k).x_after[k - 1])
 
     def entered(self, k: int) -> int:
-        """Side entered at crossing k, −1 or +1; 0 where sliding begins."""
+        """Side entered at crossing k, −1 or +1; 0 where sliding begins. Of several surfaces the number of the mode."""
         self.crossing(k)
-        return int(self._fine.crossings(k).side[k - 1])
+        return self._system.laws.label(int(self._fine.crossings(k).mode[k - 1]))
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
@@ -95,7 +95,7 @@ class TaylorSolution:
         return fine
 
     def side(self, t: float) -> int:
-        """Side, −1 or +1, occupied at time t ≥ t0; 0 while sliding."""
+        """Side, −1 or +1, occupied at time t ≥ t0; 0 while sliding. Of several surfaces the number of the mode."""
         return self._fine.side(t)
 
     def _compare(self, fine: NDArray[np.float64], coarse: NDArray[np.float64]) -> None:
@@ -115,7 +115,8 @@ class _Path:
     def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, settings: Settings) -> None:
         self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
         self._kept, self._ended = [_Snapshot(t0, self._runner.copy())], False
-        self._stride = float(np.linalg.norm(x0)) / (float(np.linalg.norm(system.field(1, t0, x0))) or 1.0) or 1.0
+        speed = np.linalg.norm(system.field(system.laws.name(self._runner.first_region), t0, x0))
+        self._stride = float(np.linalg.norm(x0)) / (float(speed) or 1.0) or 1.0
 
     def begin(self) -> None:
         """Take the first stride; ValueError where the start is on the surface and cannot leave it to one side."""
@@ -135,7 +136,7 @@ class _Path:
         """Side occupied at time t."""
         mode = self._at(t).mode
         number = self._runner.first_mode if mode == NO_MODE else mode
-        return int(self._runner.system.laws.sides[number, 0])
+        return self._runner.system.laws.label(number)
 
     def _at(self, t: float) -> Runner:
         while self._kept[-1].t < t and not (self._ended and t < self._runner.t):

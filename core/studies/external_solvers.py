@@ -1,7 +1,8 @@
 """External solvers on any declared system: SciPy's DOP853 and heyoka, restarted where they reach the surface.
 
 They are used as their manuals say: a terminal event stops them on the surface, the jump is applied, and they start anew
-with the field of the other side. The side is carried, so that a restart does not trigger the event again.
+with the field beyond. The mode is carried, so that a restart does not trigger the event again. Modes are told by their
+labels (`Laws.label`): the sides −1 and +1 of one surface, and 0 for sliding; of several surfaces, their numbers.
 (`core.reference.external` locates crossings itself, at one tolerance: it is meant to be reliable, not fast.)
 """
 
@@ -9,17 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 import scipy  # loads a subpackage when it is first used
 import sympy
 from sympy import Expr
 
+from core.integration.starting import first_place
 from core.kernels.arrays import Floats
 from core.symbolic.expressions import TIME
+from core.symbolic.mode import Mode
 from core.system import PiecewiseSystem
 
 __all__ = ["EXTERNAL_SOLVERS", "Arcs", "ExternalSolver", "Stopped", "external_arcs"]
@@ -34,6 +36,11 @@ _ROOT_SHIFT = 2.0**-100
 _STEPS_AT_ONCE = 4096
 
 
+K = TypeVar("K")
+V = TypeVar("V")
+Jump: TypeAlias = "tuple[Expr, ...]"
+
+
 class Stopped(Exception):  # noqa: N818 - not an error of the program
     """An external solver cannot continue, or was told not to; the text says why."""
 
@@ -43,7 +50,7 @@ class Arcs:
     """The ends of all segments of a run: k crossings, k + 1 segments."""
 
     side: list[int] = field(default_factory=list)
-    """Side, −1 or +1, of each segment; 0 while sliding."""
+    """Label of the mode of each segment: the side, −1 or +1, of one surface, or 0 while sliding."""
     entered: list[tuple[float, Floats]] = field(default_factory=list)
     """Time and state at the start, and after each crossing."""
     left: list[tuple[float, Floats]] = field(default_factory=list)
@@ -61,9 +68,10 @@ class Arcs:
         worst = np.nan
         for side in sorted(set(self.side)):
             ends = [(a, b) for s, a, b in zip(self.side, self.entered, self.left, strict=True) if s == side]
-            if system.laws.of_side(side).conserved:
+            mode = system.laws.mode(system.laws.labelled(side))
+            if mode.conserved:
                 psi = [
-                    system.conserved(side, np.array([t for t, _ in one]), np.array([x for _, x in one]))
+                    system.conserved(mode.name, np.array([t for t, _ in one]), np.array([x for _, x in one]))
                     for one in zip(*ends, strict=True)
                 ]
                 worst = np.fmax(worst, np.abs(psi[1] - psi[0]).max())
@@ -77,6 +85,8 @@ class Arrival(NamedTuple):
     x: Floats
     on_surface: bool
     evaluations: float
+    guard: int = 0
+    """The guard of the mode that was met."""
 
 
 class Prepared(Protocol):
@@ -101,41 +111,52 @@ class ExternalSolver(NamedTuple):
     """(system, tolerance, size of the state) -> the solver set up for it; raises `Stopped` if not installed."""
 
 
+class _OnDemand(dict[K, V]):
+    """A mapping whose values are made when they are first asked for."""
+
+    def __init__(self, make: Callable[[K], V]) -> None:
+        super().__init__()
+        self._make = make
+
+    def __missing__(self, key: K) -> V:
+        self[key] = made = self._make(key)
+        return made
+
+
 class ScalarFunctions:
     """A system as Python functions of plain numbers: half a microsecond a call, less than a call of compiled code.
 
     Parameters
     ----------
     slides
-        Whether it slides along the surface, as side 0.
+        Whether it slides along surfaces.
+
+    Attributes
+    ----------
+    field
+        Label of a mode -> (t, x) -> f (d,).
+    heights
+        Label of a mode -> functions (t, x) -> (1,), positive in it, of which each ends it where it vanishes.
+    rates
+        Label of a mode and number of a surface -> (t, x) -> (ġ,).
     """
 
     def __init__(self, system: PiecewiseSystem, slides: bool = False) -> None:
         laws = self.laws = system.laws
-        self.slides = slides and laws.jump is None
-        self.sides = (-1, 1, 0) if self.slides else (-1, 1)
-        self.system, self._p = system, system.parameter_array.tolist()
+        self.slides, self.system, self._p = slides, system, system.parameter_array.tolist()
         self._names = {s: sympy.Symbol(f"u{k}") for k, s in enumerate((TIME, *laws.x, *laws.p))}
+        self.field = _OnDemand[int, Callable[[float, Floats], Floats]](lambda k: self._function(self.mode(k).field))
+        self.heights = _OnDemand[int, "list[Callable[[float, Floats], Floats]]"](
+            lambda k: [self._function((u,)) for u in self.mode(k).heights]
+        )
+        self.rates = _OnDemand[tuple[int, int], Callable[[float, Floats], Floats]](
+            lambda key: self._function((self.mode(key[0]).rate_of(laws.surfaces[key[1]]),))
+        )
+        self._jumps = _OnDemand[Jump, Callable[[float, Floats], Floats]](self._function)
 
-    @cached_property
-    def field(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
-        """(t, x) -> f (d,), of each side."""
-        return {side: self._function(self.laws.of_side(side).field) for side in self.sides}
-
-    @cached_property
-    def heights(self) -> Mapping[int, Sequence[Callable[[float, Floats], Floats]]]:
-        """Functions (t, x) -> (1,) of each side, positive there, of which each ends a segment where it vanishes."""
-        return {side: [self._function((u,)) for u in self.laws.of_side(side).heights] for side in self.sides}
-
-    @cached_property
-    def rate(self) -> Mapping[int, Callable[[float, Floats], Floats]]:
-        """(t, x) -> (ġ,), of each side."""
-        return {side: self._function(self.laws.modes[side].guard_rates) for side in (-1, 1)}
-
-    @cached_property
-    def jump(self) -> Callable[[float, Floats], Floats] | None:
-        """(t, x) -> the state (d,) after the jump; None where there is none."""
-        return None if self.laws.jump is None else self._function(self.laws.jump)
+    def mode(self, label: int) -> Mode:
+        """The mode with a label."""
+        return self.laws.mode(self.laws.labelled(label))
 
     def _function(self, expressions: Sequence[Expr]) -> Callable[[float, Floats], Floats]:
         compute = sympy.lambdify(list(self._names.values()), [e.xreplace(self._names) for e in expressions], "math")
@@ -149,26 +170,50 @@ class ScalarFunctions:
 
         return values
 
-    def first_side(self, t: float, x: Floats) -> int:
-        """Side on which a trajectory from (t, x) begins."""
-        return self._side(t, x, 0.0)
+    def first_mode(self, t: float, x: Floats) -> int:
+        """Label of the mode in which a trajectory from (t, x) begins."""
+        if self.laws.two_sided:
+            return self.laws.label(self._of_two(0, 0, t, x, 0.0))
+        place = first_place(self.system, t, x)
+        return self.laws.label(place.region or 0)
 
-    def landing(self, t: float, x: Floats, side: int, since: float) -> tuple[int, Floats]:
-        """Side and state (d,) after a segment on `side`, begun at time `since`, has met its guard at (t, x)."""
-        if side == 0:  # it leaves to the side whose field has turned
-            return (-1 if abs(self.rate[-1](t, x)[0]) < abs(self.rate[1](t, x)[0]) else 1), x
-        if self.jump is None:
-            return (0 if self.slides and side * self.rate[-side](t, x)[0] > 0 else -side), x
-        reach = _OFF_SURFACE * abs(self.rate[side](t, x)[0]) * (t - since)
-        after = self.jump(t, x)
-        return self._side(t, after, reach), after
+    def landing(self, t: float, x: Floats, label: int, guard: int, since: float) -> tuple[int, Floats]:
+        """Label and state (d,) after a segment in a mode, begun at time `since`, has met its guard at (t, x)."""
+        laws, number = self.laws, self.laws.labelled(label)
+        if number >= len(laws.regions):  # it leaves to the side whose field has turned
+            low, high, surface = laws.pairs[number - len(laws.regions)]
+            if guard > 1:
+                raise Stopped(f"sliding reaches another surface at t = {t:.6g}")
+            turned = [abs(self.rates[laws.label(region), surface](t, x)[0]) for region in (low, high)]
+            return laws.label(low if turned[0] < turned[1] else high), x
+        way = laws.ways[number][guard]
+        if way.jump is not None:
+            reach = _OFF_SURFACE * abs(self.rates[label, way.surface](t, x)[0]) * (t - since)
+            after = self._jumps[way.jump](t, x)
+            return laws.label(self._of_two(number, guard, t, after, reach)), after
+        if way.to is None:
+            raise Stopped(f"no law is declared beyond the surface met at t = {t:.6g}")
+        if self.slides and way.sliding is not None:
+            back = self.rates[laws.label(way.to), way.surface](t, x)[0]
+            if way.sign * back > 0:
+                return laws.label(way.sliding), x
+        return laws.label(way.to), x
 
-    def _side(self, t: float, x: Floats, reach: float) -> int:
-        """The sign of g; where |g| ≤ `reach`, the side to which f₊ leads."""
-        height = self.heights[1][0](t, x)[0]
+    def _of_two(self, region: int, guard: int, t: float, x: Floats, reach: float) -> int:
+        """Choose a region or the one beyond its guard by the sign of g; where |g| ≤ `reach`, by where f leads.
+
+        Beyond a wall there is none, and a one-way guard leads to its region from wherever the state is.
+        """
+        way = self.laws.ways[region][guard]
+        if way.to is None:
+            return region
+        if way.back is None:
+            return way.to
+        plus, minus = (region, way.to) if way.sign > 0 else (way.to, region)
+        height = way.sign * self.heights[self.laws.label(region)][guard](t, x)[0]
         if abs(height) > reach:
-            return 1 if height > 0 else -1
-        return 1 if self.rate[1](t, x)[0] > 0 else -1
+            return plus if height > 0 else minus
+        return plus if self.rates[self.laws.label(plus), way.surface](t, x)[0] > 0 else minus
 
 
 def external_arcs(
@@ -195,19 +240,19 @@ def external_arcs(
         If the run does not reach the end.
     """
     arcs = Arcs(evaluations=0.0)
-    t, x, side = t0, x0, functions.first_side(t0, x0)
+    t, x, side = t0, x0, functions.first_mode(t0, x0)
     while True:
         arcs.side.append(side)
         arcs.entered.append((t, x))
         since = t
-        t, x, on_surface, evaluations = prepared.arc(side, t, x, end, check)
+        t, x, on_surface, evaluations, guard = prepared.arc(side, t, x, end, check)
         arcs.left.append((t, x))
         arcs.evaluations += evaluations
         if not on_surface:
             return arcs
         if arcs.crossings > max_crossings:
             raise Stopped(f"more than {max_crossings} crossings, up to t = {t:.6g}")
-        side, x = functions.landing(t, x, side, since)
+        side, x = functions.landing(t, x, side, guard, since)
 
 
 class _PreparedScipy:
@@ -217,7 +262,7 @@ class _PreparedScipy:
         self._field = functions.field
         self._options: dict[str, Any] = {"method": "DOP853", "rtol": tolerance, "atol": tolerance * size}
         self._check: Callable[[], None]
-        self._events = {side: [self._leaving(one) for one in functions.heights[side]] for side in functions.sides}
+        self._events = _OnDemand[int, "list[Any]"](lambda k: [self._leaving(one) for one in functions.heights[k]])
 
     def _leaving(self, height: Callable[[float, Floats], Floats]) -> Any:
         def event(t: float, x: Floats) -> float:  # called once a step, so the time used is checked here
@@ -233,7 +278,8 @@ class _PreparedScipy:
         run = scipy.integrate.solve_ivp(self._field[side], (t, end), x, events=self._events[side], **self._options)
         if not run.success:
             raise Stopped(f"SciPy stops at t = {run.t[-1]:.6g}: {run.message}")
-        return Arrival(float(run.t[-1]), np.ascontiguousarray(run.y[:, -1]), run.status == 1, run.nfev)
+        met = next((k for k, times in enumerate(run.t_events or ()) if len(times)), 0)
+        return Arrival(float(run.t[-1]), np.ascontiguousarray(run.y[:, -1]), run.status == 1, run.nfev, met)
 
 
 class _PreparedHeyoka:
@@ -249,28 +295,30 @@ class _PreparedHeyoka:
         except ImportError:
             raise Stopped("heyoka is not installed") from None
         self._outcomes = heyoka.taylor_outcome
-        self._integrators = {
-            side: _heyoka_integrator(heyoka, functions.system, side, tolerance) for side in functions.sides
-        }
-        # Looked up once, as each access is slow.
-        self._states = {side: one.state for side, one in self._integrators.items()}
+        # An integrator, and its state, looked up once, as each access is slow.
+        self._integrators = _OnDemand[int, "tuple[Any, Any]"](lambda k: self._made(heyoka, functions, k, tolerance))
+
+    @staticmethod
+    def _made(heyoka: Any, functions: ScalarFunctions, label: int, tolerance: float) -> tuple[Any, Any]:
+        one = _heyoka_integrator(heyoka, functions.system, functions.mode(label), tolerance)
+        return one, one.state
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
         """Integrate to the surface or to `end`."""
-        one, state, outcomes = self._integrators[side], self._states[side], self._outcomes
+        (one, state), outcomes = self._integrators[side], self._outcomes
         one.time, state[:] = t, x
         one.reset_cooldowns()
         while (outcome := one.propagate_until(end, max_steps=_STEPS_AT_ONCE)[0]) == outcomes.step_limit:
             check()
-        if outcome != outcomes.time_limit and outcome.value != -1:
+        met = -1 - int(outcome.value)
+        if outcome != outcomes.time_limit and not 0 <= met < len(one.t_events):
             raise Stopped(f"heyoka stops at t = {one.time:.6g}: {outcome}")
-        return Arrival(one.time, state.copy(), outcome != outcomes.time_limit, np.nan)
+        return Arrival(one.time, state.copy(), outcome != outcomes.time_limit, np.nan, met)
 
 
-def _heyoka_integrator(hy: Any, system: PiecewiseSystem, side: int, tolerance: float) -> Any:
+def _heyoka_integrator(hy: Any, system: PiecewiseSystem, mode: Mode, tolerance: float) -> Any:
     laws, d = system.laws, system.dimension
     variables = [hy.expression(f"u{k}") for k in range(d)]
-    mode = laws.of_side(side)
     wanted = [_in_floats(e) for e in (*mode.field, *mode.heights)]
     used = [q for q in laws.p if any(q in e.free_symbols for e in wanted)]  # heyoka accepts no unused ones
     names = dict(zip(laws.x, variables, strict=True)) | {TIME: hy.time} | {q: hy.par[k] for k, q in enumerate(used)}

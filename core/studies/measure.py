@@ -111,7 +111,7 @@ def _measure(problem: Problem, name: str, setting: float) -> Measured:
         arcs = explore(clock)
     except Stopped as why:
         return Measured(str(why), compiling)
-    x, crossings = arcs.left[-1][1], _sequence(arcs)
+    x, crossings = arcs.left[-1][1], _sequence(arcs, problem.system)
     if not np.isfinite(x).all():
         return Measured("the state at the end is not finite", compiling)
     seconds = _fastest(again, problem.repeats, problem.budget)
@@ -139,7 +139,7 @@ def _own_method(problem: Problem, name: str, setting: float) -> tuple[Callable[[
 
 def _arcs(run: Trajectory) -> Arcs:
     t, x = [*run.crossings.t, run.t[-1]], [*run.crossings.x, run.x[-1]]
-    side = [int(run.side[0]), *run.crossings.side.tolist()]
+    side = [run.system.laws.label(mode) for mode in (int(run.mode[0]), *run.crossings.mode.tolist())]
     entered = list(zip(run.entered_t, run.entered_x, strict=True))
     return Arcs(side, entered, list(zip(t, x, strict=True)), run.evaluations)
 
@@ -174,5 +174,6 @@ def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
     return min(times)
 
 
-def _sequence(arcs: Arcs) -> CrossingSequence:
-    return CrossingSequence(np.array([t for t, _ in arcs.left[:-1]]), np.array(arcs.side[1:], dtype=np.int64))
+def _sequence(arcs: Arcs, system: PiecewiseSystem) -> CrossingSequence:
+    entered = np.array(arcs.side[1:], dtype=np.int64)
+    return CrossingSequence(np.array([t for t, _ in arcs.left[:-1]]), entered, system.laws.sides.shape[1] != 1)

@@ -27,17 +27,24 @@ class CrossingSequence:
     t: Floats
     """(k,) times, increasing."""
     side: NDArray[np.int64]
-    """(k,) sides entered, −1 or +1; 0 where sliding begins."""
+    """(k,) sides entered, −1 or +1; 0 where sliding begins. Of several surfaces the numbers of the modes entered."""
+
+    several: bool = False
+    """Whether there are several surfaces."""
 
     @classmethod
     def of(cls, crossings: Crossings) -> CrossingSequence:
         """Return that of the crossings after which a run continued."""
         passed = crossings.passed
-        return cls(passed.t, passed.side)
+        several = passed.side.ndim > 1
+        return cls(passed.t, passed.mode if several else passed.side, several)
 
     def __len__(self) -> int:
         """Return the number of crossings."""
         return len(self.t)
+
+    def _way(self, k: int) -> str:
+        return f"enters mode {self.side[k]}" if self.several else _WAYS[int(self.side[k])]
 
     def difference(self, expected: CrossingSequence) -> str:
         """Say in which crossing this differs from the sequence expected; empty if it is the same.
@@ -55,5 +62,5 @@ class CrossingSequence:
             return ""
         k = int(wrong[0])
         if self.side[k] != expected.side[k]:
-            return f"crossing {k + 1} {_WAYS[int(self.side[k])]}, where the solution {_WAYS[int(expected.side[k])]}"
+            return f"crossing {k + 1} {self._way(k)}, where the solution {expected._way(k)}"
         return f"crossing {k + 1} is at t = {self.t[k]:.4g} instead of {expected.t[k]:.4g}, nearer to another one"

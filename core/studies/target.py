@@ -68,7 +68,8 @@ def target_of(
     floor = {
         "state": max(_ROUND_OFF * size, estimate),
         "time": max(_ROUND_OFF * max(abs(t0), abs(end)), estimate),
-        "invariant": _ROUND_OFF * max(float(psi_size(system, exact.side(t), t, y)) for t, y in ((t0, x0), (end, x))),
+        "invariant": _ROUND_OFF
+        * max(float(psi_size(system, system.laws.labelled(exact.side(t)), t, y)) for t, y in ((t0, x0), (end, x))),
     }
     return Target(t0, end, x, crossings, exact.name, floor)
 

@@ -145,6 +145,14 @@ class Laws:
             signs.append([a if a == b else 0 for a, b in zip(signs[low], signs[high], strict=True)])
         return np.array([*signs, [0] * len(signs[0])], dtype=np.int64).reshape(len(signs) + 1, -1)
 
+    def label(self, mode: int) -> int:
+        """What tells a mode apart: of one surface the side, −1, +1 or 0 for sliding; else its number."""
+        return int(self.sides[mode, 0]) if self.sides.shape[1] == 1 else mode
+
+    def labelled(self, label: int) -> int:
+        """Number of the mode with a label."""
+        return next(k for k in range(self.count) if self.label(k) == label)
+
     # Systems with one surface ----------------------------------------------------------------------------------------
 
     @property
@@ -161,7 +169,8 @@ class Laws:
     @property
     def gradient(self) -> tuple[Expr, ...]:
         """∇g of the only switching function."""
-        return tuple(self.g.diff(v) for v in self.x)
+        self._require_two_sides()
+        return self.gradients[0]
 
     @property
     def modes(self) -> Mapping[int, Mode]:
@@ -198,6 +207,23 @@ class Laws:
     def jumps(self) -> bool:
         """Whether the state jumps at a surface."""
         return any(way.jump is not None for ways in self.ways for way in ways)
+
+    @cached_property
+    def gradients(self) -> tuple[tuple[Expr, ...], ...]:
+        """∇g of each surface."""
+        return tuple(tuple(g.diff(v) for v in self.x) for g in self.surfaces)
+
+    @cached_property
+    def at_start(self) -> tuple[Expr, ...]:
+        """What an initial state is checked with: each g, then each ∇g, then the field of each region."""
+        slopes = (slope for gradient in self.gradients for slope in gradient)
+        return (*self.surfaces, *slopes, *(f for mode in self.regions for f in mode.field))
+
+    @cached_property
+    def state_roundings(self) -> tuple[Expr, ...]:
+        """For each surface Σ|xₖ ∂g/∂xₖ|: rounding the state changes g by eps times this, at most."""
+        pairs = (zip(self.x, gradient, strict=True) for gradient in self.gradients)
+        return tuple(sympy.Add(*(sympy.Abs(slope * v) for v, slope in pair)) for pair in pairs)
 
     @property
     def most_conserved(self) -> int:

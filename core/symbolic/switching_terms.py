@@ -11,10 +11,10 @@ from contextlib import suppress
 from itertools import product, zip_longest
 from typing import NamedTuple
 
-import numpy as np
 import sympy
-from sympy import Add, Expr, Integer, Mul, Rational, Symbol
+from sympy import Add, Expr, Integer, Mul, Symbol
 
+from core.symbolic.contradictions import Signs, contradict
 from core.symbolic.declaration import MAX_SURFACES
 from core.symbolic.expressions import SWITCHING, TIME, check_name, parse, quoted, to_text
 from core.symbolic.zero_testing import is_zero, size_expanded
@@ -25,17 +25,9 @@ __all__ = ["Found", "read_switching"]
 _MAX_TERMS = 100
 #: Largest degree of a switching function in several unknowns that is factored: x**64 - v**64 takes seconds.
 _MAX_DEGREE = 12
-#: Relative distance of an irrational constant from its rational bounds.
-_ROUNDING = Rational(1, 10**25)
-#: Result of a linear program, of numbers of size 1, that may be round-off.
-_ROUND_OFF = 1e-9
 
-#: Surface -> its sign, −1 or +1.
-Signs = dict[Expr, int]
 #: Signs of the surfaces, in their order -> the text of each expression where they hold.
 Regions = dict[tuple[int, ...], tuple[str, ...]]
-#: Term -> its coefficient, and 1 -> the constant, of a sum that is positive.
-Row = Mapping[Expr, Rational]
 
 
 class Found(NamedTuple):
@@ -120,7 +112,7 @@ class _Field:
         self.surfaces: dict[Expr, str] = {}
         self._texts: dict[Expr, str] = {}
         self._silent: dict[Expr, Expr] = {}  # factor -> the parameters that multiply it in its surface
-        self._known: dict[Expr, tuple[int, list[Expr]]] = {}
+        self._known: dict[Expr, tuple[int, list[Expr]]] = {}  # results of _factors
         self._excluded: dict[frozenset[tuple[Expr, int]], bool] = {}
 
     def laws(self, text: str, what: str) -> Iterator[tuple[Signs, str]]:
@@ -178,7 +170,7 @@ class _Field:
     def _excludes(self, signs: Signs) -> bool:
         key = frozenset(signs.items())
         if key not in self._excluded:
-            self._excluded[key] = _contradict(signs, self.ranges)
+            self._excluded[key] = contradict(signs, self.ranges)
         return self._excluded[key]
 
     # Factors ---------------------------------------------------------------------------------------------------------
@@ -267,15 +259,15 @@ def _is_definite(g: Expr) -> bool:
         return True
     if not g.is_polynomial() or not _is_short(g):
         return False
-    polynomial = sympy.Poly(g)
+    polynomial = sympy.Poly(g, *sorted(g.free_symbols, key=str))
     if not polynomial.domain.is_ZZ and not polynomial.domain.is_QQ:
         return False
     if polynomial.is_univariate:
-        return polynomial.degree() % 2 == 0 and polynomial.count_roots() == 0
-    square = polynomial.homogenize(sympy.Dummy())  # a quadratic form, if g is quadratic
-    return polynomial.total_degree() == 2 and bool(
-        sympy.hessian(square.as_expr(), square.gens).is_positive_semidefinite
-    )
+        return bool(polynomial.degree() % 2 == 0 and polynomial.count_roots() == 0)
+    if polynomial.total_degree() != 2:
+        return False
+    form = polynomial.homogenize(sympy.Dummy())
+    return bool(sympy.hessian(form.as_expr(), form.gens).is_positive_semidefinite)
 
 
 def _with_leading_one(u: Expr, x: Sequence[Symbol]) -> tuple[Expr, int]:
@@ -300,57 +292,7 @@ def _text(u: Expr) -> str:
     if not u.is_Add or not text.startswith("-"):
         return text
     first = next((v for v in u.as_ordered_terms() if v.as_coeff_Mul()[0] > 0), None)
-    return text if first is None else f"{to_text(first)} - {to_text(u - first)[1:]}"
-
-
-# Regions that cannot occur -------------------------------------------------------------------------------------------
-
-
-def _contradict(signs: Signs, ranges: Mapping[Symbol, tuple[float, float]]) -> bool:
-    """Whether surfaces cannot have these signs: whether positive multiples of them add up to what is never positive.
-
-    The multiples that prove it are found by a linear program in floating point, then worked out exactly.
-    """
-    from scipy.optimize import linprog  # takes long to import
-
-    strict = [_row(g, s) for g, s in signs.items()]
-    terms = sorted({v for row in strict for v in row} - {Integer(1)}, key=str)
-    rows = [*strict, *(row for v in terms for row in _bounds(v, ranges))]
-    exact = [[row.get(v, Integer(0)) for v in (*terms, Integer(1))] for row in rows]
-    scaled = np.array([[float(c / max(map(abs, row))) for c in row] for row in exact])
-    counted = [k < len(strict) for k in range(len(rows))]
-    equal = np.vstack([scaled[:, :-1].T, counted])
-    found = linprog(scaled[:, -1], A_eq=equal, b_eq=[0] * len(terms) + [1], method="highs-ds")
-    if not found.success or found.fun > _ROUND_OFF:
-        return False
-    used = [k for k, multiple in enumerate(found.x) if multiple > _ROUND_OFF]
-    multiples = sympy.Matrix([exact[k][:-1] for k in used]).T.nullspace()
-    if len(multiples) != 1:
-        return False
-    y = multiples[0] * (1 if multiples[0][0] > 0 else -1)
-    return all(v > 0 for v in y) and sum(v * exact[k][-1] for v, k in zip(y, used, strict=True)) <= 0
-
-
-def _row(g: Expr, sign: int = 1) -> Row:
-    return {v: sign * factor for factor, v in (term.as_coeff_Mul() for term in Add.make_args(g))}
-
-
-def _bounds(v: Expr, ranges: Mapping[Symbol, tuple[float, float]]) -> Iterator[Row]:
-    """Yield sums that are never negative for a term."""
-    low, high = map(Rational, ranges[v]) if v in ranges else (None, None)
-    if not v.free_symbols:
-        value = Rational(str(v.evalf(30)))
-        low, high = value - abs(value) * _ROUNDING, value + abs(value) * _ROUNDING
-    elif isinstance(v, sympy.sin | sympy.cos | sympy.tanh):
-        low, high = Integer(-1), Integer(1)
-    elif v not in ranges and all(_never_negative(u, ranges) for u in Mul.make_args(v)):
-        low = Integer(v.func is sympy.cosh)
-    yield from () if low is None else ({v: Integer(1), Integer(1): -low},)
-    yield from () if high is None else ({v: Integer(-1), Integer(1): high},)
-
-
-def _never_negative(u: Expr, ranges: Mapping[Symbol, tuple[float, float]]) -> bool:
-    base, power = u.as_base_exp()
-    if power.is_number and not (power.is_Integer and power % 2):  # an even power, or a root
-        return True
-    return bool(base.is_positive) or u.func is sympy.cosh or (base in ranges and ranges[base][0] >= 0)
+    if first is None:
+        return text
+    rest = to_text(u - first)
+    return f"{to_text(first)} - {rest[1:]}" if rest.startswith("-") else f"{to_text(first)} + {rest}"

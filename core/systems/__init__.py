@@ -32,6 +32,11 @@ _NAMES = (
     "type_repelling",
     "type_sliding",
     "moving_interface",
+    "chua",
+    "two_walls",
+    "thermostat",
+    "gene_ring",
+    "diode_bridge",
 )
 
 

@@ -100,7 +100,7 @@ def _orders(name: str, perturbation_orders: Sequence[int]) -> list[list[str]]:
 
 
 def _admits(system: core.PiecewiseSystem, method: core.Method) -> bool:
-    return bool(system.psi_minus or system.psi_plus) or not method.needs_conserved
+    return system.laws.most_conserved > 0 or not method.needs_conserved
 
 
 def _order(system: core.PiecewiseSystem, method: core.Method, p: int | None, numbers: Sequence[int]) -> list[str]:

@@ -64,15 +64,21 @@ def caption(scene: Scene, title: str, how: str = "") -> str:
 
 
 def _equations(scene: Scene) -> str:
-    """Return the laws of both sides, as “g < 0: x′ = 2·y, ψ₋ = …; g > 0: …; g = …”."""
+    """Return the laws of all regions, as “g < 0: x′ = 2·y, ψ₋ = …; g > 0: …; g = …”."""
     system = scene.declaration
-    sides = (("g < 0", system.f_minus, "ψ₋", system.psi_minus), ("g > 0", system.f_plus, "ψ₊", system.psi_plus))
+    words = {"-": ("g < 0", "ψ₋"), "+": ("g > 0", "ψ₊")} if system.two_sided else {}
     laws = []
-    for where, field, psi, quantities in sides:
-        rates = [f"{name}′ = {rate}" for name, rate in zip(system.variables, field, strict=True)]
-        laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {quantity}" for quantity in quantities)]))
-    jump = [f"reset map at g = 0: ({', '.join(system.jump)})"] if system.jump else []
-    return _readable("; ".join([*laws, f"g = {system.g}", *jump]), system)
+    for name, region in system.regions.items():
+        where, psi = words.get(name, (f"region {name}", "ψ"))
+        rates = [f"{variable}′ = {rate}" for variable, rate in zip(system.variables, region.f, strict=True)]
+        laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {quantity}" for quantity in region.psi)]))
+    if system.two_sided:
+        laws += [f"g = {system.g}", *([f"reset map at g = 0: ({', '.join(system.jump)})"] if system.jump else [])]
+    else:
+        laws += [f"g{k + 1} = {g}" for k, g in enumerate(system.surfaces)]
+        laws += [f"reset map at g{k + 1} = 0: ({', '.join(jump)})" for k, jump in system.jumps.items()]
+        laws += [f"{way.mode} to {way.to} where {way.guard} = 0" for way in system.transitions]
+    return _readable("; ".join(laws), system)
 
 
 def _readable(text: str, system: core.PiecewiseSystem) -> str:

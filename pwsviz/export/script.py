@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from textwrap import indent
+from typing import Any
 
 import core
 from pwsviz.results.requests import (
@@ -82,12 +83,26 @@ def _system(scene: Scene) -> str:
 
 def _declaration(system: core.PiecewiseSystem) -> dict[str, str]:
     """Return the arguments that declare a system, with the default values of its parameters."""
-    optional = ("psi_minus", "psi_plus", "jump", "doc")
-    names = ["name", "variables", "f_minus", "f_plus", "g", *(name for name in optional if getattr(system, name))]
-    given = {name: repr(getattr(system, name)) for name in names}
+    laws = {name: _law(part) for name, part in system.law_arguments().items()}
+    given = {"name": repr(system.name), "variables": repr(system.variables), **laws}
+    given |= {"doc": repr(system.doc)} if system.doc else {}
     if system.parameters:
         given["parameters"] = "".join(["(\n", *(f"    {_parameter(q)},\n" for q in system.parameters), ")"])
     return given | {"x0": repr(system.x0)}
+
+
+def _law(part: Any) -> str:
+    """Return the laws of a system as Python: regions and transitions by their classes of `core`."""
+    if isinstance(part, dict):
+        return f"{{{', '.join(f'{key!r}: {_law(one)}' for key, one in part.items())}}}"
+    if isinstance(part, core.Region):
+        return f"core.Region(f={part.f!r}{f', psi={part.psi!r}' if part.psi else ''})"
+    if isinstance(part, core.Transition):
+        jump = f", jump={part.jump!r}" if part.jump else ""
+        return f"core.Transition({part.mode!r}, {part.guard!r}, {part.to!r}{jump})"
+    if isinstance(part, tuple) and any(isinstance(one, core.Transition) for one in part):
+        return f"({''.join(f'{_law(one)}, ' for one in part).rstrip()})"
+    return repr(part)
 
 
 def _parameter(parameter: core.Parameter) -> str:
@@ -98,7 +113,7 @@ def _parameter(parameter: core.Parameter) -> str:
 
 def _figures(scene: Scene) -> str:
     """Return the function that prints the figures of a run, with the change of ψ if any ψ is known."""
-    if not (scene.declaration.psi_minus or scene.declaration.psi_plus):
+    if not scene.declaration.laws.most_conserved:
         return "\n" + _FIGURES.replace("WORST", "")
     return "\n" + _FIGURES.replace("WORST", ", |change of psi| <= {np.fmax.reduce(run.change_of_psi()):.1e}")
 

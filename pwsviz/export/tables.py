@@ -57,8 +57,8 @@ def portrait_tables(runs: Drawn) -> Tables:
 
     Columns
     -------
-    curves: start, integrator, step, t, the variables by name, side;
-    crossings: start, integrator, number, t, the variables by name, side_entered, kind.
+    curves: start, integrator, step, t, the variables by name, side; of several surfaces the region in its place;
+    crossings: start, integrator, number, t, the variables by name, side_entered (or region_entered), kind.
     """
     return {
         "curves": lambda: _stacked(drawn := runs(), map(_states, drawn, _kept(drawn))),
@@ -110,18 +110,37 @@ def _kept(runs: Sequence[DrawnRun]) -> list[NDArray[np.intp]]:
 
 def _states(drawn: DrawnRun, rows: NDArray[np.intp]) -> Columns:
     run = drawn.run
-    return {"step": rows, "t": run.t[rows], **_by_name(run.system.variables, run.x[rows]), "side": run.side[rows]}
+    return {
+        "step": rows,
+        "t": run.t[rows],
+        **_by_name(run.system.variables, run.x[rows]),
+        **_where("side", run.system, run.mode[rows]),
+    }
 
 
 def _changes(drawn: DrawnRun, rows: NDArray[np.intp]) -> Columns:
     run = drawn.run
-    return {"step": rows, "t": run.t[rows], "side": run.side[rows], "change_of_psi": run.change_of_psi()[rows]}
+    return {
+        "step": rows,
+        "t": run.t[rows],
+        **_where("side", run.system, run.mode[rows]),
+        "change_of_psi": run.change_of_psi()[rows],
+    }
 
 
 def _crossings(drawn: DrawnRun, places: bool) -> Columns:
     met = drawn.run.crossings
     at = _by_name(drawn.run.system.variables, met.x) if places else {}
-    return {"number": np.arange(1, 1 + len(met)), "t": met.t, **at, "side_entered": met.side, "kind": met.kind}
+    entered = _where("side_entered", drawn.run.system, met.mode)
+    return {"number": np.arange(1, 1 + len(met)), "t": met.t, **at, **entered, "kind": met.kind}
+
+
+def _where(name: str, system: core.PiecewiseSystem, mode: NDArray[np.int64]) -> Columns:
+    """Return the column of the modes: their sides of one surface, else the names of the regions."""
+    laws = system.laws
+    if laws.two_sided:
+        return {name: laws.sides[mode, 0]}
+    return {name.replace("side", "region"): np.array([*map(laws.name, range(laws.count)), ""])[mode]}
 
 
 def _by_name(variables: Sequence[str], states: NDArray[np.float64]) -> Columns:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Scatter
 
@@ -170,7 +171,11 @@ class ConservedView:
             few = slice(None) if len(first.crossings) <= MOST_BANDS else slice(0)
             shaded = segments(bounds, first.sides[few], side)
             assign(source, **shaded)
-            self.entries[side].visible = len(shaded["start"]) > 0
+            entry, name = self.entries[side], first.names[side]
+            name = name if side else f"{name}: |Δg|"
+            if entry.label != value(name):  # each change rebuilds the legend
+                entry.label = value(name)
+            entry.visible = len(shaded["start"]) > 0
 
     def _show_ticks(self, first: ErrorCurve, landmarks: Landmarks | None) -> None:
         t = first.crossings if len(first.crossings) <= MOST_BANDS else first.crossings[:0]

@@ -19,7 +19,8 @@ from pwsviz.figures.moving import REPAINT, TELL_PLACE
 from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import Axes, shows_surface, surface_name
+from pwsviz.geometry.projection import Axes, shows_regions, shows_surface, surface_name
+from pwsviz.geometry.shades import shade_names
 
 __all__ = ["Ground"]
 
@@ -101,7 +102,8 @@ class Ground:
     def name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Name the surface in the legend, if it is drawn."""
         self._surface_entry.label = value(surface_name(system))
-        self._surface_entry.visible = self._tint_entry.visible = shows_surface(system, axes)
+        self._tint_entry.label = value(shade_names(system)[-1])
+        self._surface_entry.visible, self._tint_entry.visible = shows_surface(system, axes), shows_regions(system, axes)
 
     def show(self, backdrop: Backdrop, names: tuple[str, str]) -> None:
         """Draw a backdrop.

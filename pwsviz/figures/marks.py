@@ -14,16 +14,16 @@ from pwsviz.results.orbits import End, Orbit
 
 __all__ = ["ENDS", "KIND_COLOURS", "KIND_MARKERS", "crossing_columns", "end_columns", "kind_columns"]
 
-KIND_WORDS = {"transversal": "crossing", "sliding": "sliding begins", "leaving": "sliding ends"}
+KIND_WORDS = {"transversal": "crossing", "sliding": "sliding begins", "leaving": "sliding ends", "corner": "corner"}
 """What legends call crossings of some kinds; others by their own name."""
 
 KIND_MARKERS = {
     "transversal": "circle", "grazing": "diamond", "sliding": "square", "repelling": "triangle", "jump": "hex",
-    "leaving": "inverted_triangle",
+    "leaving": "inverted_triangle", "corner": "star",
 }  # fmt: skip
 KIND_COLOURS = {
     "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": ORANGE,
-    "leaving": GREEN,
+    "leaving": GREEN, "corner": VERMILION,
 }  # fmt: skip
 """Colours of crossings; kinds of the same colour differ in their marker."""
 
@@ -46,6 +46,8 @@ ENDS = {
     Status.SLIDING: EndLook("sliding", "square_x", GREEN),
     Status.REPELLING: EndLook("repelling", "triangle_dot", GREEN),
     Status.GRAZING: EndLook("grazing", "diamond_cross", VERMILION),
+    Status.CORNER: EndLook("corner", "asterisk", VERMILION),
+    Status.UNDECLARED: EndLook("no law", "circle_cross", VERMILION),
     Status.ZENO: EndLook("Zeno", "hex_dot", ORANGE),
     Status.ESCAPED: EndLook("blow-up", "circle_x", VERMILION),
     Status.UNSTABLE: EndLook("unstable", "circle_x", VERMILION),

@@ -26,14 +26,15 @@ const formula = tree => {
   return (x, y, t) => operation(a(x, y, t))
 }
 const given = JSON.parse(formulas.data.text[0] || "null")
+const heights = (given?.g ?? []).map(formula)
 """.replace("FUNCTIONS", str(list(FUNCTIONS)))
 
 REPAINT = (
     FORMULAS
     + """
 const t = clock.data.t[0], running = clock.data.running[0]
-if (given?.moving && given.g != null) {
-  const g = formula(given.g)
+if (given?.moving && given.regions.length > 0) {
+  const g = (x, y, t) => heights.reduce((product, height) => product * height(x, y, t), 1)
   const [across, up] = ranges
   const CELLS = 150   // along the longer side of what is painted
   const ROOM = 0.25   // of that beyond each edge of what is seen, for a pan
@@ -54,14 +55,14 @@ if (given?.moving && given.g != null) {
     }
     for (let i = 0; i < columns; i++) {
       const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]
-      const heights = corners.map(([k, l]) => values[l][k])
-      const below = heights.filter(value => value < 0).length
+      const levels = corners.map(([k, l]) => values[l][k])
+      const below = levels.filter(value => value < 0).length
       if (below == 4) { from ??= i; continue }
       close(i)
       if (below == 0) { continue }
       const rx = [], ry = [], met = []
       for (let k = 0; k < 4; k++) {
-        const [[i0, j0], [i1, j1]] = [corners[k], corners[(k + 1) % 4]], [u, v] = [heights[k], heights[(k + 1) % 4]]
+        const [[i0, j0], [i1, j1]] = [corners[k], corners[(k + 1) % 4]], [u, v] = [levels[k], levels[(k + 1) % 4]]
         if (u < 0) { rx.push(xs[i0]); ry.push(ys[j0]) }
         if (u < 0 != v < 0) {
           const share = u / (u - v)
@@ -79,7 +80,8 @@ if (given?.moving && given.g != null) {
   }
   side.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
   surface.setv({ data: { x: sx, y: sy } }, { sync: false })
-  const label = { value: running ? "S: g = 0" : "S: g = 0 at t = 0" }
+  const name = heights.length == 1 ? "S: g = 0" : "surfaces"
+  const label = { value: running ? name : `${name} at t = 0` }
   if (entry.label?.value != label.value) { entry.setv({ label }, { sync: false }) }  // each change rebuilds the legend
   for (const [sources, sign] of [[lines_below, -1], [lines_above, 1]]) {
     for (const source of sources) {  // lines that are hidden on the other side
@@ -108,12 +110,12 @@ if (inside && cb_obj.event_name != "mouseleave") {
   const digits = Math.min(20, Math.max(0, Math.ceil(2.5 - Math.log10(across.end - across.start))))
   const fixed = value => printed((Math.abs(value) < 0.5 * 10 ** -digits ? 0 : value).toFixed(digits))
   words.push(`${formulas.data.across[0]} = ${fixed(x)}, ${formulas.data.up[0]} = ${fixed(y)}`)
-  const t = clock.data.t[0], height = formula(given?.g)?.(x, y, t)
-  if (Number.isFinite(height) && height != 0) {
-    const [number, side, name] = height < 0 ? [0, "g < 0", "\\u03c8\\u208b"] : [1, "g > 0", "\\u03c8\\u208a"]
-    words.push(side)
-    const psi = formula(given.psi[number])?.(x, y, t)
-    if (Number.isFinite(psi)) { words.push(`${name} = ${printed(psi.toPrecision(4))}`) }
+  const t = clock.data.t[0], signs = heights.map(height => Math.sign(height?.(x, y, t)))
+  const region = (given?.regions ?? []).find(([sides]) => sides.every((sign, k) => sign == signs[k]))
+  if (region != null) {
+    words.push(region[1])
+    const psi = formula(region[3])?.(x, y, t)
+    if (Number.isFinite(psi)) { words.push(`${region[2]} = ${printed(psi.toPrecision(4))}`) }
   }
 }
 readout.setv({ text: words.join(" \\u00b7 ") }, { sync: false })

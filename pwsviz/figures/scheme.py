@@ -72,7 +72,9 @@ def scheme_markup(
         HTML without scripts, in which everything a user typed is escaped; `SCHEME_STYLE` is its style sheet.
     """
     slides = run is not None and bool((run.crossings.kind == "sliding").any()) and run.slides
-    derived = _derived(system.laws, tuple(names_of(system).items()), method, slides)
+    met = set() if run is None else {int(mode) for mode in run.mode if mode >= len(system.laws.regions)}
+    entered = (2,) if slides and system.two_sided else tuple(sorted(met))
+    derived = _derived(system.laws, tuple(names_of(system).items()), method, entered)
     transition = _Sheet({})
     _write_transition(transition, system, locate, perturbation_order, perturbation_scale)
     if slides:
@@ -149,23 +151,39 @@ class _Derived(NamedTuple):
 
 
 @lru_cache(maxsize=128)
-def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str, slides: bool) -> _Derived:
+def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str, entered: tuple[int, ...]) -> _Derived:
     system, scheme = _Sheet(dict(names)), _Sheet(dict(names))
-    groups = list(_groups(laws, slides))
+    groups = list(_groups(laws, entered))
     _write_system(system, laws, groups)
     _write_scheme(scheme, method, groups)
     return _Derived(system.text, scheme.text, [*system.source, *scheme.source])
 
 
-def _groups(laws: Laws, slides: bool) -> Iterator[Group]:
-    """Yield sign, heading and mode of each side, once for both if their laws agree, and of sliding."""
-    minus, plus = laws.modes[-1], laws.modes[1]
-    if (minus.field, minus.conserved) == (plus.field, plus.conserved):
-        yield (*_BOTH, plus)
+def _groups(laws: Laws, entered: tuple[int, ...]) -> Iterator[Group]:
+    """Yield sign, heading and mode of each region, once for both sides if their laws agree; then of sliding.
+
+    Parameters
+    ----------
+    entered
+        Numbers of the modes of sliding that are shown.
+    """
+    first, last = laws.regions[0], laws.regions[-1]
+    if laws.two_sided and (first.field, first.conserved) == (last.field, last.conserved):
+        yield (*_BOTH, last)
+    elif laws.two_sided:
+        yield from ((*_SIDES[side], mode) for side, mode in laws.modes.items())
     else:
-        yield from ((*_SIDES[mode.side], mode) for mode in (minus, plus))
-    if slides:
-        yield (*_SLIDING, laws.sliding)
+        yield from ((_upright(mode.name), f"Region {mode.name.replace('-', '−')}", mode) for mode in laws.regions)
+    for number in entered:
+        where = laws.pairs[number - len(laws.regions)][2] + 1
+        yield (*_SLIDING, laws.mode(number)) if laws.two_sided else (
+            _upright(laws.name(number)), f"Sliding along g{where} = 0", laws.mode(number)
+        )  # fmt: skip
+
+
+def _upright(name: str) -> str:
+    """Return the name of a region as an index in LaTeX."""
+    return name if not name.strip("+-0") else rf"\text{{{name}}}"
 
 
 def _write_system(sheet: _Sheet, laws: Laws, groups: Sequence[Group]) -> None:
@@ -176,11 +194,20 @@ def _write_system(sheet: _Sheet, laws: Laws, groups: Sequence[Group]) -> None:
             sheet.equate(rf"\psi_{{{sign}}}", _alone(mode.conserved))
         else:
             sheet.say("No conserved quantity is known.")
-    sheet.head("The switching surface is g = 0")
-    sheet.equate("g", laws.g)
-    if laws.jump is not None:
-        sheet.say("On reaching it, the state is reset to")
-        sheet.equate(r"\hat{x}^{+}", laws.jump)
+    one = laws.two_sided
+    sheet.head("The switching surface is g = 0" if one else "The switching surfaces are the zeros of")
+    for k, g in enumerate(laws.surfaces, start=1):
+        sheet.equate("g" if one else f"g_{{{k}}}", g)
+    jumps = {way.surface + 1: way.jump for ways in laws.ways for way in ways if way.jump is not None}
+    for k, jump in jumps.items():
+        sheet.say("On reaching it, the state is reset to" if one else f"On reaching g{k} = 0, the state is reset to")
+        sheet.equate(r"\hat{x}^{+}", jump)
+    if not laws.regions[0].sides:
+        for mode, ways in zip(laws.regions, laws.ways, strict=True):
+            for way in ways if mode.name else ():
+                sign = "g" if way.sign > 0 else "−g"
+                to = "" if way.to is None else laws.name(way.to)
+                sheet.say(f"“{mode.name}” is followed by “{to}” where {sign}{way.surface + 1} falls to 0.")
 
 
 def _alone(entries: Sequence[Expr] | sympy.MatrixBase) -> Shown:
@@ -322,7 +349,7 @@ def _write_transition(
     sheet.say(
         "Where a step from s to the other side s′ changes the sign of g, the crossing is located on the scheme itself:"
     )
-    at = r"\hat{t} , \hat{x}" if system.laws.g.has(TIME) else r"\hat{x}"
+    at = r"\hat{t} , \hat{x}" if any(g.has(TIME) for g in system.laws.surfaces) else r"\hat{x}"
     sheet.formula(r"\hat{x} = x_{k} + ( \hat{t} - t_{k} ) f^{\tau}_{s} ( t_{k} , x_{k} , \hat{t} , \hat{x} )")
     sheet.formula(f"g ( {at} ) = 0")
     if order is not None:
@@ -330,7 +357,7 @@ def _write_transition(
         sheet.say(f"Its time is then perturbed on purpose, {moved}, and x̂ is solved for anew there:")
         sheet.formula(rf"\hat{{t}} \leftarrow \hat{{t}} + c \tau^{{{order}}}")
     start = r"\hat{x}"
-    if system.jump is not None:
+    if system.laws.jumps:
         sheet.say("There the state is reset from x̂ to x̂⁺. The step is completed with the field of the other side:")
         start = r"\hat{x}^{+}"
     else:

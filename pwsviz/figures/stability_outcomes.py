@@ -37,6 +37,8 @@ OUTCOMES: Mapping[int, Outcome] = {
     Status.GRAZING: Outcome("stops: touches the surface", BROWN),
     Status.ZENO: Outcome("stops: crossings accumulate", VIOLET),
     Status.REPELLING: Outcome("stops: repelled from both sides", BLUE),
+    Status.CORNER: Outcome("stops: two surfaces at once", "#b45309"),
+    Status.UNDECLARED: Outcome("stops: no law declared", "#78716c"),
     Status.STEP_LIMIT: Outcome("too many steps", GREY),
     Status.CROSSING_LIMIT: Outcome("too many crossings", GREY),
     NO_START: Outcome("no trajectory starts here", "#404040"),

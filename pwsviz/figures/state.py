@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range1d
 from bokeh.models.glyphs import Scatter
 from bokeh.models.renderers import GlyphRenderer
@@ -28,6 +29,7 @@ from pwsviz.figures.style import (
     unseen,
 )
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.states import StateCurves
 
 MOST_PANELS = 6
@@ -172,10 +174,13 @@ class StateView:
 
     def _show_segments(self, run: core.Trajectory) -> None:
         bounds = np.concatenate([[run.t[0]], run.crossings.t, [run.t[-1]]])[: MOST_MARKS + 1]
-        sides = np.concatenate([run.side[:1], run.crossings.side])[:MOST_MARKS]
+        sides = shades_of(run.system, np.concatenate([run.mode[:1], run.crossings.mode])[:MOST_MARKS])
+        names = shade_names(run.system)
         for k, (side, source) in enumerate(self.shared.segments.items()):
             assign(source, **segments(bounds, sides, side))
             for panel in self.panels:
+                if panel.entries[1 + k].label != value(names[side]):  # each change rebuilds the legend
+                    panel.entries[1 + k].label = value(names[side])
                 panel.entries[1 + k].visible = len(source.data["start"]) > 0
 
     def _show_crossings(self, crossings: core.Crossings, method: str, places: Floats) -> None:

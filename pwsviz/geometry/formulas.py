@@ -9,7 +9,7 @@ import sympy
 
 import core
 from core.symbolic import TIME
-from pwsviz.geometry.projection import PLANE, Axes, moves, shows_surface
+from pwsviz.geometry.projection import PLANE, Axes, moves, shows_regions, surfaces_shown
 
 __all__ = ["FUNCTIONS", "Tree", "formulas", "tree"]
 
@@ -49,18 +49,30 @@ def formulas(system: core.PiecewiseSystem, axes: Axes) -> dict[str, Any]:
     Returns
     -------
     dict
-        "g", and "psi" of the sides − and +: trees in the names x, y and t, or None where the value is not known from
-        the two shown variables; "moving" and "forced": whether g, and whether a field depends on time.
+        "g": for each surface, a tree in the names x, y and t, or None where its value is not known from the two shown
+        variables; "regions": for each the signs of the surfaces in it, its name, the name of its first ψ, and a tree of
+        that or None; "moving" and "forced": whether a g, and whether a field depends on time.
     """
     laws = system.laws
     across, up = (laws.x[k] for k in axes)
     numbers = {symbol: float(value) for symbol, value in zip(laws.p, system.parameter_array, strict=True)}
     names: dict[sympy.Expr, Tree] = {across: "x", up: "y", TIME: "t", **numbers}
     flat = system.dimension == PLANE
-    psi = [mode.conserved[:1] if flat else () for mode in (laws.modes[-1], laws.modes[1])]
+    psi = [mode.conserved[:1] if flat else () for mode in laws.regions]
+    known, told = surfaces_shown(system, axes), shows_regions(system, axes)
     return {
-        "g": tree(laws.g, names) if shows_surface(system, axes) else None,
-        "psi": [tree(part[0], names) if part else None for part in psi],
+        "g": [tree(g, names) if k in known else None for k, g in enumerate(laws.surfaces)],
+        "regions": [
+            [list(mode.sides), *_names(system, mode.name), tree(part[0], names) if part else None]
+            for mode, part in zip(laws.regions, psi, strict=True) if told
+        ],
         "moving": moves(system),
-        "forced": any(TIME in part.free_symbols for mode in laws.modes.values() for part in mode.field),
-    }
+        "forced": any(TIME in part.free_symbols for mode in laws.regions for part in mode.field),
+    }  # fmt: skip
+
+
+def _names(system: core.PiecewiseSystem, region: str) -> tuple[str, str]:
+    """Return what the page calls a region, and its conserved quantity."""
+    if system.two_sided:
+        return ("g < 0", "ψ₋") if region == "-" else ("g > 0", "ψ₊")
+    return f"region {region.replace('-', '−')}", "ψ"

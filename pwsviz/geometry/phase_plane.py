@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple, TypeAlias
 
@@ -14,7 +14,16 @@ from numpy.typing import NDArray
 import core
 from pwsviz.geometry.formulas import formulas
 from pwsviz.geometry.polyline_reduction import Floats, simplify
-from pwsviz.geometry.projection import Axes, moves, shows_field, shows_levels, shows_sliding, shows_surface
+from pwsviz.geometry.projection import (
+    Axes,
+    moves,
+    shows_field,
+    shows_levels,
+    shows_regions,
+    shows_sliding,
+    surfaces_shown,
+)
+from pwsviz.geometry.shades import regions_of
 
 GRID = 160
 """Cells along the longer side of the grid on which surfaces and level sets are traced."""
@@ -93,17 +102,17 @@ class Backdrop:
     window : Window
         The part of the plane that it covers.
     surface : (k, 2) array
-        The curve g = 0.
+        The curves g = 0.
     attracting, repelling : (k, 2) array
-        The pieces of that curve to which both fields point, and from which both do.
+        The pieces of these curves to which both fields point, and from which both do.
     minus_outer, minus_holes : list
-        Outlines of the regions where g < 0, and those of their holes.
+        Outlines of the regions of the first shade, where g < 0, and those of their holes.
     arrows : dict
-        For each side, (k, 2): the field as arrows.
+        For each shade, which is a side of one surface, (k, 2): the field as arrows.
     levels, orbit_levels : dict
-        For each side, (k, 3): level sets, the usual ones and those of the orbits, with the value of ψ.
+        For each shade, (k, 3): level sets, the usual ones and those of the orbits, with the value of ψ.
     whole : dict
-        For each side, if the surface moves: levels, orbit_levels and arrows (columns x, y, psi as they are at t = 0)
+        For each side, if one surface moves: levels, orbit_levels and arrows (columns x, y, psi as they are at t = 0)
         beyond the surface, too, in the column "whole" in place of x; (at_x, at_y) is the point whose side counts.
     formulas : dict
         What the browser can evaluate at a point, see `formulas`.
@@ -134,23 +143,30 @@ def backdrop(
     window : Window
         The part of the plane to cover.
     orbits : dict
-        Values of ψ of the visible orbits on each side (−1, +1).
+        Values of ψ of the visible orbits in each region, by its number.
     axes : (int, int)
         The variables that span the plane.
     """
-    plane = _Plane(system, window, axes)
-    rings, surface = plane.minus_rings(), plane.surface()
+    plane, shades = _Plane(system, window, axes), {shade: regions_of(system, shade) for shade in (-1, 1)}
+    rings = plane.minus_rings()
     return Backdrop(
         window=window,
-        surface=_joined(surface),
-        attracting=_joined(plane.where_both_point(surface, 1)),
-        repelling=_joined(plane.where_both_point(surface, -1)),
+        surface=_joined(plane.surface()),
+        attracting=_joined(plane.where_both_point(1)),
+        repelling=_joined(plane.where_both_point(-1)),
         minus_outer=[ring[0] for ring in rings],
         minus_holes=[ring[1:] for ring in rings],
-        arrows={side: plane.arrows(side) for side in (-1, 1)},
-        levels={side: plane.level_sets(side, plane.usual_levels(side)) for side in (-1, 1)},
-        orbit_levels={side: plane.level_sets(side, orbits.get(side, ())) for side in (-1, 1)},
-        whole={side: plane.whole(side, orbits.get(side, ())) for side in (-1, 1)} if moves(system) else {},
+        arrows={side: np.concatenate([np.empty((0, 2)), *map(plane.arrows, modes)]) for side, modes in shades.items()},
+        levels={side: _joined_sets(map(plane.usual_level_sets, modes)) for side, modes in shades.items()},
+        orbit_levels={
+            side: _joined_sets(plane.level_sets(mode, orbits.get(mode, ())) for mode in modes)
+            for side, modes in shades.items()
+        },
+        whole={
+            side: plane.whole(modes[0], orbits.get(modes[0], ()))
+            for side, modes in shades.items()
+            if moves(system) and system.two_sided
+        },
         formulas=formulas(system, axes),
     )
 
@@ -170,12 +186,14 @@ class _Plane:
         self.window = window
         self.axes = axes
         self.x, self.y = self._axes(GRID)
-        self.g = self._switching(*np.meshgrid(self.x, self.y))
+        self.shown = surfaces_shown(system, axes)
+        self._psi: dict[int, Floats | None] = {}
 
-    @cached_property
-    def psi(self) -> dict[int, Floats | None]:
-        """The first conserved quantity of each side on the grid, or None."""
-        return {side: self._conserved(side) for side in (-1, 1)}
+    def psi(self, mode: int) -> Floats | None:
+        """Return the first conserved quantity of a mode on the grid, or None."""
+        if mode not in self._psi:
+            self._psi[mode] = self._conserved(mode)
+        return self._psi[mode]
 
     def _axes(self, count: int) -> tuple[Floats, Floats]:
         """Return grid lines in x and y: nearly square cells, `count` of them along the longer side."""
@@ -190,21 +208,24 @@ class _Plane:
         states[..., self.axes[0]], states[..., self.axes[1]] = x, y
         return states
 
-    def _switching(self, x: Floats, y: Floats) -> Floats:
-        return np.asarray(self.system.switching(0.0, self._states(x, y)), dtype=float)
+    def _switching(self, k: int, x: Floats, y: Floats) -> Floats:
+        """Return a switching function, by its number."""
+        return np.asarray(self.system.laws.evaluate(("g", k), (self.system.laws.surfaces[k],), 0.0, self._states(x, y),
+                                                    self.system.parameter_array))[..., 0]  # fmt: skip
 
-    def _conserved(self, side: int) -> Floats | None:
+    def _height(self, mode: int, x: Floats, y: Floats) -> Floats:
+        """Return the least guard of a mode, which is positive inside it."""
+        heights: Floats = self.system.heights(mode, 0.0, self._states(x, y)).min(axis=-1)
+        return heights
+
+    def _conserved(self, mode: int) -> Floats | None:
         """Return ψ on the grid; None if there is none, or its level sets cannot be drawn in the plane."""
         if not shows_levels(self.system):
             return None
         with np.errstate(all="ignore"):
-            psi = np.asarray(self.system.conserved(side, 0.0, self._states(*np.meshgrid(self.x, self.y))))
+            states = self._states(*np.meshgrid(self.x, self.y))
+            psi = np.asarray(self.system.conserved(self.system.laws.name(mode), 0.0, states))
         return np.ma.masked_invalid(psi[..., 0]) if psi.shape[-1] else None
-
-    @cached_property
-    def _psi_contours(self) -> dict[int, Any]:
-        """What traces the level sets of ψ, for the sides that have one."""
-        return {side: self._contours(psi) for side, psi in self.psi.items() if psi is not None}
 
     def _contours(self, values: Floats) -> Any:
         return contour_generator(self.x, self.y, values, line_type=LineType.Separate)
@@ -216,86 +237,102 @@ class _Plane:
         return [line[simplify(line, tolerance)] for line in lines]
 
     def surface(self) -> list[Floats]:
-        """Return the pieces of the curve g = 0; none if it is no curve in the plane."""
-        return self._lines_at(self._contours(self.g), 0.0) if shows_surface(self.system, self.axes) else []
+        """Return the pieces of the curves g = 0; none of a surface that is no curve in the plane."""
+        return [line for k in self.shown for line in self._surface(k)]
 
-    def where_both_point(self, surface: list[Floats], way: int) -> list[Floats]:
-        """Return the pieces of the surface to which both fields point (way = 1), or from which both do (−1).
+    def _surface(self, k: int) -> list[Floats]:
+        return self._lines_at(self._contours(self._switching(k, *np.meshgrid(self.x, self.y))), 0.0)
+
+    def where_both_point(self, way: int) -> list[Floats]:
+        """Return the pieces of the surfaces to which both fields point (way = 1), or from which both do (−1).
 
         None where this changes with time, or depends on variables that are not shown, or where the state jumps.
         """
         if not shows_sliding(self.system):
             return []
         pieces = []
-        for line in surface:
-            fine = _resampled(line, max(self.window.width, self.window.height) / FINE)
-            states = self._states(*fine.T)
-            below, above = (way * self.system.switching_rate(side, 0.0, states) for side in (-1, 1))
-            pieces += _cut(fine, np.minimum(below, -above))
+        for mode, (_, _, k) in enumerate(self.system.laws.pairs, start=len(self.system.laws.regions)):
+            for line in self._surface(k) if k in self.shown else []:
+                fine = _resampled(line, max(self.window.width, self.window.height) / FINE)
+                heights = np.asarray(self.system.heights(mode, 0.0, self._states(*fine.T)), dtype=float)
+                heights[:, :2] *= way  # the rates; then the other surfaces between which the piece lies
+                pieces += _cut(fine, heights.min(axis=1))
         return pieces
 
     def minus_rings(self) -> list[list[Floats]]:
-        """Return the outlines of the regions where g < 0, each followed by those of its holes."""
-        if not shows_surface(self.system, self.axes):
+        """Return the outlines of the regions of the first shade, where the product of all g is negative.
+
+        Each is followed by those of its holes.
+        """
+        if not shows_regions(self.system, self.axes):
             return []
-        inside = contour_generator(self.x, self.y, self.g, fill_type=FillType.OuterOffset)
+        grid = np.meshgrid(self.x, self.y)
+        g = np.prod([self._switching(k, *grid) for k in self.shown], axis=0)
+        inside = contour_generator(self.x, self.y, g, fill_type=FillType.OuterOffset)
         filled: Any = inside.filled(-np.inf, 0.0)
         pieces, offsets = filled
         return [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(pieces, offsets, strict=True)]
 
-    def usual_levels(self, side: int) -> tuple[float, ...]:
-        """Return quantiles of ψ, so that the level sets divide the visible part of a side into strips of equal area."""
-        psi = self.psi[side]
+    def usual_level_sets(self, mode: int) -> Floats:
+        """Return the usual level sets of a region."""
+        return self.level_sets(mode, self.usual_levels(mode))
+
+    def usual_levels(self, mode: int) -> tuple[float, ...]:
+        """Return quantiles of ψ, so that level sets divide the visible part of a region into strips of equal area."""
+        psi = self.psi(mode)
         if psi is None:
             return ()
-        there = np.ma.compressed(psi[self.g * side > 0])
+        there = np.ma.compressed(psi[self._height(mode, *np.meshgrid(self.x, self.y)) > 0])
         return tuple(np.quantile(there, (np.arange(LEVELS) + 0.5) / LEVELS)) if there.size else ()
 
-    def level_sets(self, side: int, levels: tuple[float, ...]) -> Floats:
-        """Return level sets of ψ on one side, cut off at the surface."""
-        lines = self._lines(side, levels)
+    def level_sets(self, mode: int, levels: tuple[float, ...]) -> Floats:
+        """Return level sets of ψ in one region, cut off at its surfaces."""
+        lines = self._lines(mode, levels)
         if not lines:
             return _joined([], 3)
-        g = side * self._switching(*np.concatenate([line for _, line in lines]).T)
+        g = self._height(mode, *np.concatenate([line for _, line in lines]).T)
         ends = np.cumsum([len(line) for _, line in lines])
         whole = zip(lines, np.split(g, ends[:-1]), strict=True)
         return _joined([_with_value(part, level) for (level, line), there in whole for part in _cut(line, there)], 3)
 
-    def _lines(self, side: int, levels: tuple[float, ...]) -> list[tuple[float, Floats]]:
-        """Return the pieces of level sets, beyond the surface, too, each with its value of ψ."""
-        contours = self._psi_contours.get(side)
-        return [] if contours is None else [(at, line) for at in levels for line in self._lines_at(contours, at)]
+    def _lines(self, mode: int, levels: tuple[float, ...]) -> list[tuple[float, Floats]]:
+        """Return the pieces of level sets, beyond the surfaces, too, each with its value of ψ."""
+        psi = self.psi(mode)
+        if psi is None or not levels:
+            return []
+        contours = self._contours(psi)
+        return [(at, line) for at in levels for line in self._lines_at(contours, at)]
 
-    def whole(self, side: int, orbits: tuple[float, ...]) -> list[Columns]:
+    def whole(self, mode: int, orbits: tuple[float, ...]) -> list[Columns]:
         """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""
         fine = max(self.window.width, self.window.height) / FINE
         sets = [
-            _joined([_with_value(_resampled(line, fine), level) for level, line in self._lines(side, levels)], 3)
-            for levels in (self.usual_levels(side), orbits)
+            _joined([_with_value(_resampled(line, fine), level) for level, line in self._lines(mode, levels)], 3)
+            for levels in (self.usual_levels(mode), orbits)
         ]
-        arrows, centres = self._all_arrows(side)
+        arrows, centres = self._all_arrows(mode)
         parts = [(lines[:, :2], lines[:, :2], lines[:, 2]) for lines in sets]
         parts.append((arrows, np.repeat(centres, ROWS, axis=0), np.full(len(arrows), np.nan)))
-        return [self._hidden(side, *part) for part in parts]
+        return [self._hidden(mode, *part) for part in parts]
 
-    def _hidden(self, side: int, lines: Floats, at: Floats, psi: Floats) -> Columns:
+    def _hidden(self, mode: int, lines: Floats, at: Floats, psi: Floats) -> Columns:
         """Return lines as columns; x is NaN where the point `at` lies on the other side at t = 0."""
-        x = np.where(side * self._switching(at[:, 0], at[:, 1]) > 0, lines[:, 0], np.nan)
+        x = np.where(self._height(mode, at[:, 0], at[:, 1]) > 0, lines[:, 0], np.nan)
         return {"x": x, "y": lines[:, 1], "psi": psi, "whole": lines[:, 0], "at_x": at[:, 0], "at_y": at[:, 1]}
 
-    def arrows(self, side: int) -> Floats:
-        """Return the directions of the field of one side, as open arrows of equal length."""
-        lines, centres = self._all_arrows(side)
-        there = self._switching(centres[:, 0], centres[:, 1]) * side > 0
+    def arrows(self, mode: int) -> Floats:
+        """Return the directions of the field of one region, as open arrows of equal length."""
+        lines, centres = self._all_arrows(mode)
+        there = self._height(mode, centres[:, 0], centres[:, 1]) > 0
         return lines[np.repeat(there, ROWS)]
 
-    def _all_arrows(self, side: int) -> tuple[Floats, Floats]:
-        """Return the arrows of a field on both sides, and their middles."""
+    def _all_arrows(self, mode: int) -> tuple[Floats, Floats]:
+        """Return the arrows of a region's field in the whole window, and their middles."""
         if not shows_field(self.system):
             return np.empty((0, 2)), np.empty((0, 2))
         x, y = (values.ravel() for values in np.meshgrid(*self._axes(ARROWS)))
         with np.errstate(all="ignore"):
-            field = np.asarray(self.system.field(side, 0.0, self._states(x, y)))
+            field = np.asarray(self.system.field(self.system.laws.name(mode), 0.0, self._states(x, y)))
             u, v = (field[:, self.axes] / np.linalg.norm(field, axis=1, keepdims=True)).T
         flows = np.isfinite(u) & np.isfinite(v)
         lines = _arrow_lines(x[flows], y[flows], u[flows], v[flows], self._arrow_length())
@@ -339,6 +376,11 @@ def _resampled(line: Floats, spacing: float) -> Floats:
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     at = np.linspace(0.0, along[-1], 2 + int(along[-1] / spacing))
     return np.column_stack([np.interp(at, along, line[:, k]) for k in range(2)])
+
+
+def _joined_sets(sets: Iterable[Floats]) -> Floats:
+    """Return the level sets of several regions in one array."""
+    return np.concatenate([*sets, _joined([], 3)])
 
 
 def _joined(lines: list[Floats], width: int = 2) -> Floats:

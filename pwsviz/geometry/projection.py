@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import core
 from core.kernels import Floats
-from core.symbolic import TIME
+from core.symbolic import TIME, to_text
 
 Name = TypeVar("Name")
 
@@ -33,31 +33,47 @@ def in_plane(x: Floats, axes: Axes) -> Floats:
     return x[:, a : b + 1 : b - a] if a < b else x[:, (a, b)]
 
 
+def surfaces_shown(system: core.PiecewiseSystem, axes: Axes) -> list[int]:
+    """Return the numbers of the surfaces that are curves in the plane: their g depends on no other variable."""
+    hidden = set(_others(system.laws.x, axes))
+    return [k for k, g in enumerate(system.laws.surfaces) if not g.free_symbols & hidden]
+
+
 def shows_surface(system: core.PiecewiseSystem, axes: Axes) -> bool:
-    """Whether g = 0 is a curve in the plane: g depends on no other variable."""
-    return not system.laws.g.free_symbols & set(_others(system.laws.x, axes))
+    """Whether a surface is a curve in the plane."""
+    return bool(surfaces_shown(system, axes))
+
+
+def shows_regions(system: core.PiecewiseSystem, axes: Axes) -> bool:
+    """Whether the plane is divided into regions: all surfaces are curves in it, and their signs tell the region."""
+    return bool(len(surfaces_shown(system, axes)) == len(system.laws.surfaces) == system.laws.sides.shape[1])
 
 
 def shows_field(system: core.PiecewiseSystem) -> bool:
     """Whether the field can be drawn as arrows in the plane."""
-    return system.dimension == PLANE
+    return system.dimension == PLANE and _is_divided(system)
+
+
+def _is_divided(system: core.PiecewiseSystem) -> bool:
+    """Whether a point of the plane tells the region; of several surfaces, if they do not move."""
+    return system.two_sided or (shows_regions(system, (0, 1)) and not moves(system))
 
 
 def shows_levels(system: core.PiecewiseSystem) -> bool:
     """Whether trajectories follow level sets in the plane: ψ does not depend on time."""
-    return system.dimension == PLANE and not _psi_names_time(system)
+    return system.dimension == PLANE and not _psi_names_time(system) and _is_divided(system)
 
 
 def shows_sliding(system: core.PiecewiseSystem) -> bool:
     """Whether the pieces of the surface along which states slide can be drawn: nothing changes with time or jumps."""
-    laws = system.laws
-    timed = any(TIME in f.free_symbols for mode in laws.modes.values() for f in mode.field) or moves(system)
-    return system.dimension == PLANE and not timed and system.jump is None
+    timed = any(TIME in f.free_symbols for mode in system.laws.regions for f in mode.field) or moves(system)
+    return system.dimension == PLANE and not timed and not system.laws.jumps
 
 
 def surface_name(system: core.PiecewiseSystem) -> str:
     """Return the name of the surface in the legend."""
-    return "S: g = 0 at t = 0" if moves(system) else "S: g = 0"
+    name = "S: g = 0" if len(system.laws.surfaces) == 1 else "surfaces"
+    return f"{name} at t = 0" if moves(system) else name
 
 
 def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
@@ -75,7 +91,14 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
         plane = ", ".join(system.variables[k] for k in axes)
         sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
         if not shows_surface(system, axes):
-            sentences.append(f"Nor can the surface {system.g} = 0, which is not a curve there.")
+            names = ", ".join(f"{to_text(g)} = 0" for g in system.laws.surfaces)
+            several = len(system.laws.surfaces) > 1
+            sentences.append(
+                f"Nor can the surfaces {names}, which are not curves there." if several
+                else f"Nor can the surface {names}, which is not a curve there."
+            )  # fmt: skip
+    elif not system.laws.sides.shape[1]:
+        sentences.append("Regions are told by their names, not by the place: their fields are not drawn.")
     if moves(system) and shows_surface(system, axes):
         sentences.append("The surface moves with time: it is drawn at t = 0, and while animated at the time shown.")
     if system.dimension == PLANE and _psi_names_time(system):
@@ -85,12 +108,15 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
 
 def conserved_note(system: core.PiecewiseSystem) -> str:
     """Return a note for the plot of ψ if a side has no ψ, or more than one; else nothing."""
-    counts = {side: len(system.laws.modes[side].conserved) for side in (-1, 1)}
+    counts = {mode.name: len(mode.conserved) for mode in system.laws.regions}
+    where = "on either side" if system.two_sided else "in any region"
     if not any(counts.values()):
-        return f"{system.name}: no conserved quantity is known on either side, so there is no drift to show."
-    bare = [f"g {'<' if side < 0 else '>'} 0" for side, count in counts.items() if count == 0]
+        return f"{system.name}: no conserved quantity is known {where}, so there is no drift to show."
+    bare = [name for name, count in counts.items() if count == 0]
+    if bare and system.two_sided:
+        return f"No conserved quantity is known where g {'<' if bare[0] == '-' else '>'} 0: there the curves have gaps."
     if bare:
-        return f"No conserved quantity is known where {bare[0]}: there the curves have gaps."
+        return f"No conserved quantity is known in {', '.join(bare)}: there the curves have gaps."
     most = max(counts.values())
     return f"Of the {most} conserved quantities the one that changes most is shown." if most > 1 else ""
 
@@ -100,9 +126,9 @@ def _others(names: Sequence[Name], axes: Axes) -> list[Name]:
 
 
 def moves(system: core.PiecewiseSystem) -> bool:
-    """Whether the surface moves: g names time."""
-    return TIME in system.laws.g.free_symbols
+    """Whether a surface moves: its g names time."""
+    return any(TIME in g.free_symbols for g in system.laws.surfaces)
 
 
 def _psi_names_time(system: core.PiecewiseSystem) -> bool:
-    return any(TIME in psi.free_symbols for mode in system.laws.modes.values() for psi in mode.conserved)
+    return any(TIME in psi.free_symbols for mode in system.laws.regions for psi in mode.conserved)

@@ -18,7 +18,7 @@ from pwsviz.results.requests import RunInputs
 __all__ = ["FAR", "RUNS_OFF", "End", "Levels", "Orbit", "orbit_of"]
 
 Levels = tuple[tuple[int, tuple[float, ...]], ...]
-"""Values of ψ for each side."""
+"""Values of ψ for each region, by its number."""
 
 FAR = 8.0
 """Sizes of the window around the first orbit, within which the other orbits are drawn."""
@@ -30,7 +30,7 @@ APART = 40.0
 """Pixels that most steps are long if they are marked: three times the mark, on a screen of a third of `RESOLUTION`."""
 
 SEVERAL_LEVELS = 6
-"""Most level sets of ψ drawn through an orbit on each side."""
+"""Most level sets of ψ drawn through an orbit in each region."""
 
 RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
 """Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
@@ -135,18 +135,18 @@ def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
 
 
 def _levels(run: core.Trajectory) -> Levels:
-    """Return the values of ψ where the first few segments on each side began; none if level sets are not drawn.
+    """Return the values of ψ where the first few segments in each region began; none if level sets are not drawn.
 
     They are rounded to what a screen can resolve, so that a change by round-off finds the same backdrop in the cache.
     """
     if not shows_levels(run.system):
         return ()
-    sides = np.concatenate([run.side[:1], run.crossings.side])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
+    modes = np.concatenate([run.mode[:1], run.crossings.mode])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
     values = {}
-    for side in (-1, 1):
-        number = np.flatnonzero(sides == side)
-        psi = run.system.conserved(side, run.entered_t[number], run.entered_x[number])
-        values[side] = psi[:, 0] if psi.shape[1] else np.zeros(0)
+    for mode, law in enumerate(run.system.laws.regions):
+        number = np.flatnonzero(modes == mode)
+        psi = run.system.conserved(law.name, run.entered_t[number], run.entered_x[number])
+        values[mode] = psi[:, 0] if psi.shape[1] else np.zeros(0)
     scale = float(np.abs(np.concatenate(list(values.values()))).max(initial=0.0)) or 1.0
     digits = 4 - math.floor(math.log10(scale))
-    return tuple((side, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for side, psi in values.items())
+    return tuple((mode, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for mode, psi in values.items())

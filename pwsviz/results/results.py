@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from threading import BoundedSemaphore
 
@@ -16,6 +16,7 @@ import core
 from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop
 from pwsviz.geometry.polyline_reduction import Floats, envelope
 from pwsviz.geometry.projection import Axes
+from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
 from pwsviz.results.orbits import FAR, Levels, Orbit, orbit_of
@@ -78,7 +79,10 @@ class ErrorCurve:
     t_end: float
     crossings: Floats
     sides: NDArray[np.int64]
-    """(1 + len(crossings),) side occupied from the start, and from each crossing on; 0 where it slides, or ended."""
+    """(1 + len(crossings),) shade of the mode occupied from the start, and from each crossing on; 0 where it slides, or
+    ended. Of one surface it is the side."""
+    names: Mapping[int, str] = field(default_factory=lambda: {-1: "g < 0", 1: "g > 0", 0: "sliding"})
+    """What a legend calls each shade."""
 
     @property
     def sliding(self) -> NDArray[np.bool_]:
@@ -321,8 +325,9 @@ def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
 
 def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve:
     t, reduced = envelope(run.t, error)
-    sides = np.concatenate([run.side[:1], run.crossings.side])
-    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), run.crossings.t, sides)
+    shades = shades_of(run.system, np.concatenate([run.mode[:1], run.crossings.mode]))
+    names = shade_names(run.system)
+    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), run.crossings.t, shades, names)
 
 
 def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
@@ -332,9 +337,9 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
         steps=int(run.steps),
         crossings=len(crossed),
         slides=int((run.crossings.passed.kind == "sliding").sum()),
-        jumps=bool(len(crossed) and (crossed.kind == "jump").all() and (run.side == run.side[0]).all()),
+        jumps=bool(len(crossed) and (crossed.kind == "jump").all() and (run.mode == run.mode[0]).all()),
         seconds=float(run.seconds),
-        worst_error=float(np.fmax.reduce(error[run.side != 0], initial=np.nan)),
+        worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
         status=run.status,
         message=run.message if run.status is not core.Status.COMPLETED else "",
     )

@@ -168,7 +168,7 @@ class Scene(param.Parameterized):
     @property
     def slides(self) -> bool:
         """Whether runs slide along the surface: those of a system with a jump do not."""
-        return bool(self.slide) and self.declaration.jump is None
+        return bool(self.slide) and not self.declaration.laws.jumps
 
     def build(self) -> core.PiecewiseSystem:
         """Return the chosen system at the chosen parameter values."""
@@ -253,7 +253,7 @@ class Scene(param.Parameterized):
 
     def _telling_view(self, system: core.PiecewiseSystem) -> str:
         """Return the view shown, or the state where that is empty: the system has no ψ to be conserved."""
-        return "state" if self.view == "conserved" and not (system.psi_minus or system.psi_plus) else str(self.view)
+        return "state" if self.view == "conserved" and not system.laws.most_conserved else str(self.view)
 
     def _end_of_system(self) -> float:
         """Return the system's own end time, or the present one if that was not the system's before: the user's choice.

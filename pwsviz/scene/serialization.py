@@ -12,18 +12,34 @@ from pwsviz.geometry.projection import PLANE
 
 __all__ = ["packed", "shown", "unpacked", "visible"]
 
+_LAWS = (
+    "f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump", "surfaces", "regions", "jumps", "transitions",
+)  # fmt: skip
+"""The fields of a system that `law_arguments` gives."""
+
 SHOWN = 40
 """Characters of a refused text that a message quotes."""
 
 
 def packed(system: core.PiecewiseSystem) -> str:
     """Return a declaration as JSON, without the fields that have their defaults."""
-    given, values = _differing(system), system.values
+    given = {name: part for name, part in _differing(system).items() if name not in _LAWS}
+    given |= {name: _plain(part) for name, part in system.law_arguments().items()}
+    values = system.values
     given["parameters"] = [_differing(parameter) for parameter in system.parameters]
     given["values"] = {  # compared as text: -0.0 is not 0.0
         q.name: values[q.name] for q in system.parameters if repr(values[q.name]) != repr(q.default)
     }
     return json.dumps({name: value for name, value in given.items() if value not in ({}, [])}, separators=(",", ":"))
+
+
+def _plain(part: Any) -> Any:
+    """Return regions and transitions as JSON has them."""
+    if isinstance(part, dict):
+        return {str(name): _plain(one) for name, one in part.items()}
+    if isinstance(part, core.Region | core.Transition):
+        return _differing(part)
+    return [_plain(one) for one in part] if isinstance(part, tuple) else part
 
 
 def _differing(record: Any) -> dict[str, Any]:
@@ -42,7 +58,7 @@ def unpacked(text: str) -> core.PiecewiseSystem:
         given = json.loads(text, parse_constant=_refuse)
     except (ValueError, RecursionError):
         raise ValueError(f"“{shown(text)}” does not describe a system.") from None
-    parts = _checked(given, _SYSTEM, "system", ("name", "variables", "f_minus", "f_plus", "g"))
+    parts = _checked(given, _SYSTEM, "system", ("name", "variables"))
     system = core.PiecewiseSystem(**parts)
     if system.dimension < PLANE:
         raise ValueError(f"{system.variables[0]} alone is not enough: a portrait needs two variables")
@@ -99,9 +115,37 @@ def _values(value: Any) -> dict[str, float]:
     return {name: _float(number) for name, number in value.items()}
 
 
+def _mapping_of(key: Callable[[str], Any], kind: Callable[[Any], Any]) -> Callable[[Any], dict[Any, Any]]:
+    def checked(value: Any) -> dict[Any, Any]:
+        if not isinstance(value, dict):
+            raise ValueError(f"{_quoted(value)} is not a list of regions or surfaces by name.")
+        return {key(name): kind(one) for name, one in value.items()}
+
+    return checked
+
+
+def _region(value: Any) -> core.Region:
+    return core.Region(**_checked(value, {"f": _list_of(_word), "psi": _list_of(_word)}, "region", ("f",)))
+
+
+def _transition(value: Any) -> core.Transition:
+    parts = {"mode": _word, "guard": _word, "to": _word, "jump": _list_of(_word)}
+    return core.Transition(**_checked(value, parts, "transition", ("mode", "guard", "to")))
+
+
+def _number(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 3):
+        raise ValueError(f"{_quoted(text)} is not the number of a surface.")
+    return int(text)
+
+
 _SYSTEM: dict[str, Callable[[Any], Any]] = {
     **dict.fromkeys(("name", "g", "doc"), _word),
     **dict.fromkeys(("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "jump"), _list_of(_word)),
+    "surfaces": _list_of(_word),
+    "regions": _mapping_of(str, _region),
+    "jumps": _mapping_of(_number, _list_of(_word)),
+    "transitions": _list_of(_transition),
     "parameters": _list_of(_parameter),
     "x0": _list_of(_float),
     "values": _values,

@@ -56,7 +56,7 @@ class ConservedTab(Tab):
     def draw(self, outcome: ErrorPicture) -> str:
         """Draw the change of ψ, if any ψ is known, and return it in words."""
         system = outcome.system
-        there = bool(system.psi_minus or system.psi_plus)
+        there = system.laws.most_conserved > 0
         self.plots[0].visible = there
         if there:
             self.view.show(outcome.curves, outcome.marks)

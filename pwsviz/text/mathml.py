@@ -122,7 +122,7 @@ def names_of(system: core.PiecewiseSystem) -> Names:
         Symbol -> LaTeX, for the variables, the parameters, and both ends of a step of the discrete multiplier method.
     """
     names = {Symbol(p.name): p.symbol for p in system.parameters}
-    ends = system.laws.modes[1].discrete.ends
+    ends = system.laws.regions[-1].discrete.ends
     inputs = (*ends.variables, TIME)
     names |= {symbol: default_name(symbol.name) for symbol in inputs}
     for k, at in enumerate((ends.at_start, ends.at_end)):

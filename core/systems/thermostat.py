@@ -1,0 +1,27 @@
+"""A thermostat: a relay with hysteresis heats a room by way of a radiator, which stores heat."""
+
+from core.system import Parameter, PiecewiseSystem, Region, Transition
+
+
+def _law(power: str) -> Region:
+    """Temperatures of room and radiator at a heating power."""
+    return Region(f=("(r - T) - loss*(T + cold)", f"{power} - storage*(r - T)"))
+
+
+SYSTEM = PiecewiseSystem(
+    name="Thermostat",
+    variables=("T", "r"),
+    regions={"on": _law("power"), "off": _law("0")},
+    transitions=(Transition("on", "band - T", "off"), Transition("off", "T + band", "on")),
+    parameters=(
+        Parameter("band", 1.0, (0.2, 2.0), "half the width of the band between switching on and off", r"\delta"),
+        Parameter("power", 4.0, (2.0, 6.0), "power of the heating", "P"),
+        Parameter("cold", 10.0, (5.0, 15.0), "how far it is colder outside than the temperature set", r"\Delta"),
+        Parameter("loss", 0.2, (0.1, 0.3), "loss of heat to the outside", r"\lambda"),
+        Parameter("storage", 0.5, (0.1, 1.5), "heat given to the room, per heat stored in the radiator", r"\sigma"),
+    ),
+    x0=(-2.0, 0.0),
+    doc="The heating goes on where the room's temperature T, measured from the temperature set, falls to −δ, and off "
+    "where it rises to δ; in between it stays as it is (hysteresis). The radiator, of temperature r, stores heat, so "
+    "the room's temperature overshoots, and approaches a limit cycle.",
+)
