@@ -91,7 +91,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
         plane = ", ".join(system.variables[k] for k in axes)
         sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
         if not shows_surface(system, axes):
-            names = ", ".join(f"{to_text(g)} = 0" for g in system.laws.surfaces)
+            names = ", ".join(f"{g} = 0" for g in system.surfaces or map(to_text, system.laws.surfaces))
             several = len(system.laws.surfaces) > 1
             sentences.append(
                 f"Nor can the surfaces {names}, which are not curves there." if several

@@ -244,8 +244,10 @@ class Results:
         key = (still, window, levels, axes)
         return self._cache.get("backdrop", key, lambda: backdrop(still.build(), window, dict(levels), axes))
 
-    def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis:
-        """Return the constants of the theory along a run."""
+    def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis | None:
+        """Return the constants of the theory along a run; None of several surfaces, about which it says nothing."""
+        if not inputs.problem.declaration.two_sided:
+            return None
         return self._get("diagnosis", inputs, cancel, lambda: core.diagnose(self.run(inputs, cancel)))
 
     def study(self, inputs: StudyInputs, cancel: Cancel = never, report: Report = silent) -> core.OrderStudy:
