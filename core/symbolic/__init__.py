@@ -1,10 +1,11 @@
 """Expressions: the whitelist parser, tests whether one is zero, laws, the discrete gradient and multiplier."""
 
-from core.symbolic.declaration import SIDES, Declaration, Problem, Verdict, miscounted
+from core.symbolic.declaration import SIDES, Declaration, Problem, RegionText, Verdict, miscounted
 from core.symbolic.expressions import OPERATORS, TIME, parse, quoted, to_text
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
 from core.symbolic.multiplier import DIFFERENCES, DividedDifference
+from core.symbolic.switching_terms import Found, read_switching
 
 __all__ = [
     "DIFFERENCES",
@@ -13,12 +14,15 @@ __all__ = [
     "TIME",
     "Declaration",
     "DividedDifference",
+    "Found",
     "Laws",
     "Mode",
     "Problem",
+    "RegionText",
     "Verdict",
     "miscounted",
     "parse",
     "quoted",
+    "read_switching",
     "to_text",
 ]

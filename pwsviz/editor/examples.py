@@ -68,6 +68,13 @@ EXAMPLES: Mapping[str, Draft] = MappingProxyType(
             x0="1, 0",
             jump="-wall\n-r*v",
         ),
+        "Two springs as stops, in one field": Draft(
+            name="Oscillator with stops",
+            variables="x, v",
+            f="v\n-x - k*max(x - 1, 0) - k*min(x + 1, 0)",
+            parameters="k = 8 in [0, 50]",
+            x0="0, 2",
+        ),
         "Van der Pol, nothing conserved": Draft(
             name="Van der Pol oscillator",
             variables="x, v",

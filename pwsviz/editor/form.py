@@ -38,13 +38,15 @@ PAIR_CSS = ":host { flex-wrap: wrap; gap: 0 12px; } :host > * { flex: 1 1 220px 
 
 FIELD_SX = {"& .MuiInputBase-input": {"fontFamily": "ui-monospace, Menlo, Consolas, monospace", "fontSize": "0.9rem"}}
 
-_LINES = {"parameters": 2, "f_minus": 2, "f_plus": 2, "psi_minus": 1, "psi_plus": 1, "jump": 1}
+_LINES = {"parameters": 2, "f": 2, "psi": 1, "f_minus": 2, "f_plus": 2, "psi_minus": 1, "psi_plus": 1, "jump": 1}
 """Fields of several lines, and the number of lines shown when empty."""
 
 _HINTS = {
     "name": "",
     "variables": "x, y",
     "parameters": "k = 3 in [0.1, 10]",
+    "f": "",
+    "psi": "",
     "f_minus": "y\n-k*x",
     "f_plus": "y\n-x",
     "g": "y",
@@ -57,6 +59,8 @@ _HINTS = {
 _HELP = {
     "variables": "Time is t.",
     "parameters": "One per line. The range of the slider is optional.",
+    "f": "In place of g, f₋ and f₊: one law, as v; -x - mu*sign(v - 1). Up to six surfaces are found in it.",
+    "psi": "Of the field f. Optional. One per line.",
     "f_minus": "The time derivative of each variable, one per line.",
     "f_plus": "The time derivative of each variable, one per line.",
     "g": "The field changes where g = 0.",
@@ -151,7 +155,10 @@ class SystemEditor(pn.viewable.Viewer):
         if title in EXAMPLES:
             self.fill(EXAMPLES[title])
         elif self._current is not None:
-            self.load(self._current())
+            try:
+                self.load(self._current())
+            except ValueError as reason:
+                self.status.object = complaint(reason)
 
     def _take(self, name: str, event: Any) -> None:
         if not self._filling:
@@ -175,8 +182,8 @@ class SystemEditor(pn.viewable.Viewer):
         for name, text in self.texts.items():
             self._show_complaint(text, outcome.complaints.get(name), _HELP.get(name, ""))
             self.maths[name].object = _maths(outcome.maths.get(name, ""))
-        for side, name in ((-1, "psi_minus"), (1, "psi_plus")):
-            self.maths[name].object += "".join(map(_finding, outcome.conserved.get(side, ())))
+        for name in ("psi", "psi_minus", "psi_plus"):
+            self.maths[name].object += "".join(map(_finding, outcome.conserved.get(name, ())))
         self._system, self.use.disabled = outcome.system, outcome.system is None
         self.status.object = _verdict(outcome)
         if outcome.system is not None:
@@ -225,8 +232,10 @@ class SystemEditor(pn.viewable.Viewer):
             self._field("g"),
             self._pair("f_minus", "f_plus"),
             self._field("jump"),
+            self._field("f"),
             heading("Conserved quantities"),
             self._pair("psi_minus", "psi_plus"),
+            self._field("psi"),
             heading("Start"),
             self._field("x0"),
             self.status,

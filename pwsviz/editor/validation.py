@@ -15,6 +15,7 @@ from sympy import Expr, Symbol
 import core
 from core.integrate import checked_start
 from core.symbolic import OPERATORS, SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted, to_text
+from pwsviz.editor.one_field import OneField, called_by_variables, one_field_of, where
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
 from pwsviz.text.mathml import TOO_LONG, markup, too_long
 from pwsviz.text.typed import as_python
@@ -36,6 +37,8 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "name": "Name",
         "variables": "Variables",
         "parameters": "Parameters",
+        "f": "Field f, with sign, abs, max …",
+        "psi": "Conserved quantities ψ",
         "f_minus": "Field f₋, where g < 0",
         "f_plus": "Field f₊, where g > 0",
         "g": "Switching function g",
@@ -46,8 +49,10 @@ FIELDS: Mapping[str, str] = MappingProxyType(
     }
 )
 
+#: The fields that hold the expressions of two sides.
+_SIDES = ("f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump")
 #: The fields that hold expressions.
-_EXPRESSIONS = ("f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump")
+_EXPRESSIONS = ("f", "psi", *_SIDES)
 
 #: The sign of a side, in words and in mathematics.
 _SIGNS = {"minus": ("₋", "−"), "plus": ("₊", "+")}
@@ -77,16 +82,29 @@ class Draft:
     """A number for each variable."""
     jump: str = ""
     """An expression for each variable, or nothing."""
+    f: str = ""
+    """In place of both fields and g: an expression for each variable, with sign, abs, max and so on."""
+    psi: str = ""
+    """Conserved quantities of such a field; or none."""
 
     @classmethod
     def of(cls, system: core.PiecewiseSystem) -> Draft:
-        """Return a system as a user would type it, at its current parameter values."""
-        lists = {n: "\n".join(getattr(system, n) or ()) for n in ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump")}
+        """Return a system as a user would type it, at its current parameter values.
+
+        Raises
+        ------
+        ValueError
+            If its regions cannot be written in the fields.
+        """
+        if system.two_sided:
+            names = ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump")
+            lists = {n: "\n".join(getattr(system, n) or ()) for n in names} | {"g": system.g}
+        else:
+            lists = {n: "\n".join(texts) for n, texts in one_field_of(system).items()}
         return cls(
             name=system.name,
             variables=", ".join(system.variables),
             parameters="\n".join(_declared(p, system.values[p.name]) for p in system.parameters),
-            g=system.g,
             x0=", ".join(map(_typed, system.x0)),
             **lists,
         )
@@ -114,8 +132,8 @@ class Checked:
     """Field -> what is wrong with it and what would do; “system” for what concerns several fields."""
     maths: Mapping[str, str] = field(default_factory=dict)
     """Field -> ``<math>`` elements, escaped, of the expressions that could be read."""
-    conserved: Mapping[int, tuple[Finding, ...]] = field(default_factory=dict)
-    """Side (−1 or +1) -> the findings on its conserved quantities."""
+    conserved: Mapping[str, tuple[Finding, ...]] = field(default_factory=dict)
+    """Field -> the findings on its conserved quantities."""
 
 
 def check(draft: Draft) -> Checked:
@@ -161,15 +179,21 @@ class _Check:
         self.variables = self.each("variables", str, MAX_VARIABLES)
         self.parameters = self.each("parameters", _parameter, MAX_PARAMETERS)
         self.x0 = self.each("x0", _coordinate, MAX_VARIABLES)
+        self.one: OneField | None = None
+        self.in_one_field = bool(draft.f.strip())
         self.declaration = self.declare()
 
     def run(self) -> Checked:
         self.check_declaration()
-        maths = {name: self.typeset(name) for name in _EXPRESSIONS}
+        maths = {name: self.typeset(name) for name in _SIDES}
+        maths["f"] = "" if self.one is None else self.one.markup(self.variables)
         maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
         maths["x0"] = self.typeset_start()
         system = None if self.complaints else self.build()
-        conserved = {side: self.findings(side, system) for side in SIDES}
+        if self.in_one_field:
+            conserved = {"psi": self.findings_in_regions(system)}
+        else:
+            conserved = {f"psi_{word}": self.findings(side, system) for side, word in SIDES.items()}
         complaints = {name: " ".join(words[:_COMPLAINTS]) for name, words in self.complaints.items()}
         return Checked(system, complaints, maths, conserved)
 
@@ -217,12 +241,35 @@ class _Check:
         names = tuple(text.partition("=")[0].strip() for text in self.items["parameters"][:MAX_PARAMETERS])
         read = {p.name: p.bounds for p in self.parameters}
         bounds = tuple(read.get(name) for name in names)
-        texts = {name: self.items[name] for name in _EXPRESSIONS}
+        if self.in_one_field:
+            return self.declare_one_field(names, bounds)
+        if self.items["psi"]:
+            self.complain("psi", "These are quantities of the field f, which is empty: write them beside their side")
+        texts = {name: self.items[name] for name in _SIDES}
         return Declaration.of_sides(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
+
+    def declare_one_field(self, names: tuple[str, ...], bounds: tuple[tuple[float, float] | None, ...]) -> Declaration:
+        """Find the regions of one field; where that fails, complain, and declare nothing."""
+        for name in _SIDES:
+            if self.items[name]:
+                self.complain(name, "Leave this empty: the field f gives the laws of all regions")
+        try:
+            if words := miscounted(self.items["f"], "expression", self.variables):
+                raise ValueError(words)
+            self.one = OneField.read(self.variables, names, bounds, self.items["f"], self.items["psi"], MAX_DERIVATIVES)
+        except ValueError as reason:
+            said = str(reason)
+            words = called_by_variables(said, self.variables)
+            if not self.complaints.get("f"):
+                self.complain("psi" if said.startswith("psi[") else "f", words if "[" in said[:4] else _capital(words))
+            return Declaration.of_sides(self.variables, names, bounds, (), (), ())
+        return self.one.declaration
 
     def check_declaration(self) -> None:
         """Complain about the declaration, in the fields that could be read."""
-        found = list(self.declaration.problems)
+        if self.in_one_field and self.one is None:
+            return
+        found = list(self.declaration.problems) if self.one is None else self.one.problems(self.variables)
         if self.variables and (words := miscounted(self.x0, "number", self.variables)):
             found.append(Problem("x0", words))
         readable = FIELDS.keys() - self.complaints.keys()
@@ -270,6 +317,19 @@ class _Check:
         none = Finding(_without_quantity(word, system), False)
         return tuple(Finding(words, True, _equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
+    def findings_in_regions(self, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
+        """Return what is conserved in the regions of one field."""
+        if system is None:
+            return ()
+        given = "Conserved" if self.items["psi"] else "Found automatically"
+        if not system.laws.most_conserved:
+            return (Finding(_without_quantity("", system), False),)
+        return tuple(
+            Finding(f"{given} {where(mode.name)}:", True, _equation(_LeftSide("ψ", "<mi>ψ</mi>"), psi))
+            for mode in system.laws.regions
+            for psi in mode.conserved
+        )
+
     def finding(self, word: str, k: int, verdict: Verdict) -> Finding:
         """Say that a quantity is conserved, or typeset its time derivative; the reason is in a complaint."""
         left = self.left(f"psi_{word}", k)
@@ -282,7 +342,11 @@ class _Check:
 
     def build(self) -> core.PiecewiseSystem | None:
         """Return the system, or None after a complaint if it is refused or cannot start."""
-        texts: dict[str, Any] = {name: self.items[name] for name in _EXPRESSIONS} | {"g": self.declaration.surfaces[0]}
+        texts: dict[str, Any]
+        if self.one is None:
+            texts = {name: self.items[name] for name in _SIDES} | {"g": self.declaration.surfaces[0]}
+        else:
+            texts = self.one.arguments()
         names = {"name": self.texts["name"].strip(), "variables": self.variables, "parameters": self.parameters}
         field = "system"
         try:
@@ -301,7 +365,8 @@ def _without_quantity(word: str, system: core.PiecewiseSystem | None) -> str:
         return "None given."
     refused = [name for name in core.METHODS if not can_use(system, name)]
     if refused:
-        return f"None given or found on either side, so {listed(refused)} will not be offered."
+        where = "on either side" if word else "in any region"
+        return f"None given or found {where}, so {listed(refused)} will not be offered."
     return (
         f"None given or found: where g {'<' if word == 'minus' else '>'} 0, conservative methods have no ψ to conserve."
     )

@@ -58,7 +58,7 @@ def test_fields_are_those_of_a_draft():
 def test_every_example_makes_a_system_that_runs_across_its_surface(title):
     checked = check(EXAMPLES[title])
     assert checked.complaints == {}
-    known = bool(checked.system.psi_minus)
+    known = checked.system.laws.most_conserved > 0
     run = core.integrate(checked.system, (0.0, 20.0), tau=0.01, method="dmm2" if known else "rk2")
     assert run.status is core.Status.COMPLETED
     assert len(run.crossings) >= 2
@@ -68,13 +68,74 @@ def test_every_example_makes_a_system_that_runs_across_its_surface(title):
         assert all("will not be offered" in side[0].words for side in checked.conserved.values())
 
 
-@pytest.mark.parametrize("key", core.CATALOGUE)
+@pytest.mark.parametrize("key", [key for key, system in core.CATALOGUE.items() if system.two_sided])
 def test_a_built_in_system_written_out_and_read_again_is_the_same(key):
     system = core.CATALOGUE[key]
     again = check(Draft.of(system)).system
     for name in ("name", "variables", "f_minus", "f_plus", "g", "psi_minus", "psi_plus", "x0", "jump", "values"):
         assert getattr(again, name) == getattr(system, name)
     assert [p.bounds for p in again.parameters] == [p.bounds for p in system.parameters]
+
+
+REGIONS = [key for key, system in core.CATALOGUE.items() if not system.two_sided]
+
+
+@pytest.mark.parametrize("key", REGIONS)
+def test_several_regions_are_written_out_as_one_field_or_refused_in_words(key):
+    system = core.CATALOGUE[key]
+    if system.jumps or system.transitions:
+        with pytest.raises(ValueError, match=f"{system.name} has .* which cannot be written here"):
+            Draft.of(system)
+        return
+    checked = check(Draft.of(system))
+    assert checked.complaints == {}
+    before, after = (core.integrate(one, (0.0, 10.0), method="taylor") for one in (system, checked.system))
+    assert after.crossing_count == before.crossing_count > 0
+    assert np.allclose(after.x[-1], before.x[-1], rtol=0, atol=1e-11)
+
+
+FRICTION = Draft(
+    name="Belt", variables="x, v", f="v\n-x - mu*sign(v - 1)", parameters="mu = 0.5 in [0.1, 1]", x0="2, 0"
+)
+
+
+def test_one_field_gives_the_surfaces_and_regions_that_it_shows():
+    checked = check(FRICTION)
+    assert checked.complaints == {}
+    assert (checked.system.g, checked.system.f_minus, checked.system.f_plus) == (
+        "v - 1",
+        ("v", "mu - x"),
+        ("v", "-mu - x"),
+    )
+    assert "Found: 1 surface, 2 regions." in checked.maths["f"]
+    assert checked.maths["f"].count("<math") == 1 + 2 * 2
+    assert [finding.conserved for finding in checked.conserved["psi"]] == [True, True]
+    assert [words.words for words in checked.conserved["psi"]] == [
+        "Found automatically where g < 0:", "Found automatically where g > 0:",
+    ]  # fmt: skip
+    two = check(replace(FRICTION, f="v\n-x - 2max(x - 1, 0) - 2min(x + 1, 0)", parameters=""))
+    assert two.system.surfaces == ("x - 1", "x + 1")
+    assert sorted(two.system.regions) == ["++", "-+", "--"]
+    assert "Found: 2 surfaces, 3 regions." in two.maths["f"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "says"),
+    [
+        ({"f": "v\n-x"}, "f", "Nothing switches"),
+        ({"f": "v\n-q*abs(x)"}, "f", "v′ = '-q*abs(x)': unknown name 'q'"),
+        ({"f": "-abs(x)"}, "f", "1 expression here, 2 are needed"),
+        ({"g": "x"}, "g", "Leave this empty"),
+        ({"psi": "x**2"}, "psi", "ψ where g < 0 = 'x**2' is not conserved by the field where g < 0"),
+        ({"f": "", "psi": "x", "g": "v", "f_minus": "v, -x", "f_plus": "v, -x"}, "psi", "which is empty"),
+        ({"f": "v\nabs(abs(" * 30 + "x" + "))" * 30}, "f", "nested"),
+        ({"f": "v\n" + "+".join(f"abs(x - {k})" for k in range(7))}, "f", "at most 6 surfaces"),
+    ],
+)
+def test_a_mistake_in_one_field_is_told_beside_it(changes, field, says):
+    checked = check(replace(FRICTION, **changes))
+    assert checked.system is None
+    assert says in checked.complaints[field]
 
 
 def test_a_system_is_written_out_at_its_current_values():
@@ -154,31 +215,31 @@ def test_mathematics_appears_of_what_can_be_read_while_other_fields_are_wrong():
     assert checked.maths["f_plus"].count("<math") == 2
     assert "<msup><mi>x</mi><mn>2</mn></msup>" in checked.maths["psi_plus"]
     assert "<mi>k</mi>" in checked.maths["parameters"]
-    assert [finding.conserved for finding in checked.conserved[1]] == [True]
+    assert [finding.conserved for finding in checked.conserved["psi_plus"]] == [True]
 
 
 def test_what_is_left_over_of_a_quantity_is_its_time_derivative():
     checked = check(replace(OSCILLATOR, psi_minus="x**2 + y**2", psi_plus="x**2 + y**2"))
-    left = checked.conserved[-1][0]
+    left = checked.conserved["psi_minus"][0]
     assert not left.conserved
     x, y, k = sympy.symbols("x y k")
     said = checked.complaints["psi_minus"].split("time derivative is ")[1].removesuffix(", not 0.")
     assert sympy.expand(sympy.sympify(said) - (2 * x * y + 2 * y * (-k * x))) == 0
     assert "<mfrac>" in left.maths
-    assert checked.conserved[1][0].words == "ψ₊ is conserved: its time derivative along f₊ is 0."
+    assert checked.conserved["psi_plus"][0].words == "ψ₊ is conserved: its time derivative along f₊ is 0."
 
 
 def test_a_quantity_that_names_time_is_differentiated_by_it_too():
     damped = Draft("Damped", "x", "-k*x", "-k*x", "x - 1", parameters="k = 1", x0="2")
     assert "at most" in check(replace(damped, psi_minus="x*exp(k*t)")).complaints["psi_minus"]
     plane = replace(damped, variables="x, y", f_minus="-k*x, 0", f_plus="-k*x, 1", x0="2, 0", psi_minus="x*exp(k*t)")
-    assert check(plane).conserved[-1][0].conserved
+    assert check(plane).conserved["psi_minus"][0].conserved
 
 
 def test_what_is_found_without_being_given_is_said():
     checked = check(OSCILLATOR)
-    assert checked.conserved[-1][0].words.startswith("Found automatically")
-    assert "<mfrac>" in checked.conserved[-1][0].maths
+    assert checked.conserved["psi_minus"][0].words.startswith("Found automatically")
+    assert "<mfrac>" in checked.conserved["psi_minus"][0].maths
     assert checked.system.psi_plus == ("x**2/2 + y**2/2",)
 
 
@@ -264,10 +325,10 @@ def test_a_side_without_quantity_leaves_out_no_method_that_the_other_side_admits
     kept = replace(EXAMPLES["Duffing oscillator, stiffness switched"], psi_plus="", f_plus="v\n-a*x - v")
     checked = check(kept)
     assert can_use(checked.system, "dmm2")
-    (words,) = [finding.words for finding in checked.conserved[1]]
+    (words,) = [finding.words for finding in checked.conserved["psi_plus"]]
     assert words == "None given or found: where g > 0, conservative methods have no ψ to conserve."
     neither = check(replace(kept, psi_minus="", f_minus="v\n-a*x - v"))
-    (words,) = [finding.words for finding in neither.conserved[1]]
+    (words,) = [finding.words for finding in neither.conserved["psi_plus"]]
     for name in core.METHODS:
         assert (f" {name} " in f" {words} ".replace(",", " ")) != can_use(neither.system, name)
 

@@ -1,0 +1,142 @@
+"""A system typed as one field with sign, abs, max and so on: its surfaces and regions are found, and shown."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import sympy
+
+import core
+from core.symbolic import Declaration, Found, Problem, RegionText, parse, read_switching, to_text
+from pwsviz.text.mathml import TOO_LONG, markup, too_long
+from pwsviz.text.words import as_text
+
+__all__ = ["OneField", "called_by_variables", "one_field_of", "where"]
+
+#: The names of the declaration's fields in messages, for which the page has one field each.
+_NAMED = re.compile(r"(?:regions\['(?P<key>[-+]*)'\]\.|)(?P<part>f|psi)(?P<side>_minus|_plus|)(?:\[(?P<entry>\d+)\])?")
+#: Endings of the fields of two sides -> key of the region.
+_KEYS = {"_minus": "-", "_plus": "+"}
+
+
+@dataclass(frozen=True)
+class OneField:
+    """The surfaces and regions found in one field."""
+
+    declaration: Declaration
+    found: Found
+
+    @classmethod
+    def read(
+        cls, variables: tuple[str, ...], parameters: tuple[str, ...],
+        bounds: tuple[tuple[float, float] | None, ...], f: Sequence[str], psi: Sequence[str], longest: int,
+    ) -> OneField:  # fmt: skip
+        """Find surfaces and regions (see `core.symbolic.switching_terms`); ValueError where that fails."""
+        found = read_switching(variables, parameters, f, psi, bounds)
+        regions = tuple(RegionText(key, law, found.quantities[key]) for key, law in found.fields.items())
+        return cls(Declaration(variables, parameters, bounds, found.surfaces, regions, longest=longest), found)
+
+    def problems(self, variables: Sequence[str]) -> list[Problem]:
+        """Everything wrong with it, by the field of the page: f, psi, variables or parameters."""
+        problems: dict[tuple[str, int | None], Problem] = {}  # of several regions, that of the first
+        for field, message, entry in self.declaration.problems:
+            named = _NAMED.fullmatch(field)
+            place = named["part"] if named else {"g": "f", "surfaces": "f"}.get(field, field)
+            problem = Problem(place, called_by_variables(message, variables), entry)
+            problems.setdefault((place, entry), problem)
+        return list(problems.values())
+
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `core.PiecewiseSystem` that declare it."""
+        laws = {key: core.Region(f, self.found.quantities[key]) for key, f in self.found.fields.items()}
+        return {"surfaces": self.found.surfaces, "regions": laws}
+
+    def markup(self, variables: Sequence[str]) -> str:
+        """The surfaces, and the law of each region, with a plain-text version for screen readers."""
+        names, found = (*variables, *self.declaration.parameters), self.found
+        one = len(found.surfaces) == 1
+        parts = [
+            as_text(
+                f"Found: {_count(len(found.surfaces), 'surface')}, {_count(len(found.fields), 'region')}.", "finding"
+            )
+        ]
+        for k, text in enumerate(found.surfaces, start=1):
+            shown = "<mi>g</mi>" if one else f"<msub><mi>g</mi><mn>{k}</mn></msub>"
+            parts.append(_equation("g" if one else f"g{k}", shown, parse(text, names, "g")))
+        for key, law in found.fields.items():
+            parts.append(as_text(f"{where(key)[:1].upper()}{where(key)[1:]}:", "finding"))
+            for variable, text in zip(variables, law, strict=True):
+                rate = f'<mrow>{markup(sympy.Symbol(variable))}<mo lspace="0" rspace="0">′</mo></mrow>'
+                parts.append(_equation(f"{variable}′", rate, parse(text, names, "f")))
+        return "".join(parts)
+
+
+def called_by_variables(message: str, variables: Sequence[str]) -> str:
+    """Rewrite a message that names fields as in Python: x′ for ``f[0]``, with the region where that is told."""
+
+    def called(match: re.Match[str]) -> str:
+        key = match["key"] or _KEYS.get(match["side"], "")
+        entry = int(match["entry"] or 0)
+        there = f" {where(key)}" if key else ""
+        if match["part"] == "psi":
+            return f"ψ{there}"
+        return f"{variables[entry]}′{there}" if match["entry"] and entry < len(variables) else f"the field{there}"
+
+    return re.sub(rf"\b(?:{_NAMED.pattern})(?=[\s,:;]|$)", called, message)
+
+
+def where(key: str) -> str:
+    """Where a region is, by the signs of its key: “where g < 0”, “where g1 > 0 and g2 < 0”."""
+    signs = [f"{'<' if sign == '-' else '>'} 0" for sign in key]
+    if len(signs) == 1:
+        return f"where g {signs[0]}"
+    return f"where {', '.join(f'g{k} {sign}' for k, sign in enumerate(signs, start=1))}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def _equation(said: str, shown: str, right: sympy.Expr) -> str:
+    told = escape(f"{said} = {TOO_LONG if too_long(right) else to_text(right)}")
+    inside = f"{shown}<mo>=</mo>{markup(right)}"
+    return f'<math display="block" alttext="{told}" aria-label="{told}"><mrow>{inside}</mrow></math>'
+
+
+def one_field_of(system: core.PiecewiseSystem) -> Mapping[str, list[str]]:
+    """Write the laws of all regions of a system as the field f, and its quantities as ψ.
+
+    Raises
+    ------
+    ValueError
+        Where the state jumps or regions have names, or a region has no law, for which the editor has no fields.
+    """
+    if system.transitions or system.jumps:
+        words = "jumps at several surfaces" if system.jumps else "regions that have names"
+        raise ValueError(f"{system.name} has {words}, which cannot be written here: start from another system")
+    laws = {key: region.f for key, region in system.regions.items()}
+    counts = {len(region.psi) for region in system.regions.values()}
+    quantities = {key: region.psi for key, region in system.regions.items()} if len(counts) == 1 else {}
+    f = [_piecewise(laws, system.surfaces, k) for k in range(system.dimension)]
+    psi = [_piecewise(quantities, system.surfaces, k) for k in range(counts.pop() if quantities else 0)]
+    return {"f": f, "psi": psi}
+
+
+def _piecewise(laws: Mapping[str, Sequence[str]], surfaces: Sequence[str], entry: int) -> str:
+    """Write one expression of the laws of all regions as one text, which asks for as few signs as it can."""
+    return _by_signs({key: law[entry] for key, law in laws.items()}, surfaces)
+
+
+def _by_signs(texts: Mapping[str, str], surfaces: Sequence[str]) -> str:
+    """Write texts by the signs of the surfaces in their keys, of which the first is asked for first."""
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    below, above = ({key[1:]: text for key, text in texts.items() if key[0] == sign} for sign in "-+")
+    if not below or not above or all(below[key] == above[key] for key in below.keys() & above.keys()):
+        return _by_signs({**below, **above}, surfaces[1:])
+    cases = (_by_signs(below, surfaces[1:]), _by_signs(above, surfaces[1:]))
+    return f"Piecewise(({cases[0]}, {surfaces[0]} < 0), ({cases[1]}, True))"
