@@ -192,7 +192,9 @@ class PiecewiseSystem:
         given = listed(self.transitions, "transitions", "a tuple of Transition is needed", Transition)
         if wrong := [part for part in given if not isinstance(part, Transition)]:
             raise ValueError(f"transitions: {wrong[0]!r} is no Transition; give Transition(mode, guard, to)")
-        names = [str(name) for name in regions]
+        if odd := [name for name in regions if not isinstance(name, str)]:
+            raise ValueError(f"regions: the key {odd[0]!r} is no text; write its signs, as in '+-'")
+        names = list(regions)
         order = names if given else sorted(names, key=lambda name: name.replace("-", "\0"))  # - before +
         set_(self, "regions", MappingProxyType({name: regions[name] for name in order}))
         set_(self, "jumps", MappingProxyType({k: _texts(jump, f"jumps[{k}]") for k, jump in sorted(jumps.items())}))

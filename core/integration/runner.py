@@ -17,7 +17,7 @@ from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.integration.crossings import Crossings
 from core.integration.failure import GROWTH, ends_beyond, runs_away
-from core.integration.starting import first_place, regions_entered, surfaces_met, way_out
+from core.integration.starting import first_place, leaning, regions_entered, surfaces_met, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import ORDER, TOLERANCE, Frame
 from core.kernels.arrays import Floats
@@ -227,9 +227,8 @@ class Runner:
             elif self.settings.cancel is not None and self.settings.cancel():
                 self.status = Status.CANCELLED
             else:
-                if self._run["pending"][0]:
-                    self._modes.add(self.mode)
-                    self._compile()
+                if self._run["pending"][0] and not self._make_ready(sign):
+                    break
                 self.status = self._chunk(record, keep_hits)
                 if self.status is Status.CORNER and not self.slides:
                     self._pass_corner(sign)
@@ -242,6 +241,24 @@ class Runner:
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
             self.status = self._refined_status()
         return self.status
+
+    def _make_ready(self, direction: float) -> bool:
+        """Make the pending mode ready to begin: compile it, or tell where it leads; returns whether that is known."""
+        run = self._run
+        if not (asked := int(run["asked"][0])):
+            self._modes.add(self.mode)
+            self._compile()
+            return True
+        lean = leaning(self.system, self.mode, asked - 1, self.t, self.x, direction)
+        bit = 1 << asked - 1
+        run["asked"] = 0
+        run["inward" if lean.way > 0 else "outward"] |= bit
+        run["folded"] |= bit * lean.folded
+        if lean.way == 0:
+            self.status = Status.GRAZING
+            if self.crossing_count:
+                self._hit_chunks[-1][0]["mode"][-1] = NO_MODE
+        return lean.way != 0
 
     def _compile(self) -> None:
         """Compile the modes entered so far."""

@@ -14,7 +14,7 @@ from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["Place", "first_place", "regions_entered", "surfaces_met", "way_out"]
+__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "surfaces_met", "way_out"]
 
 _EPS = 2.0**-52
 _MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
@@ -137,15 +137,25 @@ def regions_entered(
     if way.to is not None and way.back is not None:
         sides.append((way.to, way.back))
     ordered = sorted(sides, key=lambda side: system.laws.ways[side[0]][side[1]].sign)
-    return [side for side in ordered if _leads_into(system, *side, t, x, direction)]
+    return [side for side in ordered if leaning(system, *side, t, x, direction).way > 0]
 
 
-def _leads_into(system: PiecewiseSystem, region: int, guard: int, t: float, x: Floats, direction: float) -> bool:
+class Leaning(NamedTuple):
+    """Where the field of a mode leads from the zero of one of its guards."""
+
+    way: int
+    """1: into the mode; −1: out of it; 0: two derivatives of the guard do not tell."""
+    folded: bool
+    """Whether the rate is zero to rounding, so that the second derivative tells."""
+
+
+def leaning(system: PiecewiseSystem, number: int, guard: int, t: float, x: Floats, direction: float) -> Leaning:
+    """Find where the field of a mode, given by its number, leads from the zero of a guard; see `regions_entered`."""
     laws: Laws = system.laws
-    mode, sign = laws.regions[region], laws.ways[region][guard].sign
-    rate = mode.guard_rates[guard]
+    mode = laws.mode(number)
+    sign, rate = mode.signs[guard], mode.guard_rates[guard]
     wanted = (rate, rounding_bound(rate).replace(magnitude, sympy.Abs), mode.rate_of(rate))
-    first, doubt, second = laws.evaluate(("fold", region, guard), wanted, t, x, system.parameter_array)
+    first, doubt, second = laws.evaluate(("fold", number, guard), wanted, t, x, system.parameter_array)
     if abs(first) > _MARGIN * _EPS * doubt:
-        return bool(sign * first * direction > 0.0)
-    return bool(sign * second > 0.0)  # the same in both directions of time
+        return Leaning(int(np.sign(sign * first * direction)), False)
+    return Leaning(int(np.sign(np.nan_to_num(sign * second))), True)  # the same in both directions of time

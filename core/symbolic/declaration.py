@@ -36,6 +36,8 @@ MAX_GUARDS = 6
 _SHOWN = 400
 #: Most nodes of an expression tree of dψ/dt that a message shows.
 _SHOWN_NODES = 200
+#: Most nodes of switching functions of which common factors are sought.
+_FACTORED_NODES = 100
 
 #: Sign of g -> the word for that side in the names of fields.
 SIDES: Mapping[int, str] = MappingProxyType({-1: "minus", 1: "plus"})
@@ -323,8 +325,9 @@ class Declaration:
         """Problems of surfaces that are the same: they would be met at the same instant, always."""
         surfaces = self.expressions("surfaces")
         for (i, u), (k, v) in product(surfaces.items(), repeat=2):
-            if i < k and (is_zero(u - v) or is_zero(u + v)):
-                yield Problem("surfaces", f"{self._entry('surfaces', k)} is the same surface as number {i}", k)
+            if i < k and _same_zeros(u, v):
+                words = f"{self._entry('surfaces', k)} is zero where number {i} is: write each surface once, and one "
+                yield Problem("surfaces", words + "without factor in common with another", k)
 
     # Transitions -----------------------------------------------------------------------------------------------------
 
@@ -406,6 +409,15 @@ class Declaration:
             surfaces = self.expressions("g" if self.two_sided else "surfaces")
             heights = (_SIGNS[region[k]] * u for k, u in surfaces.items() if k < len(region) and region[k] in _SIGNS)
         return Domain(ranges, tuple(heights), self._law(region, "f"))
+
+
+def _same_zeros(u: Expr, v: Expr) -> bool:
+    """Whether two switching functions have zeros in common as they have a factor in common."""
+    long = is_larger(u, _FACTORED_NODES) or is_larger(v, _FACTORED_NODES)
+    if long or not (u.is_polynomial() and v.is_polynomial()):
+        return is_zero(u - v) or is_zero(u + v)
+    factor = sympy.gcd(u, v)
+    return bool(factor.free_symbols & (u.free_symbols | v.free_symbols)) and not factor.is_number
 
 
 def _number_among(guard: Expr, surfaces: list[Expr]) -> tuple[int, int]:

@@ -23,6 +23,8 @@ _RUNNING, _SLIDING, _REPELLING = int(Status.RUNNING), int(Status.SLIDING), int(S
 _GRAZING, _NO_CONVERGENCE, _UNDECLARED = int(Status.GRAZING), int(Status.NO_CONVERGENCE), int(Status.UNDECLARED)
 #: Result of `examine_guard`: the state is beyond a surface after a jump, so that the mode is another one.
 _BEYOND = -1
+#: Another one: the state is at the zero of a guard, where rounding may hide whether the field leads into the mode.
+_ASK = -2
 
 
 @inlined
@@ -34,6 +36,7 @@ def set_mode(context, row, at, rate):
     run, guard = context.run, context.guards[row]
     run.row, run.mode, run.guards, run.sliding = row, guard.mode, guard.count, guard.slides
     run.at, run.entered, run.pending, run.jumped, run.past = at, rate, 1, 0, 0
+    run.asked, run.inward, run.outward, run.folded = 0, 0, 0, 0
 
 
 @inlined
@@ -48,7 +51,8 @@ def begin_mode(context):
     """Begin the mode that has been set; it stays pending until it is compiled.
 
     Every guard gets its height and rate. A guard at or beyond whose zero the mode is entered, other than by the way
-    that led here, ends it at once (run.past).
+    that led here, ends it at once (run.past); at its zero if the field leads out of the mode, of which `Runner` is
+    asked. The mode stays pending until that is known, too.
     """
     run, w = context.run, context.w
     if context.functions[run.row, STEP] == 0:
@@ -76,6 +80,9 @@ def begin_mode(context):
             run.at, k = 0, 0
             if context.functions[run.row, STEP] == 0:
                 return _RUNNING
+        elif status == _ASK:
+            run.asked, run.entered = k + 1, rate
+            return _RUNNING
         elif status != _RUNNING:
             return status
         else:
@@ -118,11 +125,13 @@ def examine_guard(context, k, sign):
             return _BEYOND
         run.past = k + 1
     elif height <= noise:
-        if run.own > 0.0 and not (guard.back != NO_MODE and run.other > 0.0):
-            set_guard(w, k, sign, 0.0, run.own, 1.0)
+        if (run.inward >> k) & 1 == 1:
+            if guard.back != NO_MODE and run.other > 0.0:
+                return _REPELLING
+            set_guard(w, k, sign, 0.0, 0.0 if (run.folded >> k) & 1 == 1 else run.own, 1.0)
             return _RUNNING
-        if not run.own < 0.0:
-            return _REPELLING if run.own > 0.0 else _GRAZING
+        if (run.outward >> k) & 1 == 0:
+            return _ASK
         run.past = k + 1
     set_guard(w, k, sign, height, run.own, 0.0)
     return _RUNNING

@@ -63,6 +63,13 @@ RUN = np.dtype(
         ("slides", np.int64),  # 1: where both fields point to the surface, the run slides along it; 0: it stops there
         ("pending", np.int64),  # 1: the mode is to be entered, as soon as it is compiled, before the next step
         ("at", np.int64),  # bits of the guards at whose zeros it is entered
+        (
+            "asked",
+            np.int64,
+        ),  # number + 1 of a guard at whose zero `Runner` is asked where the field leads; or 0
+        ("inward", np.int64),  # its answers, as bits: the field leads into the mode, or out of it, or into it as at a
+        ("outward", np.int64),  # fold, where the rate is zero
+        ("folded", np.int64),
         ("jumped", np.int64),  # 1: it is entered by a jump, so that it depends on the signs of all guards
         (
             "past",
