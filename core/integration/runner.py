@@ -17,7 +17,7 @@ from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.integration.crossings import Crossings
 from core.integration.failure import GROWTH, ends_beyond, runs_away
-from core.integration.starting import first_place, leaning, regions_entered, surfaces_met, way_out
+from core.integration.starting import first_place, leaning, regions_entered, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import ORDER, TOLERANCE, Frame
 from core.kernels.arrays import Floats
@@ -106,7 +106,7 @@ class Runner:
         self._method, self._levels = method, columns > 0
         self._table = guard_table(system.laws)
         self._modes = modes_entered(system.laws, method, columns > 0)
-        self._corner = False
+        self._corner: tuple[int, ...] = ()
         self._p = system.parameter_array.copy()
         d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
         m = frame.m if settings.slides else system.laws.most_conserved
@@ -145,7 +145,7 @@ class Runner:
             raise ValueError(f"x0 = {self._x0!r} lies in a region for which no law is declared; choose another state")
         self._run["row"], self._run["guard"] = self._table.first_rows[place.region], place.guard
         self._modes.add(place.region)
-        self._corner = len(place.corner) > 1
+        self._corner = place.corner
 
     @property
     def t(self) -> float:
@@ -295,7 +295,8 @@ class Runner:
 
     def _pass_corner(self, direction: float) -> None:
         """Go on from a corner, if the fields of all regions around it lead the same way out."""
-        surfaces = surfaces_met(self.system, self.t, self.x)
+        met, ways = int(self._run["corner"][0]), self.system.laws.ways[self.mode] if self.crossing_count else ()
+        surfaces = tuple(way.surface for k, way in enumerate(ways) if met >> k & 1) or self._corner
         region = way_out(self.system, self.t, self.x, surfaces, direction)
         self.status = Status.CORNER if region is None else Status.RUNNING
         if region is not None:

@@ -14,7 +14,7 @@ from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "surfaces_met", "way_out"]
+__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "way_out"]
 
 _EPS = 2.0**-52
 _MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
@@ -58,15 +58,6 @@ def _values(system: PiecewiseSystem, t: float, x: Floats) -> tuple[Floats, Float
     wanted, k = (*laws.surfaces, *laws.state_roundings), len(laws.surfaces)
     both = laws.numbers("surfaces", wanted, t, x.tolist(), system.parameter_array)
     return both[:k], both[k:]
-
-
-def surfaces_met(system: PiecewiseSystem, t: float, x: Floats) -> tuple[int, ...]:
-    """Numbers of the surfaces on which a state lies, to rounding of the switching functions."""
-    laws = system.laws
-    bounds = [rounding_bound(u).replace(magnitude, sympy.Abs) for u in laws.surfaces]
-    both = laws.numbers("roundings", (*laws.surfaces, *bounds), t, x.tolist(), system.parameter_array)
-    met = np.abs(both[: len(bounds)]) <= _MARGIN * _EPS * both[len(bounds) :]
-    return tuple(np.flatnonzero(met).tolist())
 
 
 def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, ...], direction: float) -> int | None:

@@ -75,6 +75,7 @@ RUN = np.dtype(
             "past",
             np.int64,
         ),  # number + 1 of a guard beyond whose zero the mode is entered, which ends it at once; or 0
+        ("corner", np.int64),  # bits of the guards that vanish where the run has met several surfaces at once
         ("chain", np.int64),  # number of modes in a row that ended where they were entered
         ("adaptive", np.int64),  # 1: a variable-step method
         ("conservative", np.int64),  # 1: the method holds ψ at its level

@@ -83,17 +83,29 @@ def classify(run, guard):
 
 @internal
 def is_at_corner(context):
-    """Whether the state, where switching has just been evaluated, is within rounding of another surface, too."""
-    run, w = context.run, context.w
-    here, found = run.guard, False
+    """Whether the state, where switching has just been evaluated, is within rounding of another surface, too.
+
+    Rounding is that of the state here and of the increment that led here, which is of the size of the state before.
+    The guards that vanish here go to the bits of run.corner.
+    """
+    run, w, x, place = context.run, context.w, context.x, context.place
+    here = run.guard
+    run.corner = 1 << here
     for k in range(run.guards):
         if k != here and context.guards[run.row + k].turns == 0:
+            for i in range(x.size):
+                place[i] = x[i] - context.increment[i]
             call(context.functions[run.row + k, EVALUATE], run.t, 0.0, context.p, w, context.scratch)
-            found = found or abs(w[G]) <= MARGIN * w[ROUNDING_OF_G]
+            before = w[ROUNDING_OF_G]
+            for i in range(x.size):
+                place[i] = x[i]
+            call(context.functions[run.row + k, EVALUATE], run.t, 0.0, context.p, w, context.scratch)
+            if abs(w[G]) <= MARGIN * (w[ROUNDING_OF_G] + before):
+                run.corner |= 1 << k
     own, other = run.own, run.other
     evaluate_switching(context, run.t)
     run.own, run.other = own, other
-    return found
+    return run.corner != 1 << here
 
 
 @internal

@@ -1,0 +1,186 @@
+"""Random arrangements of three lines with a constant field in each cell: the path is a polygon, found in ratios."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+import pytest
+
+import core
+
+KEYS = tuple("".join(signs) for signs in product("-+", repeat=3))
+T_END = Fraction(8)
+Vector = tuple[Fraction, Fraction]
+
+
+def system() -> core.PiecewiseSystem:
+    """Every line and every field is a parameter, so that all arrangements are one compiled system."""
+    lines = tuple(f"a{k}*x + b{k}*y + c{k}" for k in range(3))
+    regions = {key: core.Region(f=(f"u{n}", f"v{n}")) for n, key in enumerate(KEYS)}
+    names = [f"{letter}{k}" for k in range(3) for letter in "abc"] + [f"{w}{n}" for n in range(8) for w in "uv"]
+    return core.PiecewiseSystem(
+        "Lines", ("x", "y"), surfaces=lines, regions=regions, parameters=dict.fromkeys(names, 1.0), x0=(0.3, 0.2)
+    )
+
+
+LINES = system()
+
+
+@dataclass
+class Path:
+    """The exact path: times of crossings, the regions entered, and how it ends."""
+
+    times: list[Fraction] = field(default_factory=list)
+    entered: list[str] = field(default_factory=list)
+    status: str = "COMPLETED"
+    end: Vector = (Fraction(0), Fraction(0))
+
+
+def exact(values: dict[str, float], x0: tuple[float, float], slides: bool = False) -> Path:
+    """Follow the path in ratios: from line to line, through a corner only if all fields around agree.
+
+    If it slides, it does so to the end or to another line.
+    """
+    q = {name: Fraction(value) for name, value in values.items()}
+    lines = [(q[f"a{k}"], q[f"b{k}"], q[f"c{k}"]) for k in range(3)]
+    fields = {key: (q[f"u{n}"], q[f"v{n}"]) for n, key in enumerate(KEYS)}
+    x, y = map(Fraction, x0)
+    key = "".join("+" if a * x + b * y + c > 0 else "-" for a, b, c in lines)
+    t, path = Fraction(0), Path()
+    while True:
+        u, v = fields[key]
+        rates = [a * u + b * v for a, b, _ in lines]
+        heights = [a * x + b * y + c for a, b, c in lines]
+        sign = [1 if s == "+" else -1 for s in key]
+        ahead = {k: -heights[k] / rates[k] for k in range(3) if sign[k] * rates[k] < 0}
+        step = min(ahead.values(), default=None)
+        if step is None or t + step > T_END:
+            path.end = (x + (T_END - t) * u, y + (T_END - t) * v)
+            return path
+        t, x, y = t + step, x + step * u, y + step * v
+        path.times.append(t)
+        met = [k for k in range(3) if a_zero(lines[k], x, y)]
+        key, path.status = beyond(key, met, lines, fields)
+        if path.status == "SLIDING" and slides:
+            return slide(path, key, met[0], lines, fields, t, (x, y))
+        if path.status != "COMPLETED":
+            path.end = (x, y)
+            return path
+        path.entered.append(key)
+
+
+def slide(path, key, k, lines, fields, t, place):
+    """Follow the path along line k: the fields of both sides, weighted so that they keep on it (Filippov)."""
+    below, above = (fields[key[:k] + s + key[k + 1 :]] for s in "-+")
+    low, high = (lines[k][0] * u + lines[k][1] * v for u, v in (below, above))
+    u, v = ((low * b - high * a) / (low - high) for a, b in zip(below, above, strict=True))
+    path.entered.append(f"{key[:k]}0{key[k + 1 :]}")
+    rest = {}
+    for j, (a, b, c) in enumerate(lines):
+        height, rate = a * place[0] + b * place[1] + c, a * u + b * v
+        if j != k and height * rate < 0:
+            rest[j] = -height / rate
+    step = min([T_END - t, *rest.values()])
+    path.status = "COMPLETED" if step == T_END - t else "CORNER"
+    if path.status == "CORNER":
+        path.times.append(t + step)
+    path.end = (place[0] + step * u, place[1] + step * v)
+    return path
+
+
+def a_zero(line: tuple[Fraction, Fraction, Fraction], x: Fraction, y: Fraction) -> bool:
+    return line[0] * x + line[1] * y + line[2] == 0
+
+
+def beyond(key, met, lines, fields):
+    """The region that follows where some lines are met, and the status."""
+    ways = set()
+    for signs in product("-+", repeat=len(met)):
+        around = list(key)
+        for k, s in zip(met, signs, strict=True):
+            around[k] = s
+        u, v = fields["".join(around)]
+        ways.add(tuple(np.sign(float(lines[k][0] * u + lines[k][1] * v)) for k in met))
+    if len(met) == 1:
+        (k,) = met
+        other = key[:k] + ("+" if key[k] == "-" else "-") + key[k + 1 :]
+        out = lines[k][0] * fields[other][0] + lines[k][1] * fields[other][1]
+        way = 1 if other[k] == "+" else -1
+        return (other, "COMPLETED") if way * out > 0 else (key, "SLIDING" if way * out < 0 else "GRAZING")
+    if len(ways) > 1 or 0 in next(iter(ways)):
+        return key, "CORNER"
+    after = list(key)
+    for k, s in zip(met, ways.pop(), strict=True):
+        after[k] = "+" if s > 0 else "-"
+    return "".join(after), "COMPLETED"
+
+
+def drawn(rng: np.random.Generator, near: float | None) -> tuple[dict[str, float], tuple[float, float]]:
+    """Lines near the start and fields, in numbers of few digits; if `near` is given, the start aims at a corner.
+
+    It then misses the corner of the first two lines by that distance, 0 for not at all.
+    """
+    values = {f"{w}{n}": float(rng.integers(-12, 13) or 1) / 8 for n in range(8) for w in "uv"}
+    for k in range(3):
+        a, b = (float(rng.integers(-8, 9)) for _ in range(2))
+        values |= {f"a{k}": a or 1.0, f"b{k}": b or 1.0, f"c{k}": float(rng.integers(-8, 9)) / 4}
+    x0 = (float(rng.integers(-16, 17)) / 8, float(rng.integers(-16, 17)) / 8)
+    if near is not None:
+        for k in (0, 1):  # both lines pass through the origin, exactly
+            values[f"c{k}"] = 0.0
+        values["c2"] = 20.0
+        side = [1 if values[f"a{k}"] * x0[0] + values[f"b{k}"] * x0[1] > 0 else -1 for k in (0, 1)]
+        n = KEYS.index("".join("+" if s > 0 else "-" for s in side) + "+")
+        values |= {f"u{n}": -x0[0], f"v{n}": -x0[1]}
+        x0 = (x0[0] - near * x0[1], x0[1] + near * x0[0])
+    return values, x0
+
+
+def on_a_line(values: dict[str, float], x0: tuple[float, float]) -> bool:
+    return any(abs(values[f"a{k}"] * x0[0] + values[f"b{k}"] * x0[1] + values[f"c{k}"]) < 1e-9 for k in range(3))
+
+
+def agrees(run: core.Trajectory, path: Path) -> bool:
+    count = len(path.times)
+    if run.status.name != path.status or run.crossing_count != count:
+        return False
+    size = 1 + float(np.abs(run.x).max()) + float(np.abs(run.crossings.x).max(initial=0.0))
+    names = [LINES.laws.name(mode) for mode in run.crossings.mode[: len(path.entered)].tolist()]
+    times = np.abs(run.crossings.t - np.array(path.times, dtype=float)).max(initial=0.0)
+    return (
+        names == path.entered
+        and times < 2e-12 * size
+        and np.abs(run.x[-1] - np.array(path.end, float)).max() < 2e-11 * size
+    )
+
+
+METHODS = [
+    ("rk2", {"tau": 0.75}),
+    ("taylor", {}),
+    ("dmm2", {"tau": 0.4}),
+    ("gauss4", {"tau": 3.0}),
+    ("prk8", {"tau": 0.3}),
+]
+
+
+@pytest.mark.parametrize("sliding", ["stop", "continue"])
+@pytest.mark.parametrize("near", [None, 0.0, 1e-3, 1e-7, 1e-10, 1e-12])
+def test_paths_cross_the_lines_of_an_arrangement_as_in_ratios(near, sliding, draws):
+    """Steps are longer than cells, so that one step crosses several lines; corners are missed by `near`."""
+    wrong, ends = [], []
+    for rng in draws(30):
+        values, x0 = drawn(rng, near)
+        if on_a_line(values, x0):
+            continue
+        path = exact(values, x0, sliding == "continue")
+        for method, options in METHODS if sliding == "stop" else METHODS[:2]:  # each mode of sliding is compiled
+            lines = LINES.with_parameters(**values)
+            run = core.integrate(lines, (0.0, float(T_END)), x0, method=method, sliding=sliding, **options)
+            ends.append(run.status.name)
+            if not agrees(run, path):
+                wrong.append((method, values, x0, run.status.name, path.status, run.crossing_count, len(path.times)))
+    assert not wrong, (len(wrong), len(ends), wrong[:2])
+    assert len(set(ends)) > 1
