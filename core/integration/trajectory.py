@@ -18,6 +18,7 @@ from core.interface.arguments import numbers
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.system import PiecewiseSystem
+from core.transition.records import NO_MODE
 from core.transition.status import Status
 
 __all__ = ["Status", "Trajectory"]
@@ -86,6 +87,12 @@ class Trajectory:
         """
         side: Integers = self.system.laws.sides[self.mode]
         return side[:, 0] if side.shape[1] == 1 else side
+
+    @property
+    def sliding(self) -> NDArray[np.bool_]:
+        """(n,) whether the state slides along a surface (or could not leave it at the start)."""
+        there: NDArray[np.bool_] = self._is_sliding(self.mode) | (self.mode == NO_MODE)
+        return there
 
     def _is_sliding(self, mode: Integers) -> NDArray[np.bool_]:
         return np.asarray(mode >= len(self.system.laws.regions))

@@ -140,7 +140,7 @@ def _piece(
     )  # fmt: skip
     raise_if(cancel)
     x, change = tuple(map(float, part.x[-1])), offset + part.accumulated_error()
-    change[part.side == 0] = np.nan  # while it slides, g takes the place of ψ
+    change[part.sliding] = np.nan  # while it slides, g takes the place of ψ
     end = np.where(np.isnan(change[-1]), offset, change[-1])
     error = _column_errors(part.t, span, change)
     return _Piece(x, end, error, part.status, part.outcome, part.crossing_count, part.seconds)

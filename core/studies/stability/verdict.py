@@ -162,4 +162,4 @@ def worst_error(run: Trajectory) -> float:
     difference of huge numbers.
     """
     gone = run.status in (Status.ESCAPED, Status.UNSTABLE)
-    return np.nan if gone else float(np.fmax.reduce(run.change_of_psi()[run.side != 0], initial=np.nan))
+    return np.nan if gone else float(np.fmax.reduce(run.change_of_psi()[~run.sliding], initial=np.nan))
