@@ -197,7 +197,9 @@ def compare_guards(context, t, found, length):
             if kind == ROOT and locate_near_root(context, t, low, high):
                 found, best, hit = FOUND, k, run.hit
                 continue
-        if not try_finite_step(context, t, until):
+        if run.tried != until and not try_finite_step(context, t, until):
+            return FAILED, until
+        if not (abs(height_at_end(context)) < math.inf and abs(rate_at_end(context)) < math.inf):
             return FAILED, until
         result, shorter = locate(context, t, until, kind, low, high)
         if result == FAILED:
@@ -232,7 +234,7 @@ def advance(context, log, h):
     run = context.run
     t, found = run.t + run.t_carry, FAILED
     kind, low, high = NO_ROOT, 0.0, 0.0
-    run.rest = 0.0
+    run.rest, run.tried = 0.0, math.nan
     if run.adaptive == 1:
         h = cut_to_prepared(context, t, h)
         if run.follow == 1:

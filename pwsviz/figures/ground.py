@@ -20,7 +20,7 @@ from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tip
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, shows_regions, shows_surface, surface_name
-from pwsviz.geometry.shades import shade_names
+from pwsviz.geometry.shades import regions_of, shade_names
 
 __all__ = ["Ground"]
 
@@ -103,7 +103,8 @@ class Ground:
         """Name the surface in the legend, if it is drawn."""
         self._surface_entry.label = value(surface_name(system))
         self._tint_entry.label = value(shade_names(system)[-1])
-        self._surface_entry.visible, self._tint_entry.visible = shows_surface(system, axes), shows_regions(system, axes)
+        self._surface_entry.visible = shows_surface(system, axes)
+        self._tint_entry.visible = shows_regions(system, axes) and bool(regions_of(system, -1))
 
     def show(self, backdrop: Backdrop, names: tuple[str, str]) -> None:
         """Draw a backdrop.

@@ -8,8 +8,9 @@ from typing import Any, TypeAlias
 import sympy
 
 import core
-from core.symbolic import TIME
+from core.symbolic import TIME, Mode
 from pwsviz.geometry.projection import PLANE, Axes, moves, shows_regions, surfaces_shown
+from pwsviz.geometry.shades import region_name
 
 __all__ = ["FUNCTIONS", "Tree", "formulas", "tree"]
 
@@ -63,7 +64,7 @@ def formulas(system: core.PiecewiseSystem, axes: Axes) -> dict[str, Any]:
     return {
         "g": [tree(g, names) if k in known else None for k, g in enumerate(laws.surfaces)],
         "regions": [
-            [list(mode.sides), *_names(system, mode.name), tree(part[0], names) if part else None]
+            [list(mode.sides), *_names(system, mode), tree(part[0], names) if part else None]
             for mode, part in zip(laws.regions, psi, strict=True) if told
         ],
         "moving": moves(system),
@@ -71,8 +72,8 @@ def formulas(system: core.PiecewiseSystem, axes: Axes) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _names(system: core.PiecewiseSystem, region: str) -> tuple[str, str]:
+def _names(system: core.PiecewiseSystem, region: Mode) -> tuple[str, str]:
     """Return what the page calls a region, and its conserved quantity."""
     if system.two_sided:
-        return ("g < 0", "ψ₋") if region == "-" else ("g > 0", "ψ₊")
-    return f"region {region.replace('-', '−')}", "ψ"
+        return ("g < 0", "ψ₋") if region.name == "-" else ("g > 0", "ψ₊")
+    return f"region {region_name(region)}", "ψ"

@@ -230,18 +230,17 @@ class _Plane:
     def _contours(self, values: Floats) -> Any:
         return contour_generator(self.x, self.y, values, line_type=LineType.Separate)
 
-    def _lines_at(self, contours: Any, level: float) -> list[Floats]:
-        """Return the contour lines of one level, simplified to within 1/4000 of the longer side."""
-        lines: Any = contours.lines(level)
-        tolerance = max(self.window.width, self.window.height) / 4000
-        return [line[simplify(line, tolerance)] for line in lines]
+    def _simplified(self, line: Floats) -> Floats:
+        """Return a line without the vertices within 1/4000 of the longer side of what is left."""
+        return line[simplify(line, max(self.window.width, self.window.height) / 4000)]
 
     def surface(self) -> list[Floats]:
         """Return the pieces of the curves g = 0; none of a surface that is no curve in the plane."""
         return [line for k in self.shown for line in self._surface(k)]
 
     def _surface(self, k: int) -> list[Floats]:
-        return self._lines_at(self._contours(self._switching(k, *np.meshgrid(self.x, self.y))), 0.0)
+        lines = self._contours(self._switching(k, *np.meshgrid(self.x, self.y))).lines(0.0)
+        return [self._simplified(line) for line in lines]
 
     def where_both_point(self, way: int) -> list[Floats]:
         """Return the pieces of the surfaces to which both fields point (way = 1), or from which both do (−1).
@@ -260,14 +259,12 @@ class _Plane:
         return pieces
 
     def minus_rings(self) -> list[list[Floats]]:
-        """Return the outlines of the regions of the first shade, where the product of all g is negative.
-
-        Each is followed by those of its holes.
-        """
-        if not shows_regions(self.system, self.axes):
+        """Return the outlines of the regions of the first shade, where g < 0, each followed by those of its holes."""
+        modes = regions_of(self.system, -1)
+        if not modes or not shows_regions(self.system, self.axes):
             return []
         grid = np.meshgrid(self.x, self.y)
-        g = np.prod([self._switching(k, *grid) for k in self.shown], axis=0)
+        g = -np.max([self._height(mode, *grid) for mode in modes], axis=0)
         inside = contour_generator(self.x, self.y, g, fill_type=FillType.OuterOffset)
         filled: Any = inside.filled(-np.inf, 0.0)
         pieces, offsets = filled
@@ -293,15 +290,19 @@ class _Plane:
         g = self._height(mode, *np.concatenate([line for _, line in lines]).T)
         ends = np.cumsum([len(line) for _, line in lines])
         whole = zip(lines, np.split(g, ends[:-1]), strict=True)
-        return _joined([_with_value(part, level) for (level, line), there in whole for part in _cut(line, there)], 3)
+        pieces = [(level, piece) for (level, line), there in whole for piece in _cut(line, there)]
+        return _joined([_with_value(self._simplified(piece), level) for level, piece in pieces], 3)
 
     def _lines(self, mode: int, levels: tuple[float, ...]) -> list[tuple[float, Floats]]:
-        """Return the pieces of level sets, beyond the surfaces, too, each with its value of ψ."""
+        """Return the pieces of level sets, beyond the surfaces, too, each with its value of ψ.
+
+        They have a vertex wherever they leave a cell of the grid, so that a region between two ends is met.
+        """
         psi = self.psi(mode)
         if psi is None or not levels:
             return []
         contours = self._contours(psi)
-        return [(at, line) for at in levels for line in self._lines_at(contours, at)]
+        return [(at, line) for at in levels for line in contours.lines(at)]
 
     def whole(self, mode: int, orbits: tuple[float, ...]) -> list[Columns]:
         """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""

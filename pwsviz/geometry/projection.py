@@ -12,6 +12,7 @@ from typing import TypeVar
 import core
 from core.kernels import Floats
 from core.symbolic import TIME, to_text
+from pwsviz.geometry.shades import region_name
 
 Name = TypeVar("Name")
 
@@ -90,15 +91,17 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
     if system.dimension > PLANE:
         plane = ", ".join(system.variables[k] for k in axes)
         sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
-        if not shows_surface(system, axes):
-            names = ", ".join(f"{g} = 0" for g in system.surfaces or map(to_text, system.laws.surfaces))
-            several = len(system.laws.surfaces) > 1
+        shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
+        if hidden := [f"{g} = 0" for k, g in enumerate(texts) if k not in shown]:
+            several, names = len(hidden) > 1, ", ".join(hidden)
             sentences.append(
                 f"Nor can the surfaces {names}, which are not curves there." if several
                 else f"Nor can the surface {names}, which is not a curve there."
             )  # fmt: skip
     elif not system.laws.sides.shape[1]:
         sentences.append("Regions are told by their names, not by the place: their fields are not drawn.")
+    elif not _is_divided(system):
+        sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
     if moves(system) and shows_surface(system, axes):
         sentences.append("The surface moves with time: it is drawn at t = 0, and while animated at the time shown.")
     if system.dimension == PLANE and _psi_names_time(system):
@@ -112,11 +115,13 @@ def conserved_note(system: core.PiecewiseSystem) -> str:
     where = "on either side" if system.two_sided else "in any region"
     if not any(counts.values()):
         return f"{system.name}: no conserved quantity is known {where}, so there is no drift to show."
-    bare = [name for name, count in counts.items() if count == 0]
+    bare = [mode for mode in system.laws.regions if not mode.conserved]
     if bare and system.two_sided:
-        return f"No conserved quantity is known where g {'<' if bare[0] == '-' else '>'} 0: there the curves have gaps."
+        side = "<" if bare[0].name == "-" else ">"
+        return f"No conserved quantity is known where g {side} 0: there the curves have gaps."
     if bare:
-        return f"No conserved quantity is known in {', '.join(bare)}: there the curves have gaps."
+        names = f"region{'s' * (len(bare) > 1)} {', '.join(map(region_name, bare))}"
+        return f"No conserved quantity is known in {names}: there the curves have gaps."
     most = max(counts.values())
     return f"Of the {most} conserved quantities the one that changes most is shown." if most > 1 else ""
 

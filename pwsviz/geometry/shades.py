@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from core.symbolic import Laws
+from core.symbolic import Laws, Mode
 
-__all__ = ["SHADES", "SLIDING", "regions_of", "shade_names", "shades_of"]
+__all__ = ["SHADES", "SLIDING", "region_name", "regions_of", "shade_names", "shades_of"]
 
 SLIDING = 0
 """The shade of sliding."""
@@ -41,13 +41,18 @@ def regions_of(system: core.PiecewiseSystem, shade: int) -> list[int]:
     return np.flatnonzero(_shades(system.laws)[: len(system.laws.regions)] == shade).tolist()
 
 
+def region_name(region: Mode) -> str:
+    """Return the name of a region as it is printed: its signs, as “−+”, or the name it was given."""
+    return region.name.replace("-", "−") if region.sides else region.name
+
+
 def shade_names(system: core.PiecewiseSystem) -> Mapping[int, str]:
     """Return what a legend calls each shade: “g < 0”, or the regions that have it."""
     if system.two_sided:
         return {-1: "g < 0", 1: "g > 0", SLIDING: "sliding"}
     names = {}
     for shade in (-1, 1):
-        regions = [system.laws.name(k).replace("-", "−") for k in regions_of(system, shade)]
+        regions = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
         more = ", …" * (len(regions) > MOST_NAMES)
         names[shade] = f"region{'s' * (len(regions) > 1)} {', '.join(regions[:MOST_NAMES])}{more}"
     return {**names, SLIDING: "sliding"}
