@@ -39,6 +39,8 @@ def first_place(system: PiecewiseSystem, t: float, x: Floats) -> Place:
     laws = system.laws
     value, bound = _values(system, t, x)
     zero = np.abs(value) <= _EPS * bound
+    if laws.regions[0].sides and not zero.any():
+        return Place(laws.regions_by_sides.get(tuple(1 if u > 0 else -1 for u in value.tolist())))
     if laws.regions[0].sides:
         met = np.flatnonzero(zero)
         inside = [k for k, mode in enumerate(laws.regions) if ((np.array(mode.sides) * value > 0) | zero).all()]
@@ -80,7 +82,7 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
     laws = system.laws
     value, _ = _values(system, t, x)
     found: set[tuple[int, ...]] = set()
-    numbers = {mode.sides: k for k, mode in enumerate(laws.regions)}
+    numbers = laws.regions_by_sides
     for signs in product((-1, 1), repeat=len(surfaces)):
         sides = np.sign(value).astype(int)
         sides[list(surfaces)] = signs

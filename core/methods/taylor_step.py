@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 
 from sympy import Expr, Symbol
@@ -37,7 +37,8 @@ def _series(laws: Laws, mode: Mode) -> SeriesCode:
     return series_code(laws, mode)
 
 
-def coefficient_rows(laws: Laws, modes: Iterable[int]) -> int:
+@lru_cache(maxsize=256)
+def coefficient_rows(laws: Laws, modes: tuple[int, ...]) -> int:
     """Number of rows of coefficients that a step of any of these modes, given by their numbers, needs."""
     return max(_series(laws, laws.mode(number)).rows for number in modes)
 

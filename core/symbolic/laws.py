@@ -130,6 +130,11 @@ class Laws:
         return f"{name[:surface]}0{name[surface + 1 :]}" if self.regions[low].sides else f"{name}|{self.name(high)}"
 
     @cached_property
+    def regions_by_sides(self) -> Mapping[tuple[int, ...], int]:
+        """Signs of the surfaces' switching functions -> number of the region."""
+        return {mode.sides: k for k, mode in enumerate(self.regions)}
+
+    @cached_property
     def numbers_of_modes(self) -> Mapping[str, int]:
         """Name -> number of each mode."""
         return {self.name(k): k for k in range(self.count)}
@@ -155,7 +160,7 @@ class Laws:
 
     # Systems with one surface ----------------------------------------------------------------------------------------
 
-    @property
+    @cached_property
     def two_sided(self) -> bool:
         """Whether there is one surface, with a region on either side."""
         return len(self.regions) == 2 and self.regions[0].sides == (-1,)
@@ -203,7 +208,7 @@ class Laws:
 
     # All modes -------------------------------------------------------------------------------------------------------
 
-    @property
+    @cached_property
     def jumps(self) -> bool:
         """Whether the state jumps at a surface."""
         return any(way.jump is not None for ways in self.ways for way in ways)
@@ -225,12 +230,12 @@ class Laws:
         pairs = (zip(self.x, gradient, strict=True) for gradient in self.gradients)
         return tuple(sympy.Add(*(sympy.Abs(slope * v) for v, slope in pair)) for pair in pairs)
 
-    @property
+    @cached_property
     def most_conserved(self) -> int:
         """The largest number of conserved quantities of a region."""
         return max(len(mode.conserved) for mode in self.regions)
 
-    @property
+    @cached_property
     def most_conserved_sliding(self) -> int:
         """Bound on the number of conserved quantities of any mode, sliding included, which keeps g as well."""
         return max(self.most_conserved, min(self.most_conserved + 1, len(self.x) - 1))

@@ -66,6 +66,7 @@ class Ground:
         repelling = plot.add_glyph(self.repelling, Line(line_dash=[6, 6], **look))
         line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
         self._arrow_lines = field
+        self._shaded = [dict(zip(SIDES, lines, strict=True)) for lines in (field, usual, own)]
         self.legend: list[tuple[str, Any]] = [
             ("S: g = 0", line), ("g < 0", tint), ("field f", field[-1]), ("ψ = const.", usual[-1]),
             ("ψ of run", own[-1]), ("S attracts", attracting), ("S repels", repelling),
@@ -133,8 +134,11 @@ class Ground:
         assign(self.repelling, **_columns(backdrop.repelling))
         sliding = ({0: backdrop.attracting}, {0: backdrop.repelling})
         parts = (backdrop.arrows, backdrop.levels, backdrop.orbit_levels, *sliding)
-        for entry, part in zip(self._line_entries, parts, strict=True):
-            entry.visible = any(np.isfinite(lines).any() for lines in part.values())
+        for k, (entry, part) in enumerate(zip(self._line_entries, parts, strict=True)):
+            there = [side for side, lines in part.items() if np.isfinite(lines).any()]
+            entry.visible = bool(there)
+            if k < len(self._shaded) and there and entry.renderers != [wanted := self._shaded[k][max(there)]]:
+                entry.renderers = [wanted]  # the key has the colour of a shade that is drawn
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [json.dumps(backdrop.formulas)], "across": [names[0]], "up": [names[1]]}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from html import escape
@@ -14,6 +15,7 @@ import core
 from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projected
 from core.symbolic import TIME, DividedDifference, Laws, Mode
 from pwsviz.figures.constants import constants_markup, prose, table
+from pwsviz.geometry.shades import region_name
 from pwsviz.text.math_names import name_markup
 from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, names_of
 from pwsviz.text.numbers import printed
@@ -173,17 +175,18 @@ def _groups(laws: Laws, entered: tuple[int, ...]) -> Iterator[Group]:
     elif laws.two_sided:
         yield from ((*_SIDES[side], mode) for side, mode in laws.modes.items())
     else:
-        yield from ((_upright(mode.name), f"Region {mode.name.replace('-', '−')}", mode) for mode in laws.regions)
+        yield from ((_index(laws, k), f"Region {region_name(mode)}", mode) for k, mode in enumerate(laws.regions))
     for number in entered:
         where = laws.pairs[number - len(laws.regions)][2] + 1
         yield (*_SLIDING, laws.mode(number)) if laws.two_sided else (
-            _upright(laws.name(number)), f"Sliding along g{where} = 0", laws.mode(number)
+            _index(laws, number), f"Sliding along g{where} = 0", laws.mode(number)
         )  # fmt: skip
 
 
-def _upright(name: str) -> str:
-    """Return the name of a region as an index in LaTeX."""
-    return name if not name.strip("+-0") else rf"\text{{{name}}}"
+def _index(laws: Laws, number: int) -> str:
+    """Return the name of a mode as an index in LaTeX; its number, from 1, if LaTeX would take the name for commands."""
+    name = laws.name(number)
+    return name if re.fullmatch(r"[\w |+-]+", name) else f"{number + 1}"
 
 
 def _write_system(sheet: _Sheet, laws: Laws, groups: Sequence[Group]) -> None:

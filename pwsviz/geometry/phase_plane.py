@@ -156,7 +156,7 @@ def backdrop(
         repelling=_joined(plane.where_both_point(-1)),
         minus_outer=[ring[0] for ring in rings],
         minus_holes=[ring[1:] for ring in rings],
-        arrows={side: np.concatenate([np.empty((0, 2)), *map(plane.arrows, modes)]) for side, modes in shades.items()},
+        arrows={side: np.concatenate([*map(plane.arrows, modes), _joined([])]) for side, modes in shades.items()},
         levels={side: _joined_sets(map(plane.usual_level_sets, modes)) for side, modes in shades.items()},
         orbit_levels={
             side: _joined_sets(plane.level_sets(mode, orbits.get(mode, ())) for mode in modes)

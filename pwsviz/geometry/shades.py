@@ -18,7 +18,7 @@ SLIDING = 0
 SHADES = (-1, 1, SLIDING)
 """All shades. Of one surface they are its sides."""
 
-MOST_NAMES = 4
+MOST_NAMES = 2
 """Most regions that a name lists."""
 
 
@@ -53,6 +53,6 @@ def shade_names(system: core.PiecewiseSystem) -> Mapping[int, str]:
     names = {}
     for shade in (-1, 1):
         regions = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
-        more = ", …" * (len(regions) > MOST_NAMES)
+        more = " …" * (len(regions) > MOST_NAMES)
         names[shade] = f"region{'s' * (len(regions) > 1)} {', '.join(regions[:MOST_NAMES])}{more}"
     return {**names, SLIDING: "sliding"}
