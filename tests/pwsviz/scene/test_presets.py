@@ -249,3 +249,23 @@ def test_higher_order_costs_a_tenth() -> None:
 
 def test_labels_are_those_of_figures() -> None:
     assert all(re.fullmatch(r"(fig:\w+)?", preset.figure) for preset in PRESETS.values())
+
+
+def test_the_impacts_of_two_walls_take_a_twentieth_and_nothing_else_does() -> None:
+    found = by_method("walls")
+    kept, lost = found["dmm2"], found["rk2"]
+    speed = np.abs(kept.crossings.rate_after / kept.crossings.rate_before)
+    assert np.allclose(speed, 0.95, rtol=1e-9)
+    assert np.fmax.reduce(kept.change_of_psi()) < 4e-16
+    assert np.fmax.reduce(lost.change_of_psi()) > 9e-6
+
+
+def test_two_integrators_part_on_the_double_scroll_when_they_are_said_to() -> None:
+    def apart(tau: float) -> float:
+        coarse = core.integrate("chua", (0.0, 60.0), method="rk4", tau=tau)
+        fine = core.integrate("chua", (0.0, 60.0), method="taylor", t_eval=coarse.t)
+        far = np.abs(coarse.x - fine.at(coarse.t)).max(axis=1) > 0.1
+        return float(coarse.t[np.argmax(far)])
+
+    assert apart(0.02) == pytest.approx(44.1, abs=0.5)
+    assert apart(0.02) + 3.0 < apart(0.01) < 60.0
