@@ -19,7 +19,7 @@ from core.integration.crossings import Crossings
 from core.integration.failure import GROWTH, ends_beyond, runs_away
 from core.integration.starting import first_place, leaning, regions_entered, way_out
 from core.integration.time_loop import compiled_march
-from core.kernels.abi import ORDER, TOLERANCE, Frame
+from core.kernels.abi import LAST, MAX_VISITS, ORDER, TOLERANCE, VISIT, VISITS, Frame
 from core.kernels.arrays import Floats
 from core.kernels.root_isolation import scratch_shape
 from core.kernels.taylor_coefficients import STRIDE, order_of
@@ -113,6 +113,7 @@ class Runner:
         self._w = frame.empty()
         self._x = self._w[frame.x : frame.x + d]
         self._x[:] = x0
+        self._w[VISITS + LAST : VISITS + VISIT * MAX_VISITS : VISIT] = t0
         self._hit_chunks: list[tuple[NDArray[Any], Floats]] = []
         self._t0, self._x0 = t0, x0
         self.rows = Rows([], [], [], [])

@@ -52,16 +52,20 @@ __all__ = [
     "ENTERED",
     "EVALUATE",
     "FUNCTIONS",
+    "GAP",
     "GUARDS",
     "G_END",
     "HEIGHT",
     "JUMP",
     "KEPT",
+    "LAST",
+    "LAST_CARRY",
     "LEAVING",
     "LENGTH",
     "LEVELS_SET",
     "LEVEL_RESIDUAL",
     "MAX_GUARDS",
+    "MAX_VISITS",
     "NO_SOLUTION",
     "ORDER",
     "PER_UNIT",
@@ -73,10 +77,13 @@ __all__ = [
     "ROUNDING_OF_G",
     "ROUNDING_OF_STATE",
     "SET_LEVELS",
+    "SHRINKING",
     "SIGN",
     "STEP",
     "TOLERANCE",
     "UNIT",
+    "VISIT",
+    "VISITS",
     "Frame",
     "G",
     "call",
@@ -120,7 +127,13 @@ ROUNDING_OF_G = G + 11  #: bound on the change of g by rounding its arguments an
 GUARDS = G + 12  #: what the loop keeps of each guard but the one looked at, in parts of `KEPT` numbers:
 HEIGHT, RATE, ENTERED, LEAVING, SIGN = range(5)  #: as in `records.RUN`
 KEPT = 5  #: how many these are
-_HEAD = GUARDS + KEPT * MAX_GUARDS  #: number of scalars
+VISITS = GUARDS + KEPT * MAX_GUARDS  #: of the last crossing of each surface, modulo `MAX_VISITS`, in parts of `VISIT`:
+LAST, LAST_CARRY, GAP, SHRINKING = range(
+    4
+)  #: its time, the time since the one before, how many of these shrank in a row
+VISIT = 4  #: how many these are
+MAX_VISITS = 8  #: how many surfaces are told apart
+_HEAD = VISITS + VISIT * MAX_VISITS  #: number of scalars
 
 
 class Frame(NamedTuple):

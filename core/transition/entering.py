@@ -36,7 +36,7 @@ def set_mode(context, row, at, rate):
     run, guard = context.run, context.guards[row]
     run.row, run.mode, run.guards, run.sliding = row, guard.mode, guard.count, guard.slides
     run.at, run.entered, run.pending, run.jumped, run.past = at, rate, 1, 0, 0
-    run.asked, run.inward, run.outward, run.folded = 0, 0, 0, 0
+    run.near, run.asked, run.inward, run.outward, run.folded = 0, 0, 0, 0, 0
 
 
 @inlined
@@ -76,6 +76,7 @@ def begin_mode(context):
             to = context.guards[run.row + k].to
             if to == NO_MODE or tries > run.guards:
                 return _UNDECLARED
+            run.near = same_surfaces(context, run.at | run.near, to)
             run.row, run.mode, run.guards = to, context.guards[to].mode, context.guards[to].count
             run.at, k = 0, 0
             if context.functions[run.row, STEP] == 0:
@@ -102,6 +103,17 @@ def guard_sign(context, k):
     return -guard.sign if guard.turns == 1 and context.run.tau < 0.0 else guard.sign
 
 
+@inlined
+def same_surfaces(context, bits, row):
+    """Bits of the guards of another region, by its first row, whose surfaces are those of some guards of this one."""
+    run, found = context.run, 0
+    for k in range(run.guards):
+        for j in range(context.guards[row].count):
+            if (bits >> k) & 1 == 1 and context.guards[row + j].surface == context.guards[run.row + k].surface:
+                found |= 1 << j
+    return found
+
+
 @internal
 def examine_guard(context, k, sign):
     """Evaluate a guard as its mode is entered, and set it; returns a Status, RUNNING if the mode can be entered."""
@@ -117,6 +129,12 @@ def examine_guard(context, k, sign):
         else:  # the surface has been stepped over
             set_guard(w, k, sign, height, run.own, 0.0)
         return _RUNNING
+    if (run.near >> k) & 1 == 1:  # a jump on this surface has led across another one
+        if run.own > 0.0:
+            run.inward |= 1 << k
+        elif run.own < 0.0:
+            run.outward |= 1 << k
+        height = 0.0
     if guard.turns == 1:
         if not height > 0.0:
             return _GRAZING  # one of the fields is tangent to the surface

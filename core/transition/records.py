@@ -48,8 +48,6 @@ RUN = np.dtype(
         ("tried", np.float64),  # length of the last trial step
         ("last_hit", np.float64),  # time of the last crossing, or of the start, and its compensation
         ("last_hit_carry", np.float64),
-        ("gap", np.float64),  # time between the last two crossings
-        ("shrinking", np.int64),  # how many gaps in a row have shrunk
         ("final", np.int64),  # 1: the step ends at t_end
         ("mode", np.int64),  # carried, never read from the sign of g after a crossing; NO_MODE before the first step
         ("row", np.int64),  # row of its first guard
@@ -64,9 +62,10 @@ RUN = np.dtype(
         ("pending", np.int64),  # 1: the mode is to be entered, as soon as it is compiled, before the next step
         ("at", np.int64),  # bits of the guards at whose zeros it is entered
         (
-            "asked",
+            "near",
             np.int64,
-        ),  # number + 1 of a guard at whose zero `Runner` is asked where the field leads; or 0
+        ),  # bits of the guards at whose zeros it is though their signs say nothing, after a jump there
+        ("asked", np.int64),  # number + 1 of a guard at whose zero `Runner` is asked where the field leads, or 0
         ("inward", np.int64),  # its answers, as bits: the field leads into the mode, or out of it, or into it as at a
         ("outward", np.int64),  # fold, where the rate is zero
         ("folded", np.int64),

@@ -10,7 +10,20 @@ from __future__ import annotations
 
 import math
 
-from core.kernels.abi import EVALUATE, JUMP, ROUNDING_OF_G, G, call
+from core.kernels.abi import (
+    EVALUATE,
+    GAP,
+    JUMP,
+    LAST,
+    LAST_CARRY,
+    MAX_VISITS,
+    ROUNDING_OF_G,
+    SHRINKING,
+    VISIT,
+    VISITS,
+    G,
+    call,
+)
 from core.kernels.jit import inlined, internal
 from core.transition.entering import begin_mode, enter_mode, set_mode
 from core.transition.event_location import TOUCH
@@ -165,16 +178,31 @@ def is_lost_in_rounding(context, found, own, rate):
 
 
 @inlined
-def accumulates(run):
-    """Update the times between crossings; returns whether they accumulate within round-off of the current time (Zeno).
+def visit_of(surface):
+    """Place in the frame of what it keeps of the crossings of a surface."""
+    return VISITS + VISIT * (surface % MAX_VISITS)
 
-    The gaps yet to come of a geometric sequence with ratio q add up to gap·q/(1 − q).
+
+@inlined
+def since_visit(run, w, visit):
+    """Time since the last crossing of a surface, or the start."""
+    return abs((run.t - w[visit + LAST]) + (run.t_carry - w[visit + LAST_CARRY]))
+
+
+@inlined
+def accumulates(run, w, surface):
+    """Update the times between crossings of a surface; returns whether they accumulate within round-off of now (Zeno).
+
+    The gaps yet to come of a geometric sequence with ratio q add up to gap·q/(1 − q). Several surfaces may be met in
+    turn, at unequal distances, so that each is looked at by itself.
     """
-    gap = elapsed(run)
-    ratio = gap / run.gap if run.gap > 0.0 else math.inf
-    run.shrinking = run.shrinking + 1 if ratio < 1.0 else 0
-    run.gap, run.last_hit, run.last_hit_carry = gap, run.t, run.t_carry
-    return run.shrinking >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
+    visit = visit_of(surface)
+    gap = since_visit(run, w, visit)
+    ratio = gap / w[visit + GAP] if w[visit + GAP] > 0.0 else math.inf
+    w[visit + SHRINKING] = w[visit + SHRINKING] + 1.0 if ratio < 1.0 else 0.0
+    w[visit + GAP], w[visit + LAST], w[visit + LAST_CARRY] = gap, run.t, run.t_carry
+    run.last_hit, run.last_hit_carry = run.t, run.t_carry
+    return w[visit + SHRINKING] >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
 
 
 @inlined
@@ -206,7 +234,9 @@ def switch_mode(context, log, found):
     elif guard.jump != NO_JUMP:
         status, kind, row, rate = jump(context)
         if status == _RUNNING and run.leaving == 1 and is_lost_in_rounding(context, found, own, rate):
-            status = _ZENO if run.shrinking >= _COMING and elapsed(run) < run.gap else _GRAZING
+            visit = visit_of(guard.surface)
+            coming = context.w[visit + SHRINKING] >= _COMING
+            status = _ZENO if coming and since_visit(run, context.w, visit) < context.w[visit + GAP] else _GRAZING
             kind = _GRAZING_KIND
         elif status == _RUNNING and against:
             status, kind = _UNSTABLE, _GRAZING_KIND
@@ -231,7 +261,7 @@ def switch_mode(context, log, found):
             return _UNSTABLE
     status = begin_mode(context)
     hit.mode = run.mode if status == _RUNNING else NO_MODE  # a jump may have led beyond other surfaces
-    return limit_crossings(run) if status == _RUNNING else status
+    return limit_crossings(context, hit.surface) if status == _RUNNING else status
 
 
 @internal
@@ -273,7 +303,7 @@ def leave_sliding(context, log, found):
     if status != _RUNNING:
         return status
     status = enter_mode(context, guard.to, 1 << guard.back, 0.0 if run.shift == 0.0 and run.follow == 1 else rate)
-    return limit_crossings(run) if status == _RUNNING else status
+    return limit_crossings(context, hit.surface) if status == _RUNNING else status
 
 
 @inlined
@@ -285,8 +315,9 @@ def record_crossing(run, hit, kind, mode, status):
 
 
 @inlined
-def limit_crossings(run):
+def limit_crossings(context, surface):
     """Status after a crossing: Zeno, at the limit of crossings, or running."""
-    if accumulates(run):
+    run = context.run
+    if accumulates(run, context.w, surface):
         return _ZENO
     return _CROSSING_LIMIT if run.crossings >= run.max_crossings else _RUNNING

@@ -354,18 +354,14 @@ def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> F
 
 
 def _cut(line: Floats, g: Floats) -> list[Floats]:
-    """Return the pieces of a line where g > 0, cut where g, interpolated linearly, changes sign."""
+    """Return the pieces of a line where g > 0, cut where g, interpolated linearly, vanishes."""
     change = np.flatnonzero(g[:-1] * g[1:] < 0)
-    if not len(change):
-        return [line] if len(line) > 1 and g.sum() > 0 else []
     share = g[change] / (g[change] - g[change + 1])
     ends = line[change] + share[:, None] * (line[change + 1] - line[change])
     line = np.insert(line, change + 1, ends, axis=0)
     g = np.insert(g, change + 1, 0.0)
-    cuts = change + 1 + np.arange(len(change))
-    bounds = [0, *cuts, len(line) - 1]
-    pieces = [line[a : b + 1] for a, b in pairwise(bounds) if g[a : b + 1].sum() > 0]
-    return [piece for piece in pieces if len(piece) > 1]
+    bounds = np.unique([0, *np.flatnonzero(g == 0.0), len(g) - 1]).tolist()
+    return [line[a : b + 1] for a, b in pairwise(bounds) if g[a : b + 1].sum() > 0]
 
 
 def _with_value(line: Floats, value: float) -> Floats:

@@ -81,7 +81,7 @@ def test_the_program_runs_what_the_page_runs(key, monkeypatch, capsys):
     for run in page_runs(scene):
         assert f"{run.method} from " in said
         assert f"{run.steps:,} steps, {len(run.crossings.crossed):,} crossings" in said
-        if scene.declaration.psi_minus or scene.declaration.psi_plus:
+        if any(region.psi for region in scene.declaration.regions.values()):
             told = float(re.search(rf"{run.method} from .*<= (\S+)", said)[1])
             # Where round-off is all that is lost: numpy's powers of one number and of many differ by an ulp.
             assert told == pytest.approx(np.fmax.reduce(run.change_of_psi()), rel=0.05, abs=4e-15)

@@ -7,6 +7,14 @@ import pytest
 
 import core
 from pwsviz.geometry.formulas import FUNCTIONS, formulas
+from pwsviz.geometry.projection import shows_regions, surfaces_shown
+from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY
+
+SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
+T = 0.7
+
+every_system = pytest.mark.parametrize("system", SYSTEMS.values(), ids=list(SYSTEMS))
+in_both_orders = pytest.mark.parametrize("axes", [(0, 1), (1, 0)])
 
 
 def value(tree, x, y, t):
@@ -24,23 +32,72 @@ def value(tree, x, y, t):
     ](numbers)
 
 
-@pytest.mark.parametrize("name", list(core.CATALOGUE))
-@pytest.mark.parametrize("axes", [(0, 1), (1, 0)])
-def test_trees_have_the_values_of_the_formulas(name, axes):
-    system = core.CATALOGUE[name]
-    known, t = formulas(system, axes), 0.7
-    for x, y in np.random.default_rng(0).uniform(0.2, 0.9, (5, 2)):
+def told_region(known, x, y):
+    """The entry of the region that the browser finds, or None."""
+    signs = [None if g is None else np.sign(value(g, x, y, T)) for g in known["g"]]
+    return next((one for one in known["regions"] if all(a == b for a, b in zip(one[0], signs, strict=True))), None)
+
+
+def states(system, axes, low, high, count):
+    """Points of the plane, and states over them whose other coordinates do not matter."""
+    for x, y in np.random.default_rng(0).uniform(low, high, (count, 2)):
         state = np.full(system.dimension, 0.3)
         state[list(axes)] = x, y
-        if known["g"] is not None:
-            assert value(known["g"], x, y, t) == pytest.approx(float(system.switching(t, state)), rel=1e-12, abs=1e-13)
-        for side, tree in zip((-1, 1), known["psi"], strict=True):
+        yield x, y, state
+
+
+@every_system
+@in_both_orders
+def test_trees_have_the_values_of_the_formulas(system, axes):
+    known = formulas(system, axes)
+    assert [tree is not None for tree in known["g"]] == [
+        k in surfaces_shown(system, axes) for k in range(len(system.laws.surfaces))
+    ]
+    for x, y, state in states(system, axes, 0.2, 0.9, 5):
+        for region, ways in enumerate(system.laws.ways):
+            for way, height in zip(ways, system.heights(region, T, state), strict=True):
+                tree = known["g"][way.surface]
+                if tree is not None:
+                    assert way.sign * value(tree, x, y, T) == pytest.approx(float(height), rel=1e-12, abs=1e-13)
+        for name, (*_, tree) in zip(system.regions, known["regions"], strict=False):
             if tree is not None:
-                psi = system.conserved(side, t, state)[0]
-                assert value(tree, x, y, t) == pytest.approx(psi, rel=1e-12, abs=1e-13)
-    assert (known["psi"][0] is not None) == (system.dimension == 2 and bool(system.psi_minus))
+                psi = system.conserved(name, T, state)[0]
+                assert value(tree, x, y, T) == pytest.approx(psi, rel=1e-12, abs=1e-13)
+
+
+@every_system
+@in_both_orders
+def test_there_is_a_formula_of_psi_for_each_region_of_a_plane_that_has_one(system, axes):
+    known = formulas(system, axes)
+    assert bool(known["regions"]) == shows_regions(system, axes)
+    for law, (*_, tree) in zip(system.regions.values(), known["regions"], strict=False):
+        assert (tree is not None) == (system.dimension == 2 and bool(law.psi))
+
+
+@every_system
+@in_both_orders
+def test_the_readout_tells_the_region_that_a_point_lies_in_and_none_where_no_law_is_declared(system, axes):
+    known = formulas(system, axes)
+    for x, y, state in states(system, axes, -2.0, 2.0, 40) if known["regions"] else ():
+        inside = [k for k in range(len(system.regions)) if (system.heights(k, T, state) > 0).all()]
+        told = told_region(known, x, y)
+        assert ([] if told is None else [known["regions"].index(told)]) == inside
+
+
+def test_regions_and_quantities_are_named_by_their_signs():
+    assert [tuple(one[:3]) for one in formulas(SYSTEMS["chua"], (0, 1))["regions"]] == [
+        ([-1, -1], "region −−", "ψ"), ([1, -1], "region +−", "ψ"), ([1, 1], "region ++", "ψ"),
+    ]  # fmt: skip
+    assert [tuple(one[:3]) for one in formulas(SYSTEMS["elliptic_curve"], (0, 1))["regions"]] == [
+        ([-1], "g < 0", "ψ₋"), ([1], "g > 0", "ψ₊"),
+    ]  # fmt: skip
 
 
 def test_a_name_that_is_not_shown_leaves_no_formula():
-    assert formulas(core.CATALOGUE["gene_switch"], (0, 1))["g"] is None
+    gene = formulas(core.CATALOGUE["gene_switch"], (0, 1))
+    assert (gene["g"], gene["regions"]) == ([None], [])
+    ring = formulas(core.CATALOGUE["gene_ring"], (0, 1))
+    assert [tree is None for tree in ring["g"]] == [False, False, True]
+    assert ring["regions"] == [], "its third sign is not known"
+    assert formulas(RELAY, (0, 1))["regions"] == [], "a place does not tell a region that has a name"
     assert formulas(core.CATALOGUE["moving_interface"], (0, 1))["moving"]

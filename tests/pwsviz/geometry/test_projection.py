@@ -11,33 +11,58 @@ from pwsviz.geometry.projection import (
     in_plane,
     planes,
     portrait_note,
+    shows_field,
     shows_levels,
+    shows_regions,
     shows_surface,
     surface_name,
+    surfaces_shown,
 )
+from pwsviz.geometry.shades import regions_of
+from tests.pwsviz.own_systems import GATE, OWN_SYSTEMS, RELAY, STRIPS, WEDGE
 
 WINDOW = Window(-2.0, 2.0, -2.0, 2.0)
 XY = (0, 1)
+SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
+
+every_system = pytest.mark.parametrize("system", SYSTEMS.values(), ids=list(SYSTEMS))
 
 
-@pytest.mark.parametrize("name", list(core.CATALOGUE))
-def test_the_surface_drawn_is_where_g_vanishes_whatever_is_not_shown(name):
-    system = core.CATALOGUE[name]
-    ground = backdrop(system, WINDOW, {})
+@every_system
+def test_the_surface_drawn_is_where_g_vanishes_whatever_is_not_shown(system):
+    ground, shown = backdrop(system, WINDOW, {}), surfaces_shown(system, XY)
     points = ground.surface[np.isfinite(ground.surface).all(axis=1)]
-    assert (len(points) > 1) == shows_surface(system, XY) == bool(ground.minus_outer)
+    assert (len(points) > 1) == shows_surface(system, XY) == bool(shown)
     hidden = np.random.default_rng(1).uniform(-1, 1, (len(points), system.dimension - 2))
-    g = system.switching(0.0, np.column_stack([points, hidden]))
-    assert np.abs(g).max(initial=0.0) < 1e-2
+    states, laws = np.column_stack([points, hidden]), system.laws
+    g = laws.evaluate("all surfaces", laws.surfaces, 0.0, states, system.parameter_array)[:, shown]
+    assert np.abs(g).min(axis=1, initial=np.inf).max(initial=0.0) < 1e-2, "each point lies on one of them"
+    assert (np.abs(g).min(axis=0, initial=np.inf) < 1e-2).all(), "each of them is drawn"
 
 
-@pytest.mark.parametrize("name", list(core.CATALOGUE))
-def test_level_sets_and_arrows_are_drawn_in_the_plane_only(name):
-    system = core.CATALOGUE[name]
+@every_system
+def test_sides_are_tinted_where_the_plane_tells_them(system):
+    assert bool(backdrop(system, WINDOW, {}).minus_outer) == (
+        shows_regions(system, XY) and bool(regions_of(system, -1))
+    )
+    if system.two_sided:
+        assert shows_regions(system, XY) == shows_surface(system, XY)
+
+
+@every_system
+def test_level_sets_and_arrows_are_drawn_in_the_plane_only(system):
     ground = backdrop(system, WINDOW, {})
-    for side in (-1, 1):
-        assert np.isfinite(ground.levels[side]).any() == (shows_levels(system) and bool(system.psi_minus))
-        assert (len(ground.arrows[side]) > 0) == (system.dimension == 2)
+    for shade in (-1, 1):
+        laws = [system.laws.regions[k] for k in regions_of(system, shade)]
+        known = any(law.conserved for law in laws)
+        assert np.isfinite(ground.levels[shade]).any() == (shows_levels(system) and known)
+        assert np.isfinite(ground.arrows[shade]).any() == (shows_field(system) and bool(laws))
+
+
+@every_system
+def test_the_field_of_a_plane_is_drawn_if_its_points_tell_the_region_at_every_time(system):
+    told = system.two_sided or (bool(system.surfaces) and system is not GATE)
+    assert shows_field(system) == (system.dimension == 2 and told)
 
 
 def test_a_surface_that_is_no_curve_in_the_plane_is_left_out_and_named():
@@ -46,6 +71,24 @@ def test_a_surface_that_is_no_curve_in_the_plane_is_left_out_and_named():
     assert len(closed_surface(gene, WINDOW)) == 0
     assert "z - threshold" in portrait_note(gene, XY)
     assert axis_labels(gene, XY) == ("x (z not shown)", "y")
+
+
+def test_of_several_surfaces_those_that_are_no_curves_in_the_plane_are_named():
+    ring, chua, bridge = (core.CATALOGUE[name] for name in ("gene_ring", "chua", "diode_bridge"))
+    assert surfaces_shown(ring, XY) == [0, 1]
+    assert "Nor can the surface z - threshold = 0, which is not a curve" in portrait_note(ring, XY)
+    assert "Nor can" not in portrait_note(chua, XY)
+    assert "Nor can the surfaces x + 1 = 0, x - 1 = 0, which are not curves" in portrait_note(chua, (1, 2))
+    assert "Nor can the surfaces v - u = 0, v + u = 0" in portrait_note(bridge, XY)
+    assert "Nor can" not in portrait_note(bridge, (0, 2))
+    assert [shows_regions(ring, XY), shows_regions(chua, XY), shows_regions(bridge, (0, 2))] == [False, True, True]
+
+
+def test_what_is_not_drawn_of_regions_without_a_place_of_their_own_is_named():
+    assert "told by their names" in portrait_note(RELAY, XY)
+    assert "told by their names" in portrait_note(core.CATALOGUE["thermostat"], XY)
+    assert "fields and level sets are not drawn" in portrait_note(GATE, XY)
+    assert portrait_note(STRIPS, XY) == portrait_note(WEDGE, XY) == ""
 
 
 def test_a_surface_of_the_shown_variables_is_drawn_in_any_dimension():
@@ -70,7 +113,7 @@ def test_a_swapped_plane_is_the_mirror_image():
     for side in (-1, 1):
         there = plain.arrows[side][np.isfinite(plain.arrows[side]).all(axis=1)]
         mirrored = swapped.arrows[side][np.isfinite(swapped.arrows[side]).all(axis=1)][:, ::-1]
-        assert len(there) == len(mirrored)
+        assert len(there) == len(mirrored) > 0
     assert np.abs(np.linalg.norm(swapped.surface[:-1], axis=1) - 1).max() < 1e-2
 
 
@@ -93,3 +136,17 @@ def test_the_conserved_view_says_what_is_not_known():
     assert "2 conserved quantities" in conserved_note(core.CATALOGUE["rigid_body"])
     half = core.PiecewiseSystem("half", ("x", "y"), ("y", "-x"), ("y", "-x - y"), "x", psi_minus=("x**2 + y**2",))
     assert "where g > 0" in conserved_note(half)
+
+
+def test_the_conserved_view_names_the_regions_of_which_nothing_is_known():
+    assert "no conserved quantity is known in any region" in conserved_note(core.CATALOGUE["chua"])
+    assert "no conserved quantity is known in any region" in conserved_note(core.CATALOGUE["thermostat"])
+    assert conserved_note(core.CATALOGUE["diode_bridge"]) == conserved_note(STRIPS) == ""
+    law = core.Region(("y", "-x"), ("x**2 + y**2",))
+    for keys, named in (((), "regions −+, ++:"), (("++",), "region −+:")):
+        regions = {"-+": core.Region(("y", "-x - y")), "++": core.Region(("y", "-x - y")), "--": law}
+        system = core.PiecewiseSystem(
+            name="part", variables=("x", "y"), surfaces=("x - y", "x + y"), regions=regions | dict.fromkeys(keys, law)
+        )
+        assert named in conserved_note(system)
+    assert "region off:" in conserved_note(RELAY)

@@ -110,8 +110,11 @@ def test_a_run_given_up_is_not_taken_for_a_result(results):
     assert results.run(inputs).status is core.Status.COMPLETED
 
 
-#: In two dimensions and in three, without ψ, with ψ that names time, with jumps, sliding.
-QUICK = ("elliptic_curve", "rigid_body", "gene_switch", "damped_oscillator", "bouncing_ball", "coulomb_friction")
+#: In two dimensions and in three, without ψ, with ψ that names time, with jumps, sliding, between walls, with names.
+QUICK = (
+    "elliptic_curve", "rigid_body", "gene_switch", "damped_oscillator", "bouncing_ball", "coulomb_friction",
+    "two_walls", "thermostat",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
@@ -127,8 +130,10 @@ def test_a_portrait_has_few_vertices_and_its_kinks_on_the_surface(results, syste
     assert (len(orbit.crossings) > 0) == (len(run.crossings.passed) > 0)
     assert (orbit.end is None) == (run.status is core.Status.COMPLETED)
     met = {tuple(x[:2]): (t, x) for t, x in zip(run.crossings.t, run.crossings.x, strict=True)}
+    laws, p = scene.build().laws, scene.build().parameter_array
     for crossing in orbit.crossings:
-        assert abs(scene.build().switching(*met[tuple(crossing)])) < 1e-12
+        t, x = met[tuple(crossing)]
+        assert np.abs(laws.evaluate("all surfaces", laws.surfaces, t, x, p)).min() < 1e-12
 
 
 def test_a_jump_is_a_gap_in_the_path_and_a_line_of_its_own(results):
@@ -189,7 +194,7 @@ def test_accumulated_error_is_the_distance_from_the_exact_levels(results, system
 
 def test_the_conservative_method_stays_at_round_off(results):
     for key, system in core.CATALOGUE.items():
-        if system.psi_minus:
+        if any(region.psi for region in system.regions.values()):
             assert results.summary(run_inputs(Scene(system=key, methods=["dmm2"]))[0]).worst_error < 1e-13
 
 
@@ -258,7 +263,7 @@ def test_a_study_without_crossings_is_refused_at_once(results, system, found):
 @pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
 def test_errors_of_every_system_are_known_where_it_has_a_conserved_quantity(results, system):
     scene = Scene(system=system, methods=["dmm2", "rk2"])
-    known = bool(scene.build().psi_minus)
+    known = all(region.psi for region in scene.build().regions.values())
     for inputs in run_inputs(scene):
         curve = results.error_curve(inputs)
         assert np.isfinite(curve.error).all() == known

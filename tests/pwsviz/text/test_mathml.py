@@ -217,8 +217,8 @@ def test_no_name_is_ever_markup(name: str, named: bool) -> None:
 def test_every_system_of_the_catalogue_is_typeset(key: str) -> None:
     system = core.CATALOGUE[key]
     names = dict(names_of(system))
-    for side in system.laws.modes.values():
-        for expression in (*side.field, *side.conserved, system.laws.g, *side.discrete.gradient):
+    for mode in system.laws.regions:
+        for expression in (*mode.field, *mode.conserved, *system.laws.surfaces, *mode.discrete.gradient):
             parsed(markup(expression, names))
             assert "too long" not in markup(expression, names)
             assert "text" not in latex(expression, names)
