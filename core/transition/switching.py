@@ -83,13 +83,14 @@ def is_met_against_the_field(context, found, own):
 @inlined
 def classify(run, guard):
     """Status and kind of a crossing by the rates at the surface: a transversal one arrives and leaves."""
+    at_once = run.chain > 0  # the mode was entered beyond its guard, and ends whatever the rates are
     if guard.back == NO_MODE:  # a one-way guard, or no law beyond
-        if run.own < 0.0 or run.follow == 0:
+        if run.own < 0.0 or run.follow == 0 or at_once:
             return _RUNNING if guard.to != NO_MODE else _UNDECLARED, _TRANSVERSAL_KIND
         return _GRAZING, _GRAZING_KIND
     if run.own < 0.0 and run.other < 0.0:
         return _SLIDING, _SLIDING_KIND
-    if run.own < 0.0 < run.other or run.follow == 0:  # without a transition the place is too inaccurate to tell a touch
+    if run.own < 0.0 < run.other or run.follow == 0 or at_once:  # without a transition the place is too inaccurate
         return _RUNNING, _TRANSVERSAL_KIND
     return _GRAZING, _GRAZING_KIND
 
@@ -226,7 +227,7 @@ def switch_mode(context, log, found):
     record_place(context, log, 1)
     if run.monitored > 0:  # with the error of ψ at the end of the segment
         widen_envelope(context, log)
-    against = is_met_against_the_field(context, found, own)
+    against = run.chain == 0 and is_met_against_the_field(context, found, own)
     run.leaving = 1
     row, at = guard.to, 0 if guard.back == NO_MODE else 1 << guard.back
     if corner:

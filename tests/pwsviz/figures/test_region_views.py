@@ -1,0 +1,155 @@
+"""Figures and the Scheme of systems with more regions than two sides: named, shaded and typeset as in the run."""
+
+import re
+from html import unescape
+
+import numpy as np
+import pytest
+from bokeh.core.properties import value
+
+import core
+from pwsviz.figures.conserved import ConservedView
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.scheme import scheme_markup
+from pwsviz.figures.state import StateView
+from pwsviz.geometry.phase_plane import Window, backdrop
+from pwsviz.geometry.projection import in_plane
+from pwsviz.geometry.shades import shade_names, shades_of
+from pwsviz.results.animation import landmarks
+from pwsviz.results.requests import run_inputs
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.results.states import state_curves
+from pwsviz.scene.scene import Scene
+from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY, STRIPS, WEDGE
+
+SYSTEMS = {**{name: one for name, one in core.CATALOGUE.items() if not one.two_sided}, **OWN_SYSTEMS}
+WINDOW = Window(-2.0, 2.0, -2.0, 2.0)
+
+every_system = pytest.mark.parametrize("system", SYSTEMS.values(), ids=list(SYSTEMS))
+
+
+def scene_of(system, **settings):
+    scene = Scene(**settings)
+    scene.use(system)
+    scene.accept("methods", ["rk4"])
+    scene.accept("t_end", 6.0)
+    return scene
+
+
+def middles(source):
+    return 0.5 * (np.array(source.data["start"]) + np.array(source.data["end"]))
+
+
+def assert_shaded_as_occupied(segments, run):
+    """Each band has the shade of the mode that the run occupies in its middle, and all of them cover the run."""
+    shades = shades_of(run.system, run.mode)
+    for shade, source in segments.items():
+        assert all(shades[np.searchsorted(run.t, t) - 1] == shade for t in middles(source))
+    lengths = [np.subtract(source.data["end"], source.data["start"]).sum() for source in segments.values()]
+    assert sum(lengths) == pytest.approx(run.t[-1] - run.t[0])
+
+
+@every_system
+def test_the_plot_of_the_state_shades_and_names_the_regions_of_the_run(system):
+    run = core.integrate(system, (0.0, 6.0), tau=1e-2, method="rk4", sliding="stop")
+    view, names = StateView(), shade_names(system)
+    view.show([state_curves(run)], system.variables, run, in_plane(run.crossings.x, (0, 1)))
+    assert_shaded_as_occupied(view.shared.segments, run)
+    labels = [entry.label for entry in view.panels[-1].entries]
+    for shade, source in view.shared.segments.items():
+        assert value(names[shade]) in labels or not len(source.data["start"])
+
+
+@every_system
+def test_the_plot_of_the_conserved_quantity_shades_and_names_the_regions_of_the_run(system):
+    results, view = Results(), ConservedView()
+    inputs = run_inputs(scene_of(system))
+    curves, run = results.error_curves(inputs), results.run(inputs[0])
+    view.show(curves, landmarks(run, (0, 1)))
+    assert_shaded_as_occupied(view.segments, run)
+    for shade in (-1, 1):
+        assert view.entries[shade].label == value(shade_names(system)[shade])
+
+
+@every_system
+def test_the_legend_of_the_portrait_names_what_is_tinted_and_nothing_if_nothing_is(system):
+    view = PortraitView(*[lambda *_: None] * 5)
+    pictures = Results().pictures(PortraitInputs.of(scene_of(system)))
+    view.show_orbits(system, pictures, [pictures.orbits[0].start], 0)
+    ground = backdrop(system, WINDOW, {})
+    view.show_backdrop(ground)
+    tint = view.ground._tint_entry
+    assert tint.visible == bool(ground.minus_outer)
+    assert tint.label == value(shade_names(system)[-1])
+    for entry, part in zip(view.ground._line_entries, (ground.arrows, ground.levels), strict=False):
+        assert entry.visible == any(np.isfinite(lines).any() for lines in part.values())
+
+
+def headings(text):
+    return [unescape(found) for found in re.findall("<h4>(.*?)</h4>", text)]
+
+
+@pytest.mark.parametrize("method", ["rk2", "dmm2"])
+@every_system
+def test_the_scheme_has_the_law_of_every_region_under_its_name(system, method):
+    if method == "dmm2" and not system.laws.most_conserved:
+        pytest.skip("conservative methods need a conserved quantity")
+    text = scheme_markup(system, method)
+    for law in system.laws.regions:
+        name = law.name.replace("-", "−") if system.surfaces else law.name
+        assert f"Region {name}" in headings(text)
+    said = re.findall(r'alttext="([^"]*)"', text)
+    for k in range(len(system.laws.surfaces)):
+        assert any(line.startswith(f"g_{k + 1} = ") for line in said)
+    assert r"\text" not in text, "indices are typeset, not quoted"
+    assert text.count("the state is reset") >= system.laws.jumps
+
+
+def test_regions_that_have_names_have_them_as_indices_and_follow_one_another():
+    text = unescape(scheme_markup(core.CATALOGUE["thermostat"], "rk2"))
+    assert "<msub><mi>f</mi><mi>on</mi></msub>" in text
+    assert "“on” is followed by “off” where g1 falls to 0." in text
+    assert "f_{on} = " in text
+    assert headings(scheme_markup(RELAY, "rk2"))[:2] == ["Region pre-heat", "Region off"]
+
+
+HOSTILE = ["<img src=x onerror=alert(1)>", "}{\\x_^", "", " ", "\0", "\u202e", '"', "</math>", r"\text{", "'", "&lt;"]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_the_name_of_a_region_is_never_markup(name):
+    regions = {name: core.Region(("1", "0"), ("y",)), "off": core.Region(("-1", "0"), ("y",))}
+    ways = (core.Transition(name, "1 - x", "off"), core.Transition("off", "x + 1", name))
+    system = core.PiecewiseSystem(name="n", variables=("x", "y"), regions=regions, transitions=ways)
+    run = core.integrate(system, (0.0, 6.0), tau=0.1, method="rk2")
+    for text in (scheme_markup(system, "rk2"), scheme_markup(system, "dmm2", None, run)):
+        assert "<img" not in text
+        assert text.count("<math") == text.count("</math>")
+        assert all(c.isprintable() or c == "\n" for c in text)
+        assert "f_{1} = " in text or name in (" ", "")
+
+
+def test_a_sliding_mode_that_was_entered_is_shown_under_its_surface():
+    regions = {k: core.Region(("1", "-1" if k[1] == "+" else "1")) for k in ("--", "-+", "+-", "++")}
+    system = core.PiecewiseSystem(
+        name="slide", variables=("x", "y"), surfaces=("x", "y"), regions=regions, x0=(-1.0, 0.5)
+    )
+    run = core.integrate(system, (0.0, 3.0), tau=0.1, method="rk2", sliding="continue")
+    assert {system.laws.name(k) for k in run.mode} == {"-+", "-0", "+0"}
+    assert headings(scheme_markup(system, "rk2", None, run)).count("Sliding along g2 = 0") == 2
+    assert headings(scheme_markup(system, "rk2")).count("Sliding along g2 = 0") == 0
+
+
+def test_the_constants_of_the_theory_say_that_they_need_two_sides():
+    inputs = run_inputs(scene_of(STRIPS))[0]
+    results = Results()
+    assert results.diagnosis(inputs) is None
+    assert "two sides of one surface" in scheme_markup(STRIPS, "rk4", None, results.run(inputs))
+
+
+def test_a_region_without_law_is_not_tinted_and_its_end_is_marked():
+    scene = scene_of(WEDGE)
+    scene.accept("x0", (-0.5, -1.0))
+    scene.accept("t_end", 20.0)
+    orbit = Results().pictures(PortraitInputs.of(scene)).orbits[0]
+    assert orbit.end is None or orbit.end.status in (core.Status.UNDECLARED, core.Status.CORNER)
