@@ -33,7 +33,10 @@ _USE = (
     "Where both fields point to the surface, the solution slides along it (Filippov), or stops there if that box is "
     "not ticked; a thick green line shows where, a dashed one where the surface repels.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",
-    "“Write your own …” takes any system; its conserved quantities are checked as you type.",
+    "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
+    "positive and the second negative. Two shades tell neighbouring regions apart.",
+    "“Write your own …” takes the laws of both sides of a surface, or one law with sign, abs, max and so on, in which "
+    "up to six surfaces are found; conserved quantities are checked as you type.",
     "The address bar holds the whole scene: a link to it restores the scene.",
 )
 
