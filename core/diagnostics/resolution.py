@@ -60,7 +60,9 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     kept = _Steps(run, t, x, mode, h)
     if run.status is Status.ESCAPED:  # no step is short enough for the field where the solution escapes
         return tuple(kept.too_long_for_g())
-    return (*kept.too_long_for_g(), *kept.too_long_for_the_field(), *_first_steps(run).too_long_for_the_field())
+    first = _first_steps(run)
+    of_g = (*kept.too_long_for_g(), *first.too_long_for_g())
+    return (*of_g[:1], *kept.too_long_for_the_field(), *first.too_long_for_the_field())
 
 
 def _first_steps(run: Trajectory) -> _Steps:

@@ -46,6 +46,8 @@ _KINDS = np.array(CROSSING_KINDS)
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
 #: Results of a run that stops at a surface.
 _AT_SURFACE = (*_UNDECIDED, Status.CORNER, Status.UNDECLARED)
+#: Most corners passed at the same time; more accumulate.
+_MOST_CORNERS = 16
 #: A pole is searched beyond the end of the run by this part of the time since the mode was entered.
 _MARGIN = 0.1
 #: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
@@ -107,6 +109,7 @@ class Runner:
         self._table = guard_table(system.laws)
         self._modes = modes_entered(system.laws, method, columns > 0)
         self._corner: tuple[int, ...] = ()
+        self._last_corner, self._corners = math.nan, 0
         self._p = system.parameter_array.copy()
         d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
         m = frame.m if settings.slides else system.laws.most_conserved
@@ -300,7 +303,13 @@ class Runner:
         surfaces = tuple(way.surface for k, way in enumerate(ways) if met >> k & 1) or self._corner
         region = way_out(self.system, self.t, self.x, surfaces, direction)
         self.status = Status.CORNER if region is None else Status.RUNNING
-        if region is not None:
+        self._corners = self._corners + 1 if self._last_corner == self.t else 0
+        self._last_corner = self.t
+        if region is not None and self._corners > _MOST_CORNERS:
+            self.status = Status.ZENO
+        elif region is not None and self.crossing_count >= self.settings.max_crossings:
+            self.status = Status.CROSSING_LIMIT
+        elif region is not None:
             self._begin_in(region, surfaces)
             if self.crossing_count:
                 self._hit_chunks[-1][0]["mode"][-1] = region

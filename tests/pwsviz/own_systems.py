@@ -42,7 +42,9 @@ RELAY = PiecewiseSystem(
 #: Two surfaces that move, and depend on a parameter.
 GATE = PiecewiseSystem(
     name="Gate", variables=("x", "y"), surfaces=("x - sin(t)/4", "y - level"),
-    regions={"--": Region(("1", "1")), "-+": Region(("1", "-0.5")), "+-": Region(("0.5", "1")), "++": Region(("1", "0"))},
+    regions={
+        "--": Region(("1", "1")), "-+": Region(("1", "-0.5")), "+-": Region(("0.5", "1")), "++": Region(("1", "0")),
+    },
     parameters={"level": 0.5}, x0=(-1.0, -1.0),
 )  # fmt: skip
 

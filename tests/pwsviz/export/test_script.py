@@ -1,7 +1,12 @@
 """The program that is exported is what the page ran, to the bit; and nothing they typed gets out of its quotes."""
 
 import ast
+import json
+import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +18,7 @@ from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import make_tab
+from tests.pwsviz.own_systems import OWN_SYSTEMS
 
 HOSTILE = (
     "'", '"', '"""', "'''", "\\", "\n", "\r", "\0", "{1/0}", "%s", "\u202e", "\ud800", "\u2028", "#", "</script>", "🙂",
@@ -46,9 +52,9 @@ def executed(scene, monkeypatch, *functions):
 
 
 def assert_same(run, other):
-    for name in ("t", "x", "side", "segment", "entered_t", "entered_x"):
+    for name in ("t", "x", "mode", "side", "segment", "entered_t", "entered_x"):
         assert np.array_equal(getattr(run, name), getattr(other, name), equal_nan=True), name
-    for name in ("t", "x", "side", "kind"):
+    for name in ("t", "x", "mode", "side", "kind"):
         assert np.array_equal(getattr(run.crossings, name), getattr(other.crossings, name)), name
     assert (run.status, run.steps, run.tau) == (other.status, other.steps, other.tau)
     assert run.system == other.system
@@ -165,6 +171,83 @@ def test_an_own_system_is_declared_in_full(monkeypatch):
     scene.accept("t_end", 3.0)
     scene.place((0.25, 1e-9))
     assert_program_is_the_page(scene, monkeypatch)
+
+
+SEVERAL = {**{name: one for name, one in core.CATALOGUE.items() if not one.two_sided}, **OWN_SYSTEMS}
+
+
+def own_scene(system, t_end=4.0):
+    scene = Scene()
+    scene.use(system)
+    scene.accept("methods", ["rk4"])
+    scene.accept("t_end", t_end)
+    for q in system.parameters[:1]:
+        scene.accept(f"values.{q.name}", q.default * 1.01)
+    return scene
+
+
+@pytest.mark.parametrize("system", SEVERAL.values(), ids=list(SEVERAL))
+def test_an_own_system_of_several_regions_is_declared_in_full(system, monkeypatch):
+    scene = own_scene(system)
+    program = program_of(scene)
+    assert all(f"{key!r}: core.Region(" in program for key in system.regions)
+    assert program.count("core.Transition(") == len(system.transitions)
+    assert_program_is_the_page(scene, monkeypatch)
+
+
+#: Runs programs, and prints the end state of every run that they make.
+WATCHED = """
+import json, runpy, sys
+import core
+
+integrate = core.integrate
+
+def watched(*args, **keywords):
+    run = integrate(*args, **keywords)
+    print("END", json.dumps([run.status.name, run.t[-1], *run.x[-1]]))
+    return run
+
+core.integrate = watched
+for path in sys.argv[1:]:
+    runpy.run_path(path)
+"""
+
+
+def test_programs_of_several_regions_end_elsewhere_where_core_ends_here(tmp_path):
+    scenes = [*map(own_scene, SEVERAL.values()), *(Scene(system=name, t_end=4.0) for name in SEVERAL if name.islower())]
+    paths, wanted = [], []
+    for k, scene in enumerate(scenes):
+        paths.append(tmp_path / f"program{k}.py")
+        paths[-1].write_text(program_of(scene), encoding="utf-8")
+        for one in run_inputs(scene):
+            run = core.integrate(
+                scene.build(), (0.0, 4.0), x0=scene.x0, tau=scene.tau, method=one.scheme.method,
+                sliding="continue" if scene.slides else "stop",
+            )  # fmt: skip
+            wanted.append([run.status.name, run.t[-1], *run.x[-1]])
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    done = subprocess.run(
+        [sys.executable, "-c", WATCHED, *paths], capture_output=True, text=True, env=environment, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    found = [json.loads(line.removeprefix("END ")) for line in done.stdout.splitlines() if line.startswith("END ")]
+    assert found == wanted
+
+
+@pytest.mark.parametrize("text", [*HOSTILE, "".join(HOSTILE)], ids=range(1 + len(HOSTILE)))
+def test_no_name_of_a_region_gets_out_of_its_quotes(text):
+    def named(name):
+        regions = {name: core.Region(("1", "0")), "off": core.Region(("-1", "0"))}
+        ways = (core.Transition(name, "1 - x", "off", ("x", "-y")), core.Transition("off", "x + 1", name))
+        return core.PiecewiseSystem(name="m", variables=("x", "y"), regions=regions, transitions=ways)
+
+    program = program_of(own_scene(named(text)))
+    program.encode()
+    assert all(c.isprintable() or c == "\n" for c in program)
+    assert shape(program) == shape(program_of(own_scene(named("on"))))
+    declared = {}
+    exec(program.partition("\n\n\n")[0], declared)  # noqa: S102  (the claim is that it declares the system)
+    assert declared["system"] == named(text)
 
 
 @pytest.mark.parametrize("text", [*HOSTILE, "".join(HOSTILE)], ids=range(1 + len(HOSTILE)))

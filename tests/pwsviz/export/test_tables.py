@@ -1,5 +1,6 @@
 """The tables of a figure hold every curve that it draws."""
 
+import io
 from functools import cache
 
 import numpy as np
@@ -7,11 +8,12 @@ import pytest
 
 import core
 from pwsviz.export import tables
-from pwsviz.export.files import npz_bytes
+from pwsviz.export.files import csv_bytes, npz_bytes
 from pwsviz.export.tables import DrawnRun, conserved_tables, drawn_runs, drawn_table, portrait_tables
 from pwsviz.results.requests import other_inputs, run_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
+from tests.pwsviz.own_systems import OWN_SYSTEMS
 
 STARTS = ((-1.0, -1.0), (-1.2, 0.0), (-1.0, -0.5))
 
@@ -90,3 +92,35 @@ def test_a_variable_may_be_called_as_a_column_of_ours():
     assert found["curves"]["variable_about"][0] == 2.0
     assert found["crossings"]["variable_kind"] == pytest.approx([4.0])
     assert npz_bytes(found)
+
+
+SEVERAL = {**{name: one for name, one in core.CATALOGUE.items() if not one.two_sided}, **OWN_SYSTEMS}
+
+
+@pytest.mark.parametrize("system", SEVERAL.values(), ids=list(SEVERAL))
+def test_of_several_regions_each_row_names_the_one_occupied_and_each_crossing_the_one_entered(system):
+    run = core.integrate(system, (0.0, 8.0), tau=1e-2, method="rk4", sliding="stop")
+    names = np.array([mode.name for mode in system.modes] + [""])
+    for tables_of in (portrait_tables, conserved_tables):
+        found = made(tables_of(lambda: [DrawnRun(1, run)]))
+        assert found["curves"]["region"].tolist() == names[run.mode].tolist()
+        assert found["crossings"]["region_entered"].tolist() == names[run.crossings.mode].tolist()
+        assert not {"side", "side_entered"} & {*found["curves"], *found["crossings"]}
+    assert npz_bytes(found)
+
+
+def test_a_run_that_stops_at_a_surface_enters_no_region_and_one_that_slides_says_where():
+    wedge = core.integrate(OWN_SYSTEMS["Wedge"], (0.0, 3.0), x0=(-1.0, -0.5), tau=0.1, method="rk2")
+    assert wedge.status is core.Status.UNDECLARED
+    assert made(portrait_tables(lambda: [DrawnRun(1, wedge)]))["crossings"]["region_entered"].tolist() == [""]
+    strips = core.integrate(OWN_SYSTEMS["Strips"], (0.0, 12.0), tau=1e-2, method="rk4", sliding="continue")
+    assert "+0" in made(portrait_tables(lambda: [DrawnRun(1, strips)]))["curves"]["region"]
+
+
+def test_a_table_of_regions_is_explained_and_no_spreadsheet_takes_a_sign_for_a_formula():
+    run = core.integrate(core.CATALOGUE["two_walls"], (0.0, 3.0), tau=0.1, method="rk2")
+    table = made(portrait_tables(lambda: [DrawnRun(1, run)]))["curves"]
+    text = csv_bytes(table).decode()
+    assert "region: region occupied" in text
+    assert {line.rpartition(",")[2] for line in text.splitlines()[2:]} == {"'+-"}
+    assert set(np.load(io.BytesIO(npz_bytes({"": table})))["region"]) == {"+-"}

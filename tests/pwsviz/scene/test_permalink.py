@@ -1,7 +1,9 @@
 """A link brings the whole scene back, bit by bit; and whatever else stands in it is told and alone replaced."""
 
 import contextlib
+import json
 import re
+from urllib.parse import quote
 
 import pytest
 from hypothesis import example, given
@@ -13,6 +15,7 @@ from pwsviz.scene.permalink import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt,
 from pwsviz.scene.scene import MAX_STARTS, OWN, PERTURBATION_ORDERS, Scene
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 from pwsviz.scene.views import VIEWS
+from tests.pwsviz.own_systems import OWN_SYSTEMS
 
 # Scenes, as people make them -----------------------------------------------------------------------------------------
 
@@ -51,6 +54,7 @@ CHOICES = {
     "values": st.tuples(st.integers(0, 5), st.one_of(MODEST, NUMBERS)),
     "place": st.lists(MODEST, min_size=2, max_size=4).map(tuple),
     "use": st.tuples(st.text(max_size=20), st.text(max_size=20), st.floats(0.1, 10.0), NUMBERS),
+    "use regions": st.sampled_from(list(OWN_SYSTEMS)),
 } | {name: st.sampled_from(Scene.param[name].objects)
      for name in ("cost_across", "cost_up", "stability_part", "stability_shown")}  # fmt: skip
 ACTIONS = st.lists(
@@ -63,11 +67,14 @@ def act(scene, name, value):
     match name:
         case "values":
             names = list(scene.values)
-            scene.accept(f"values.{names[value[0] % len(names)]}", value[1])
+            if names:
+                scene.accept(f"values.{names[value[0] % len(names)]}", value[1])
         case "place":
             scene.place(value)
         case "use":
             scene.use(own_system(*value))
+        case "use regions":
+            scene.use(OWN_SYSTEMS[value])
         case _:
             scene.accept(name, value)
 
@@ -89,12 +96,15 @@ def bits(settings):
 @example([("use", ("\ud800</script>", '"\\&=#%', 0.1 + 0.2, -0.0)), ("values", (1, -1e-320)), ("system", "kepler")])
 @example([("methods", ["rk2"]), ("system", "relay_feedback")])
 @example([("t_end", 1.5), ("tau", 1e-6), ("system", "type_upward")])
+@example([("use regions", "Strips"), ("values", (0, 0.7)), ("place", (0.5, -0.0))])
+@example([("use regions", "Relay"), ("x0.0", 1 / 3), ("system", "chua")])
 def test_every_scene_comes_back_bit_by_bit(actions):
     scene = made(actions)
     link = query(scene)
     found, complaints = read(link)
     assert complaints == []
     assert bits(found) == bits(scene.settings())
+    assert found["own"] == scene.own
     assert re.fullmatch(r"[A-Za-z0-9_.~=&%,;:*/()-]*", link)
 
 
@@ -167,6 +177,18 @@ def test_a_system_that_came_with_values_of_its_own_keeps_them():
     assert found["own"].values["k"] == 0.3
 
 
+@pytest.mark.parametrize("system", [*core.CATALOGUE.values(), *OWN_SYSTEMS.values()], ids=lambda system: system.name)
+def test_every_system_comes_back_as_one_of_ones_own_with_its_regions(system):
+    scene = Scene()
+    values = {q.name: q.default * 1.01 if q.bounds is None else sum(q.bounds) / 2 for q in system.parameters}
+    scene.use(system.with_parameters(**values))
+    found, complaints = read(query(scene))
+    assert complaints == []
+    assert found["own"] == scene.own
+    assert found["own"].law_arguments() == system.law_arguments()
+    assert found["own"].laws is system.laws, "nothing is derived anew"
+
+
 def test_a_system_too_long_for_a_link_is_refused_in_words():
     scene = Scene()
     scene.use(own_system(doc="é" * 5000))
@@ -188,6 +210,13 @@ def test_any_possible_pair_of_step_size_and_end_time_is_restored(t_end, tau):
 # What is broken ------------------------------------------------------------------------------------------------------
 
 OWN_START = "own={%22name%22:%22m%22,%22variables%22:[%22x%22],%22f_plus%22:[%221%22],%22g%22:%22x%22,%22f_minus%22:"
+
+
+def own_link(**parts):
+    """Return a link with a system of one's own that starts where no law is declared, and with these parts of it."""
+    system = {"name": "m", "variables": ["x", "y"], "surfaces": ["x", "x + 1"], "regions": {"++": {"f": ["1", "0"]}}}
+    return "own=" + quote(json.dumps({**system, "x0": [-2.0, 0.0], **parts}), safe="")
+
 
 HOSTILE = [
     ("tau=nan", "tau", "Used instead: 0.01."),
@@ -235,6 +264,15 @@ HOSTILE = [
     (OWN_START + "[%22__import__('os').system('ls')%22]}", "own", "not allowed"),
     (OWN_START + "[%229**9**9**9%22]}", "own", "f_minus"),
     (OWN_START + "[%22x%22],%22x0%22:[1e400]}", "own", "finite"),
+    (own_link(), "own", "lies in a region for which no law is declared"),
+    (own_link(regions={}), "own", "there are none"),
+    (own_link(regions={"__class__": {"f": ["1", "0"]}}), "own", "is no region"),
+    (own_link(regions={"++": {"f": ["__import__('os').system('ls')", "0"]}}), "own", "not allowed"),
+    (own_link(regions={"++": {"f": ["1", "0"], "psi": ["x"]}}), "own", "not conserved"),
+    (own_link(regions={"++": "[" * 50}), "own", "is not a region"),
+    (own_link(surfaces=["x"] * 20), "own", "20 surfaces"),
+    (own_link(jumps={"7": ["x", "y"]}), "own", "is no surface"),
+    (own_link(transitions=[{"mode": "++", "guard": "x", "to": "\u202e"}]), "own", "give either transitions"),
 ]
 
 

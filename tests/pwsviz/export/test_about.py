@@ -1,0 +1,70 @@
+"""What a file or a caption says of a system: the law of every region by name, surfaces, jumps and transitions."""
+
+import pytest
+
+import core
+from pwsviz.export.about import about, caption
+from pwsviz.scene.scene import Scene
+from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY, WALL
+
+SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
+
+every_system = pytest.mark.parametrize("system", SYSTEMS.values(), ids=list(SYSTEMS))
+
+
+def scene_of(system):
+    scene = Scene()
+    scene.use(system)
+    return scene
+
+
+def equations(system):
+    return about(scene_of(system))["equations"].split("; ")
+
+
+@every_system
+def test_a_caption_names_all_regions_with_the_rate_of_every_variable(system):
+    parts = equations(system)
+    for key, law in system.regions.items():
+        name = {"-": "g < 0", "+": "g > 0"}[key] if system.two_sided else f"region {key}"
+        name = name.replace("-", "−") if system.surfaces else name
+        (told,) = [part for part in parts if part.startswith(f"{name}: ")]
+        assert told.startswith(f"{name}: {system.variables[0]}′ = ")
+        assert all(f"{variable}′ = " in told for variable in system.variables)
+        assert told.count("ψ") == len(law.psi)
+    assert caption(scene_of(system), "Phase portrait").startswith(f"Phase portrait, {system.name}: {parts[0]}")
+
+
+@every_system
+def test_a_caption_has_every_surface_every_jump_and_every_transition(system):
+    parts = equations(system)
+    names = ["g"] if system.two_sided else [f"g{k + 1}" for k in range(len(system.surfaces))]
+    assert [part.partition(" = ")[0] for part in parts[len(system.regions) :]][: len(names)] == names
+    resets = [name for k, name in enumerate(names) if k in system.jumps]
+    assert [part.split()[3] for part in parts if part.startswith("reset map at ")] == resets
+    for way in system.transitions:
+        (told,) = [part for part in parts if part.startswith(f"{way.mode} to {way.to} where ")]
+        assert ("reset map" in told) == bool(way.jump)
+    assert len(parts) == len(system.regions) + len(names) + len(resets) + len(system.transitions)
+
+
+def test_expressions_are_printed_and_names_are_left_as_they_are():
+    assert equations(RELAY)[2:] == [
+        "pre-heat to off where top − u = 0, reset map (u, w/2)", "off to pre-heat where u − 1/2 = 0",
+    ]  # fmt: skip
+    assert equations(WALL) == ["region +: x′ = v, v′ = −1, ψ = v²/2 + x", "g1 = x", "reset map at g1 = 0: (x, −v·0.9)"]
+    bridge = equations(core.CATALOGUE["diode_bridge"])
+    assert bridge[1].startswith("region −+: v′ = ω·w, w′ = −ω·v, u′ = ")
+    assert bridge[3:] == ["g1 = v − u", "g2 = v + u"]
+
+
+def test_a_region_called_as_a_parameter_keeps_its_name():
+    regions = {"power": core.Region(("power", "0")), "reset": core.Region(("-1", "0"))}
+    ways = (core.Transition("power", "1 - x", "reset"), core.Transition("reset", "x + 1", "power"))
+    parameters = (core.Parameter("power", 2.0, latex="P"), core.Parameter("reset", 1.0, latex="R"))
+    system = core.PiecewiseSystem(
+        name="n", variables=("x", "y"), regions=regions, transitions=ways, parameters=parameters
+    )
+    parts = equations(system)
+    assert parts[0].startswith("region power: x′ = P, y′ = 0")
+    assert parts[2] == "power to reset where 1 − x = 0"
