@@ -369,6 +369,8 @@ class Runner:
             )
         if self.status is Status.SLIDING and self.system.laws.jumps:
             return "A system with a jump does not slide here: continue it with another system."
+        if self.status is Status.CORNER and self.slides:
+            return self.status.advice_while_sliding
         return self.status.advice_without_tau if self._run["adaptive"][0] else self.status.advice
 
     def _step_length(self) -> float:

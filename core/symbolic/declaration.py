@@ -212,13 +212,24 @@ class Declaration:
                 found[f"transitions[{k}].jump"] = transition.jump
         return found
 
+    def given(self, field: str) -> tuple[str, ...]:
+        """What a message quotes of a field: its expressions, or the keys of regions and transitions."""
+        if field == "regions":
+            return tuple(region.name for region in self.regions)
+        if field == "transitions":
+            return tuple(f"{way.mode} to {way.to}" for way in self.transitions)
+        found = self.texts.get(field, getattr(self, field, ()))
+        return tuple(map(str, found))
+
     # Names and expressions -------------------------------------------------------------------------------------------
 
     @cached_property
     def _faults(self) -> tuple[Problem, ...]:
         """What is wrong with names, counts and expressions; only without these is conservation tested."""
+        if wrong := tuple(self._of_regions()):
+            return wrong
         unreadable = [found for entries in self._read.values() for found in entries if isinstance(found, Problem)]
-        first = (*self._of_names(), *self._of_regions(), *self._of_counts(), *unreadable)
+        first = (*self._of_names(), *self._of_counts(), *unreadable)
         return first or tuple(self._of_guards())
 
     def _of_names(self) -> Iterator[Problem]:
@@ -236,6 +247,8 @@ class Declaration:
         names, k = [region.name for region in self.regions], len(self.surfaces)
         if not names:
             yield Problem("regions", "there are none; declare one at least")
+        elif len(names) > MAX_REGIONS:
+            yield Problem("regions", f"{len(names)} regions: {MAX_REGIONS} at most are possible")
         elif self.transitions:
             yield from self._of_transitions(names)
         elif not self.two_sided:
@@ -255,8 +268,6 @@ class Declaration:
             yield Problem(
                 "transitions", "give either transitions, or surfaces and jumps, from which transitions follow"
             )
-        if len(names) > MAX_REGIONS:
-            yield Problem("regions", f"{len(names)} regions: {MAX_REGIONS} at most are possible")
         for k, transition in enumerate(self.transitions):
             for name in (transition.mode, transition.to):
                 if name not in names:
@@ -440,7 +451,7 @@ def accepted(declaration: Declaration) -> Declaration:
         For the first of its problems.
     """
     for problem in declaration.problems:
-        given = repr(declaration.texts.get(problem.field, getattr(declaration, problem.field, "")))
+        given = repr(declaration.given(problem.field))
         shown = given if len(given) <= _SHOWN else f"{given[: _SHOWN - 1]}…"
         raise ValueError((f"{problem.field} = {shown}: " if problem.entry is None else "") + problem.message)
     full = declaration.completed()

@@ -42,6 +42,11 @@ class Status(IntEnum):
         return _WHILE_SLIDING.get(self, self.reason)
 
     @property
+    def advice_while_sliding(self) -> str:
+        """What to do about it while sliding."""
+        return _ADVICE_WHILE_SLIDING.get(self, self.advice)
+
+    @property
     def advice_without_tau(self) -> str:
         """What to do about it, for a method that chooses its steps."""
         return _WITHOUT_TAU.get(self, self.advice)
@@ -102,6 +107,10 @@ _WHILE_SLIDING = {
     Status.GRAZING: "sliding ends where the rates do not tell where the solution leads: both fields turn at once, or "
     "one turns infinitely slowly, or back again",
     Status.CORNER: "sliding along one surface reaches another one; no law is given for sliding along both",
+}
+
+_ADVICE_WHILE_SLIDING = {
+    Status.CORNER: "End the run before, or continue it with another system.",
 }
 
 _WITHOUT_TAU = {

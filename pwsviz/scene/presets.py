@@ -236,6 +236,8 @@ def _frozen(preset: Preset) -> Preset:
 #: Every preset by key, in display order: the paper's figures first.
 PRESETS: Mapping[str, Preset] = MappingProxyType({
     preset.key: _frozen(preset)
-    for group in (_field_types, _portraits, _time_errors, _transitions, _conserved, _stopping, _comparisons, _several_surfaces)
+    for group in (
+        _field_types, _portraits, _time_errors, _transitions, _conserved, _stopping, _comparisons, _several_surfaces,
+    )
     for preset in group()
 })  # fmt: skip

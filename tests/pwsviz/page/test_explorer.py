@@ -13,7 +13,7 @@ from panel.io.state import set_curdoc
 
 import core
 from pwsviz.geometry.phase_plane import Window
-from pwsviz.geometry.projection import shows_surface
+from pwsviz.geometry.projection import shows_field, shows_surface
 from pwsviz.page.explorer import Explorer
 from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
@@ -364,8 +364,8 @@ def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
     assert all(pane.styles["visibility"] == "inherit" for pane in explorer.view.plots)
 
 
-#: In two dimensions, in three, without ψ, with jumps.
-QUICK = ("elliptic_curve", "rigid_body", "gene_switch", "bouncing_ball")
+#: In two dimensions, in three, without ψ, with jumps, with two surfaces.
+QUICK = ("elliptic_curve", "rigid_body", "gene_switch", "bouncing_ball", "two_walls")
 
 
 @pytest.mark.parametrize("system", deep_but(QUICK, core.CATALOGUE))
@@ -379,8 +379,9 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     assert all(np.isfinite(x).sum() > 20 for x in portrait.orbits.data["xs"])
     assert list(portrait.starts.data["x"]) == [laws.x0[0]]
     assert (len(portrait.ground.surface.data["x"]) > 1) == shows_surface(laws, (0, 1))
-    assert (len(portrait.ground.arrows[1].data["x"]) > 0) == (laws.dimension == 2)
-    assert explorer.scene.view == ("conserved" if laws.psi_minus else "state")
+    drawn = [np.isfinite(source.data["x"]).any() for source in portrait.ground.arrows.values()]
+    assert any(drawn) == shows_field(laws)
+    assert explorer.scene.view == ("conserved" if laws.laws.most_conserved else "state")
     assert explorer.view.words.object
     assert all(plot.visible for plot in explorer.view.plots)
     assert (portrait.figure.xaxis[0].axis_label == laws.variables[0]) == (laws.dimension == 2)
