@@ -226,10 +226,10 @@ class Declaration:
     @cached_property
     def _faults(self) -> tuple[Problem, ...]:
         """What is wrong with names, counts and expressions; only without these is conservation tested."""
-        if wrong := tuple(self._of_regions()):
-            return wrong
+        if len(self.regions) > MAX_REGIONS:
+            return tuple(self._of_regions())
         unreadable = [found for entries in self._read.values() for found in entries if isinstance(found, Problem)]
-        first = (*self._of_names(), *self._of_counts(), *unreadable)
+        first = (*self._of_names(), *self._of_counts(), *unreadable, *self._of_regions())
         return first or tuple(self._of_guards())
 
     def _of_names(self) -> Iterator[Problem]:
