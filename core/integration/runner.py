@@ -17,7 +17,7 @@ from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.integration.crossings import Crossings
 from core.integration.failure import GROWTH, ends_beyond, runs_away
-from core.integration.starting import first_place, leaning, regions_entered, way_out
+from core.integration.starting import first_place, leaning, regions_entered, way_along, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import LAST, MAX_VISITS, ORDER, TOLERANCE, VISIT, VISITS, Frame
 from core.kernels.arrays import Floats
@@ -234,7 +234,7 @@ class Runner:
                 if self._run["pending"][0] and not self._make_ready(sign):
                     break
                 self.status = self._chunk(record, keep_hits)
-                if self.status is Status.CORNER and not self.slides:
+                if self.status is Status.CORNER:
                     self._pass_corner(sign)
                 elif self.status in _AT_SURFACE and self._run["pending"][0] and self.crossing_count:
                     self._hit_chunks[-1][0]["mode"][-1] = NO_MODE  # the mode that followed could not be begun
@@ -282,37 +282,47 @@ class Runner:
         self.status = Status.REPELLING if entered else self.status
         return False
 
-    def _begin_in(self, region: int, surfaces: tuple[int, ...]) -> None:
-        """Have the loop begin a region where it is bounded by some surfaces, at whose zeros the state is."""
-        row, ways = self._table.first_rows[region], self.system.laws.ways[region]
-        self._run["row"], self._run["guard"] = row, 0
-        self._run["at"] = sum(1 << k for k, way in enumerate(ways) if way.surface in surfaces)
+    def _begin_in(self, mode: int, surfaces: tuple[int, ...]) -> None:
+        """Have the loop begin a mode where it is bounded by some surfaces, at whose zeros the state is."""
+        row, run = int(self._table.first_rows[mode]), self._run
+        guards = self._table.guards[row : row + int(self._table.guards["count"][row])]
+        run["row"], run["guard"] = row, 0
+        run["at"] = sum(1 << k for k, surface in enumerate(guards["surface"].tolist()) if surface in surfaces)
         if self.first_mode == NO_MODE:
-            self._run["first_mode"] = region
-            self._modes.add(region)
+            run["first_mode"] = mode
+            self._modes.add(mode)
             self._compile()
             return
-        guard = self._table.guards[row]
-        for name in ("mode", "jumped", "past", "sliding", "entered", "pending", "guards"):
-            value = {"mode": region, "entered": math.nan, "pending": 1, "guards": guard["count"]}.get(name, 0)
-            self._run[name] = value
+        run["mode"], run["entered"], run["pending"], run["guards"] = mode, math.nan, 1, len(guards)
+        run["sliding"] = guards["slides"][0]
+        for name in ("jumped", "past", "near", "asked", "inward", "outward", "folded"):
+            run[name] = 0
 
     def _pass_corner(self, direction: float) -> None:
-        """Go on from a corner, if the fields of all regions around it lead the same way out."""
-        met, ways = int(self._run["corner"][0]), self.system.laws.ways[self.mode] if self.crossing_count else ()
-        surfaces = tuple(way.surface for k, way in enumerate(ways) if met >> k & 1) or self._corner
-        region = way_out(self.system, self.t, self.x, surfaces, direction)
-        self.status = Status.CORNER if region is None else Status.RUNNING
+        """Go on from a corner, if the fields around lead the same way out; while sliding, beyond the other surface."""
+        surfaces: tuple[int, ...]
+        if self.slides:
+            guard = self._table.guards[int(self._run["row"][0]) + int(self._run["guard"][0])]
+            surfaces = (int(guard["surface"]),)
+            mode = way_along(self.system, self.mode, surfaces[0], self.t, self.x, direction)
+        else:
+            met, ways = int(self._run["corner"][0]), self.system.laws.ways[self.mode] if self.crossing_count else ()
+            surfaces = tuple(way.surface for k, way in enumerate(ways) if met >> k & 1) or self._corner
+            mode = way_out(self.system, self.t, self.x, surfaces, direction)
         self._corners = self._corners + 1 if self._last_corner == self.t else 0
         self._last_corner = self.t
-        if region is not None and self._corners > _MOST_CORNERS:
+        self.status = Status.CORNER
+        if mode is None:
+            return
+        if self._corners > _MOST_CORNERS:
             self.status = Status.ZENO
-        elif region is not None and self.crossing_count >= self.settings.max_crossings:
+        elif self.crossing_count >= self.settings.max_crossings:
             self.status = Status.CROSSING_LIMIT
-        elif region is not None:
-            self._begin_in(region, surfaces)
+        else:
+            self.status = Status.RUNNING
+            self._begin_in(mode, surfaces)
             if self.crossing_count:
-                self._hit_chunks[-1][0]["mode"][-1] = region
+                self._hit_chunks[-1][0]["mode"][-1] = mode
 
     def copy(self) -> Runner:
         """An independent copy."""

@@ -14,7 +14,7 @@ from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "way_out"]
+__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "way_along", "way_out"]
 
 _EPS = 2.0**-52
 _MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
@@ -92,6 +92,51 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
             sides[list(surfaces)] = np.sign(rates).astype(int)
             found.add(tuple(sides.tolist()))
     return numbers.get(found.pop()) if len(found) == 1 else None
+
+
+def way_along(system: PiecewiseSystem, mode: int, surface: int, t: float, x: Floats, direction: float) -> int | None:
+    """Mode of sliding in which a run that slides along one surface goes on beyond another one.
+
+    Parameters
+    ----------
+    mode
+        Number of the mode in which it slides.
+    surface
+        Number of the other surface, which it has reached.
+    t, x
+        Time and state (d,) there.
+    direction
+        Positive where time runs on, negative where it runs back.
+
+    Returns
+    -------
+    int or None
+        None unless both fields beyond point to the surface along which it slides, and the field of sliding there leads
+        on; or where a region beyond is not declared.
+    """
+    laws = system.laws
+    low, high, along = laws.pairs[mode - len(laws.regions)]
+    beyond = []
+    for region in (low, high):
+        sides = list(laws.regions[region].sides)
+        if not sides:
+            return None
+        sides[surface] *= -1
+        beyond.append(laws.regions_by_sides.get(tuple(sides)))
+    pair = (*beyond, along)
+    if pair not in laws.pairs:
+        return None
+    number = len(laws.regions) + laws.pairs.index(pair)
+    sliding = laws.mode(number)
+    sign = laws.regions[pair[0] or 0].sides[surface]
+    way = 1 if direction > 0 else -1
+    rate = sign * sliding.rate_of(laws.surfaces[surface])
+    heights = [way * u for u in (*sliding.heights[:2], rate)]
+    bounds = [rounding_bound(h).replace(magnitude, sympy.Abs) for h in heights]
+    both = laws.numbers(("beyond", number, surface, way), (*heights, *bounds), t, x.tolist(),
+                        system.parameter_array)  # fmt: skip
+    clear = both[:3] > _MARGIN * _EPS * both[3:]
+    return number if bool(clear.all()) else None
 
 
 def _rate(system: PiecewiseSystem, region: int, surface: int, t: float, x: Floats) -> float:

@@ -160,7 +160,7 @@ class _Field:
         if len(self.surfaces) > MAX_SURFACES:
             seen = ", ".join(self.surfaces.values())
             raise ValueError(
-                f"{called}: at most {MAX_SURFACES} surfaces are possible, but the field switches on {seen}, …"
+                f"{called}: at most {MAX_SURFACES} surfaces are possible, but the field switches on {seen}, at least"
             )
 
     def _possible(self, g: Expr, signs: Signs) -> list[int]:

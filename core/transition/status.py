@@ -106,7 +106,7 @@ _WORDS = {
 _WHILE_SLIDING = {
     Status.GRAZING: "sliding ends where the rates do not tell where the solution leads: both fields turn at once, or "
     "one turns infinitely slowly, or back again",
-    Status.CORNER: "sliding along one surface reaches another one; no law is given for sliding along both",
+    Status.CORNER: "sliding along one surface reaches another one, beyond which it does not simply go on",
 }
 
 _ADVICE_WHILE_SLIDING = {

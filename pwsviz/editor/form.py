@@ -59,7 +59,7 @@ _HINTS = {
 _HELP = {
     "variables": "Time is t.",
     "parameters": "One per line. The range of the slider is optional.",
-    "f": "In place of g, f₋ and f₊: one law, as v; -x - mu*sign(v - 1). Up to six surfaces are found in it.",
+    "f": "In place of g, f₋ and f₊: one law, as v; -x - k*max(x - 1, 0). Up to six surfaces are found in it.",
     "psi": "Of the field f. Optional. One per line.",
     "f_minus": "The time derivative of each variable, one per line.",
     "f_plus": "The time derivative of each variable, one per line.",
@@ -133,6 +133,15 @@ class SystemEditor(pn.viewable.Viewer):
         text.param.watch(partial(self._take, name), "value_input")
         return text
 
+    def start(self) -> None:
+        """Fill in the system on the page; say so where it cannot be written in these fields."""
+        if self._current is None:
+            return
+        try:
+            self.load(self._current())
+        except ValueError as reason:
+            self.status.object = complaint(reason)
+
     # Filling it in ---------------------------------------------------------------------------------------------------
 
     def load(self, system: core.PiecewiseSystem) -> None:
@@ -154,11 +163,8 @@ class SystemEditor(pn.viewable.Viewer):
         title = item["label"]
         if title in EXAMPLES:
             self.fill(EXAMPLES[title])
-        elif self._current is not None:
-            try:
-                self.load(self._current())
-            except ValueError as reason:
-                self.status.object = complaint(reason)
+        else:
+            self.start()
 
     def _take(self, name: str, event: Any) -> None:
         if not self._filling:

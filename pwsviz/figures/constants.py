@@ -85,7 +85,7 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
         HTML without scripts.
     """
     if diagnosis is None and run is not None:
-        return "<p>The paper’s theory is about two sides of one surface; this system has other regions.</p>"
+        return "<p>The paper’s theory is about two sides of one surface; this system is not of that kind.</p>"
     if diagnosis is None:
         return "<p>They are computed from a run; there is none yet.</p>"
     count = len(diagnosis.alpha2)

@@ -343,15 +343,16 @@ def _write_composition(sheet: _Sheet, weights: Sequence[float]) -> None:
 def _write_transition(
     sheet: _Sheet, system: core.PiecewiseSystem, locate: bool, order: int | None, scale: float
 ) -> None:
+    one = system.two_sided
+    here, beside, g = ("side", "the other side", "g") if one else ("region", "that", "a guard g")
     if not locate:
         sheet.say(
-            "None: a step across the surface is completed with the field of the side on which it began, and only the "
-            "next one takes that of the other side. The order falls to one."
+            f"None: a step across the surface is completed with the field of the {here} in which it began, and only "
+            f"the next one takes that of {beside if one else 'the next region'}. The order falls to one."
         )
         return
-    sheet.say(
-        "Where a step from s to the other side s′ changes the sign of g, the crossing is located on the scheme itself:"
-    )
+    to = "the other side s′" if one else "the region s′ that follows"
+    sheet.say(f"Where a step from s to {to} changes the sign of {g}, the crossing is located on the scheme itself:")
     at = r"\hat{t} , \hat{x}" if any(g.has(TIME) for g in system.laws.surfaces) else r"\hat{x}"
     sheet.formula(r"\hat{x} = x_{k} + ( \hat{t} - t_{k} ) f^{\tau}_{s} ( t_{k} , x_{k} , \hat{t} , \hat{x} )")
     sheet.formula(f"g ( {at} ) = 0")
@@ -361,10 +362,10 @@ def _write_transition(
         sheet.formula(rf"\hat{{t}} \leftarrow \hat{{t}} + c \tau^{{{order}}}")
     start = r"\hat{x}"
     if system.laws.jumps:
-        sheet.say("There the state is reset from x̂ to x̂⁺. The step is completed with the field of the other side:")
+        sheet.say("There the state is reset from x̂ to x̂⁺. The step is completed with the field of " + f"{beside}:")
         start = r"\hat{x}^{+}"
     else:
-        sheet.say("The step is completed with the field of the other side:")
+        sheet.say(f"The step is completed with the field of {beside}:")
     field = rf"f^{{\tau}}_{{s'}} ( \hat{{t}} , {start} , t_{{k+1}} , x_{{k+1}} )"
     sheet.formula(rf"x_{{k+1}} = {start} + ( t_{{k+1}} - \hat{{t}} ) {field}")
     sheet.say("In the paper: Algorithm 1, Mannshardt’s transition scheme; equations (2.4) to (2.6).")

@@ -53,6 +53,6 @@ def shade_names(system: core.PiecewiseSystem) -> Mapping[int, str]:
     names = {}
     for shade in (-1, 1):
         regions = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
-        more = " …" * (len(regions) > MOST_NAMES)
-        names[shade] = f"region{'s' * (len(regions) > 1)} {', '.join(regions[:MOST_NAMES])}{more}"
+        few = regions if len(regions) <= MOST_NAMES else [regions[0], "…"]
+        names[shade] = f"region{'s' * (len(regions) > 1)} {', '.join(few)}"
     return {**names, SLIDING: "sliding"}

@@ -225,7 +225,7 @@ class Explorer(pn.viewable.Viewer):
         core.compile_beside()
         if self.editor is None:
             self.editor = SystemEditor(self._use, current=self.scene.build, on_ready=self._prepare)
-            self.editor.load(self.scene.build())
+            self.editor.start()
             self.editing.objects = [self.editor]
         self.editing.open = True
 

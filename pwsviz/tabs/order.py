@@ -63,7 +63,9 @@ class OrderTab(LongTab):
     def build(self) -> list[Any]:
         """Make the choices of the integrators, and the plot."""
         self.view, scene = OrderView(*self.error), self.scene
-        one = choice(scene, "study_method", lambda: {name: name for name in scene.fixed_step}, ("system", "methods"))
+        one = choice(
+            scene, "study_method", lambda: {name: name for name in scene.fixed_step}, ("system", "own", "methods")
+        )
         every = pmui.Checkbox(label="all chosen integrators", value=scene.order_all, size="small", margin=(6, 0))
         every.param.watch(lambda event: scene.accept("order_all", bool(event.new)), "value")
 
@@ -72,7 +74,7 @@ class OrderTab(LongTab):
             one.visible = not scene.order_all
 
         offer()
-        scene.param.watch(offer, ["order_all", "system", "methods"])
+        scene.param.watch(offer, ["order_all", "system", "own", "methods"])
         controls = pn.FlexBox(one, every, margin=0, sizing_mode="stretch_width")
         return [controls, self.progress, self.plot(self.view.figure)]
 

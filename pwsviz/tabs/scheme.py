@@ -34,7 +34,7 @@ class SchemeTab(Tab):
     def build(self) -> list[Any]:
         """Make the choice of the integrator, and the pane of the mathematics."""
         methods = choice(
-            self.scene, "study_method", lambda: {name: name for name in self.scene.used}, ("system", "methods")
+            self.scene, "study_method", lambda: {name: name for name in self.scene.used}, ("system", "own", "methods")
         )
         return [methods, self.mathematics]
 

@@ -43,13 +43,13 @@ class StabilityTab(LongTab):
         scene = self.scene
         self.view = StabilityView(self._go)
         self._part = choice(scene, "stability_part", lambda: {words: key for key, words in STABILITY_PARTS.items()})
-        self._method = choice(scene, "study_method", lambda: {n: n for n in scene.used}, ("system", "methods"))
+        self._method = choice(scene, "study_method", lambda: {n: n for n in scene.used}, ("system", "own", "methods"))
         self._shown = choice(scene, "stability_shown", lambda: {words: key for key, words in STABILITY_SHOWN.items()})
         self._coordinate = choice(
             scene,
             "stability_coordinate",
             lambda: {v: k for k, v in enumerate(scene.declaration.variables)},
-            ("system",),
+            ("system", "own"),
         )
         self._place = pn.Column(margin=0, sizing_mode="stretch_width")
         controls = pn.FlexBox(

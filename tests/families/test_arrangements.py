@@ -73,22 +73,43 @@ def exact(values: dict[str, float], x0: tuple[float, float], slides: bool = Fals
 
 
 def slide(path, key, k, lines, fields, t, place):
-    """Follow the path along line k: the fields of both sides, weighted so that they keep on it (Filippov)."""
+    """Follow the path along line k: the fields of both sides, weighted so that they keep on it (Filippov).
+
+    At another line it goes on if both fields beyond point to line k, and lead on along it.
+    """
+    while True:
+        low, high, (u, v) = along(key, k, lines, fields)
+        path.entered.append(f"{key[:k]}0{key[k + 1 :]}")
+        rest = {}
+        for j, (a, b, c) in enumerate(lines):
+            height, rate = a * place[0] + b * place[1] + c, a * u + b * v
+            if j != k and (1 if key[j] == "+" else -1) * rate < 0:
+                rest[j] = -height / rate
+        step = min([T_END - t, *rest.values()])
+        t, place = t + step, (place[0] + step * u, place[1] + step * v)
+        path.end = place
+        if t == T_END:
+            path.status = "COMPLETED"
+            return path
+        path.times.append(t)
+        met = [j for j in rest if rest[j] == step]
+        for j in met:
+            key = key[:j] + ("+" if key[j] == "-" else "-") + key[j + 1 :]
+        low, high, (u, v) = along(key, k, lines, fields)
+        onward = all((1 if key[j] == "+" else -1) * (lines[j][0] * u + lines[j][1] * v) > 0 for j in met)
+        if len(met) > 1 or not (low > 0 > high and onward):
+            path.status = "CORNER"
+            return path
+
+
+def along(key, k, lines, fields):
+    """Rates of line k with the fields on both sides, and the field of sliding; (0, 0) where there is none."""
     below, above = (fields[key[:k] + s + key[k + 1 :]] for s in "-+")
     low, high = (lines[k][0] * u + lines[k][1] * v for u, v in (below, above))
+    if low == high:
+        return low, high, (Fraction(0), Fraction(0))
     u, v = ((low * b - high * a) / (low - high) for a, b in zip(below, above, strict=True))
-    path.entered.append(f"{key[:k]}0{key[k + 1 :]}")
-    rest = {}
-    for j, (a, b, c) in enumerate(lines):
-        height, rate = a * place[0] + b * place[1] + c, a * u + b * v
-        if j != k and height * rate < 0:
-            rest[j] = -height / rate
-    step = min([T_END - t, *rest.values()])
-    path.status = "COMPLETED" if step == T_END - t else "CORNER"
-    if path.status == "CORNER":
-        path.times.append(t + step)
-    path.end = (place[0] + step * u, place[1] + step * v)
-    return path
+    return low, high, (u, v)
 
 
 def a_zero(line: tuple[Fraction, Fraction, Fraction], x: Fraction, y: Fraction) -> bool:
@@ -183,4 +204,4 @@ def test_paths_cross_the_lines_of_an_arrangement_as_in_ratios(near, sliding, dra
             if not agrees(run, path):
                 wrong.append((method, values, x0, run.status.name, path.status, run.crossing_count, len(path.times)))
     assert not wrong, (len(wrong), len(ends), wrong[:2])
-    assert len(set(ends)) > 1
+    assert near is not None or len(set(ends)) > 1

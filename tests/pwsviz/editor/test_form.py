@@ -183,3 +183,13 @@ def test_text_is_never_taken_for_markup_nor_for_an_icon(desk):
 def test_every_field_has_a_label():
     editor = SystemEditor(lambda _: None)
     assert [text.label for text in editor.texts.values()] == list(FIELDS.values())
+
+
+def test_a_system_that_has_no_fields_here_is_told_of_and_nothing_else_happens():
+    for key in ("two_walls", "thermostat"):
+        editor = SystemEditor(lambda system: None, current=lambda key=key: core.CATALOGUE[key])
+        editor.start()
+        assert f"{core.CATALOGUE[key].name} has" in editor.status.object
+        assert "cannot be written here" in editor.status.object
+        assert editor.use.disabled
+        editor.close()
