@@ -179,7 +179,7 @@ def _groups(laws: Laws, entered: tuple[int, ...]) -> Iterator[Group]:
     for number in entered:
         where = laws.pairs[number - len(laws.regions)][2] + 1
         yield (*_SLIDING, laws.mode(number)) if laws.two_sided else (
-            _index(laws, number), f"Sliding along g{where} = 0", laws.mode(number)
+            _index(laws, number), f"Sliding along g{where} = 0 ({laws.name(number).replace('-', '−')})", laws.mode(number)
         )  # fmt: skip
 
 

@@ -57,7 +57,7 @@ def test_the_legend_names_the_regions_of_each_shade_or_counts_on(system):
         for shade in (-1, 1):
             names = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
             told = shade_names(system)[shade]
-            assert all(name in told for name in names[:MOST_NAMES])
+            assert all(name in told for name in names[: MOST_NAMES if len(names) <= MOST_NAMES else 1])
             assert told.endswith("…") == (len(names) > MOST_NAMES)
 
 
