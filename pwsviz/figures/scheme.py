@@ -178,9 +178,11 @@ def _groups(laws: Laws, entered: tuple[int, ...]) -> Iterator[Group]:
         yield from ((_index(laws, k), f"Region {region_name(mode)}", mode) for k, mode in enumerate(laws.regions))
     for number in entered:
         where = laws.pairs[number - len(laws.regions)][2] + 1
-        yield (*_SLIDING, laws.mode(number)) if laws.two_sided else (
-            _index(laws, number), f"Sliding along g{where} = 0 ({laws.name(number).replace('-', '−')})", laws.mode(number)
-        )  # fmt: skip
+        heading = f"Sliding along g{where} = 0 ({laws.name(number).replace('-', '−')})"
+        if laws.two_sided:
+            yield (*_SLIDING, laws.mode(number))
+        else:
+            yield _index(laws, number), heading, laws.mode(number)
 
 
 def _index(laws: Laws, number: int) -> str:
