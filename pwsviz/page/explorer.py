@@ -13,6 +13,7 @@ import core
 from pwsviz.editor.form import SystemEditor
 from pwsviz.export.tables import drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
+from pwsviz.page.cover import COLUMNS, Cover
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.help import ABOUT, CITATION, Help
@@ -36,6 +37,9 @@ from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
 
+COVER = Cover(RESULTS)
+"""Seen on every page until it is built."""
+
 FIRST = 0.15
 """Seconds that a page waits for its first pictures: most often they are there already, or need some milliseconds."""
 
@@ -48,12 +52,7 @@ SOON = 200
 AHEAD = 0.05
 """Seconds after a successful check of a user's own system until it is compiled, in case the user applies it."""
 
-GRID_CSS = """
-:host { display: grid !important; gap: 8px 20px; grid-auto-rows: max-content; align-items: start;
-        grid-template-columns: repeat(auto-fit, minmax(min(100%, max(430px, 50% - 10px)), 1fr));
-        height: auto !important; max-height: none !important; }
-"""
-"""Two columns at most, one where the screen is narrow."""
+GRID_CSS = f":host {{ {COLUMNS} height: auto !important; max-height: none !important; }}"
 
 IN_SIGHT = {"position": "sticky", "top": "0"}
 """The portrait stays in sight while a long view beside it scrolls."""
@@ -300,7 +299,7 @@ class Explorer(pn.viewable.Viewer):
         pn.state.on_session_destroyed(lambda _context: self.close())
         self._refresh_view()
         self.scheduler.draw_first(FIRST)
-        page = make_frame("pwsviz", [self._beside], [self])
+        page = make_frame("pwsviz", [self._beside], [self], COVER)
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)

@@ -11,15 +11,13 @@ from panel.util.parameters import edit_readonly
 from panel_material_ui.template.base import Page
 
 from pwsviz.figures.style import TIP_CSS
+from pwsviz.page.cover import SIDEBAR_WIDTH, Cover
 from pwsviz.text.maths_font import FACE
 
 __all__ = ["THE_PAGE", "make_frame"]
 
 THE_PAGE = "cb_obj.document.roots().find(root => 'sidebar_open' in (root.data ?? {})).data"
 """JavaScript of the data of the page. Of a model passed as an argument, Panel visits all parts at each change."""
-
-SIDEBAR_WIDTH = 300
-"""Width of the sidebar in pixels."""
 
 PAGE_SX = {
     ".MuiAppBar-root": {
@@ -67,9 +65,12 @@ TEMPLATE = """{% extends "base.html" %}
 {% endblock %}
 {% block loader_css %}{{ super() }}
 #loader:not(.error) { background: none; cursor: progress; }
-{% endblock %}""".replace("FACE", FACE + TIP_CSS)
+{% endblock %}
+{% block js_resources %}{% endblock %}
+{% block loader %}{{ cover.markup() }}{{ bokeh_js }}{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS)
 """The browser compiles the code of the components while it waits for the page: loading it only then takes half a second
-more. While the page is built, the parts already there are visible but take no input, which Panel would lose."""
+more. Scripts come after the cover, which is painted while they load. While the page is built, what is already there is
+visible but takes no input, which Panel would lose."""
 
 
 class _NeverBusy(param.Parameterized):
@@ -77,18 +78,22 @@ class _NeverBusy(param.Parameterized):
 
 
 class Frame(Page):
-    """Panel's page, whose template knows where the code of its components is."""
+    """Panel's page, whose template knows its cover, and where the code of its components is."""
+
+    def __init__(self, cover: Cover, **settings: Any) -> None:
+        super().__init__(**settings)
+        self._cover = cover
 
     def get_root(self, doc: Document | None = None, comm: Any = None, preprocess: bool = True) -> Any:
         if doc is not None:  # of a session made after its page was sent, Panel would take the styles from afar
             doc.template_variables.setdefault("dist_url", get_dist_path())
         root: Any = super().get_root(doc, comm, preprocess)
         if doc is not None:
-            doc.template_variables["components"] = root.esm
+            doc.template_variables.update(components=root.esm, cover=self._cover)
         return root
 
 
-def make_frame(title: str, sidebar: list[Any], main: list[Any]) -> Page:
+def make_frame(title: str, sidebar: list[Any], main: list[Any], cover: Cover) -> Page:
     """Return a page with an empty header.
 
     Parameters
@@ -99,8 +104,11 @@ def make_frame(title: str, sidebar: list[Any], main: list[Any]) -> Page:
         What stands in the sidebar; it has no place where this is empty.
     main : list
         What it shows beside the sidebar.
+    cover : Cover
+        What is seen until it is built.
     """
     page = Frame(
+        cover,
         title=title,
         sidebar=sidebar,
         main=main,

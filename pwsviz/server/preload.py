@@ -12,7 +12,7 @@ from threading import Thread
 import scipy.integrate  # noqa: F401  (a run that escapes needs it: a fifth of a second at the first)
 from bokeh.settings import settings
 
-from pwsviz.page.explorer import RESULTS
+from pwsviz.page.explorer import COVER, RESULTS
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs
 from pwsviz.scene.scene import Scene
@@ -30,6 +30,7 @@ def compute_first_scene() -> None:
 def prepare() -> None:
     """Compute the first scene, and keep what there is by then: the collector of garbage stops all to go through it."""
     compute_first_scene()
+    COVER.draw()
     gc.freeze()
 
 

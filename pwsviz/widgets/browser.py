@@ -11,6 +11,13 @@ NARROW = 600
 DARK = "pwsviz.dark"
 """Key in the browser's storage of a choice of light or dark that differs from the system's setting."""
 
+IS_DARK = """() => {
+  let chosen = null
+  try { chosen = localStorage.getItem("DARK") } catch (refused) { console.info("no storage: as usual", refused) }
+  return chosen == null ? window.matchMedia("(prefers-color-scheme: dark)").matches : chosen == "true"
+}""".replace("DARK", DARK)
+"""JavaScript function that tells whether the page is to be dark."""
+
 REMEMBER_DARK = """
 try {
   const usual = window.matchMedia("(prefers-color-scheme: dark)").matches
@@ -74,9 +81,7 @@ const keep_known = document => {
 export function render({ model }) {
   Bokeh.documents.forEach(keep_known)
   model.narrow = window.innerWidth < NARROW
-  let chosen = null
-  try { chosen = localStorage.getItem("DARK") } catch (refused) { console.info("no storage: as usual", refused) }
-  model.dark = chosen == null ? window.matchMedia("(prefers-color-scheme: dark)").matches : chosen == "true"
+  model.dark = (IS_DARK)()
   const press = event => {
     const typing = event.composedPath().some(node => node.tagName == "INPUT" && node.type == "text"
       || node.tagName == "TEXTAREA")
@@ -97,6 +102,6 @@ export function render({ model }) {
   })
 }
 """.replace("NARROW", str(NARROW))
-        .replace("DARK", DARK)
+        .replace("IS_DARK", IS_DARK)
         .replace("NAME_PANEL", NAME_PANEL)
     )

@@ -12,8 +12,8 @@ from tests.levels import deep_but
 
 #: Method -> its settings, and the error allowed at the end time and in the times of events, relative to the state.
 METHODS = {
-    "rk8": ({"tau": 0.02}, 1e-9), "taylor": ({"tolerance": 1e-12}, 1e-9), "rk4": ({"tau": 2e-3}, 1e-7),
-    "gauss4": ({"tau": 4e-3}, 1e-7),
+    "rk8": ({"tau": 0.02}, 1e-12), "taylor": ({"tolerance": 1e-12}, 1e-12), "rk4": ({"tau": 2e-3}, 1e-10),
+    "gauss4": ({"tau": 4e-3}, 1e-10),
 }  # fmt: skip
 END = 8.0
 #: An event whose rates are below this part of the largest is a tangency: round-off may decide what follows.

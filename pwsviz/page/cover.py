@@ -1,0 +1,109 @@
+"""The cover of the page: the portrait of a fresh page, which stands there until the page itself is built.
+
+The scripts of the page take seconds to load and to build it. The cover is part of the document, and seen at once.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from threading import Lock, Thread
+from typing import Any
+
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.still import still
+from pwsviz.figures.style import HEIGHT
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.scene import Scene
+from pwsviz.widgets.browser import IS_DARK, NARROW
+
+__all__ = ["COLUMNS", "SIDEBAR_WIDTH", "Cover", "portrait_of_a_fresh_page"]
+
+COLUMNS = """display: grid !important; gap: 8px 20px; grid-auto-rows: max-content; align-items: start;
+    grid-template-columns: repeat(auto-fit, minmax(min(100%, max(430px, 50% - 10px)), 1fr));"""
+"""CSS of a portrait and the view beside it: two columns at most, one where the screen is narrow."""
+
+SIDEBAR_WIDTH = 300
+"""Width of the sidebar in pixels."""
+
+MARKUP = """
+<style>
+#cover { position: fixed; inset: 0; z-index: 1; overflow: hidden; background: white; color: rgba(0, 0, 0, 0.87); }
+#cover.dark { background: #121212; color: white; }
+#cover header { font: 700 21.6px/48px Roboto, Helvetica, Arial, sans-serif; padding-left: 68px;
+                border-bottom: 1px solid rgba(128, 128, 128, 0.3); }
+#cover main { COLUMNS margin: 19px 16px 0 calc(SIDEBARpx + 16px); }
+#cover main > div { container-type: inline-size; }
+#cover figure { margin: 30px 12px 0 76px; height: calc(HEIGHT - 161px); overflow: hidden; }
+#cover svg { width: 100%; height: 100%; }
+#cover p { margin: 12px 12px 0 76px; text-align: center; font: 16px Roboto, Helvetica, Arial, sans-serif; }
+#cover ~ #loader .spinner { display: none; }
+@container (max-width: 480px) { #cover figure { height: calc(HEIGHT - 213px); } }
+@media (max-width: NARROWpx) { #cover main { margin-left: 16px; } #cover header { padding-left: 60px; } }
+</style>
+<div id="cover" aria-hidden="true">
+<header>pwsviz</header>
+<main><div><figure>PICTURE</figure><p>Loading …</p></div><div></div></main>
+</div>
+<script>{
+  const cover = document.getElementById("cover"), begun = performance.now()
+  cover.classList.toggle("dark", (IS_DARK)())
+  if (location.search.length > 1) { cover.querySelector("svg").remove() }  // a link shows another scene
+  const painted = () => window.Bokeh?.index?.query_one?.(view => view.model.type == "Figure" && view.is_idle) != null
+  const lift = () => painted() || performance.now() - begun > 30000 ? cover.remove() : requestAnimationFrame(lift)
+  lift()
+}</script>
+"""
+"""Measures are those of the page: its header, the margins, and the frame of the portrait among its axes and legend."""
+
+
+class Cover:
+    """The cover, drawn once and beside: a page that is asked for before has none.
+
+    Parameters
+    ----------
+    results : Results
+        Where the arrays come from.
+    """
+
+    def __init__(self, results: Results) -> None:
+        self._results = results
+        self._begun, self._picture = Lock(), Future[str]()
+
+    def draw(self) -> None:
+        """Draw the picture, unless that has been begun."""
+        if self._begun.acquire(blocking=False):  # never released
+            try:
+                self._picture.set_result(portrait_of_a_fresh_page(self._results))
+            except ValueError as reason:  # of the scene, which the page itself tells
+                self._picture.set_exception(reason)
+
+    def markup(self) -> str:
+        """Return what belongs at the beginning of the body of a page; empty while the picture is being drawn."""
+        if not self._picture.done():
+            Thread(target=self.draw, name="pwsviz-cover", daemon=True).start()
+            return ""
+        return "" if self._picture.exception() else MARKUP_OF_THE_PAGE.replace("PICTURE", self._picture.result())
+
+
+MARKUP_OF_THE_PAGE = (
+    MARKUP.replace("COLUMNS", COLUMNS).replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
+    .replace("NARROW", str(NARROW - 1)).replace("IS_DARK", IS_DARK)
+)  # fmt: skip
+
+
+def portrait_of_a_fresh_page(results: Results) -> str:
+    """Return the portrait of a fresh page as SVG."""
+    scene = Scene()
+    pictures = results.pictures(PortraitInputs.of(scene))
+    view = PortraitView(*[_unheard] * 5)
+    a, b = scene.axes
+    view.show_orbits(scene.declaration, pictures, [(start[a], start[b]) for start in scene.starts], scene.selected)
+    view.fit()
+    assert view.frame is not None  # noqa: S101  (it fits the orbits just shown)
+    problem, levels = pictures.inputs.selected[0].problem, pictures.orbits[0].levels
+    view.show_backdrop(results.backdrop(problem, view.frame.scaled(2.0), levels, scene.axes))
+    return still(view.figure, view.frame)
+
+
+def _unheard(*_: Any) -> None:
+    """Do nothing: nobody acts on a still picture."""
