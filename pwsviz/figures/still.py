@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.core.property.vectorization import Field, Value
+from bokeh.models import ColumnDataSource
 from bokeh.models.glyph import Glyph
 from bokeh.models.glyphs import Line, MultiLine, MultiPolygons, Scatter
 from bokeh.models.renderers import GlyphRenderer
@@ -46,7 +47,8 @@ def still(plot: figure, window: Window) -> str:
 def _renderer_parts(renderer: Any, place: Place) -> Iterable[str]:
     if not isinstance(renderer, GlyphRenderer) or not renderer.visible:
         return ()
-    return _parts(renderer.glyph, dict(renderer.data_source.data), place)
+    source = renderer.data_source
+    return _parts(renderer.glyph, dict(source.data), place) if isinstance(source, ColumnDataSource) else ()
 
 
 @singledispatch
