@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
+from functools import partial
+from typing import Any
 
-import mpmath
-import sympy
-from sympy import Expr, Symbol
+from sympy import Basic, Expr, Symbol
+
+from core.symbolic.tape import Digits, Tape, digits
 
 __all__ = ["stays_on_surface"]
 
@@ -20,9 +22,12 @@ _ATTEMPTS = 60
 #: Largest size of the random coordinates, parameters and times of these starts.
 _RANGE = 3.0
 #: |g| below this part of the sizes of its terms is zero: a root in 40 digits may lose some 15 of them.
-_ZERO = mpmath.mpf(10) ** -25
+_ZERO = 1e-25
 
-Point = dict[Symbol, mpmath.mpf]
+#: Largest argument of exp, sinh, cosh or tanh: a search that strays farther finds no point.
+_LARGEST = 1e4
+
+Point = dict[Symbol, Any]
 
 
 def stays_on_surface(g: Expr, x: Sequence[Symbol], jump: Sequence[Expr]) -> bool:
@@ -34,38 +39,39 @@ def stays_on_surface(g: Expr, x: Sequence[Symbol], jump: Sequence[Expr]) -> bool
     after = g.xreplace(dict(zip(x, jump, strict=True)))
     if after == g:
         return True
-    found = [_is_zero(after, point) for point in _points_on(g, x, sorted(after.free_symbols, key=str))]
+    tape = Tape([after])
+    found = [_is_zero(after, tape, point) for point in _points_on(g, x, after.free_symbols)]
     return bool(found) and all(found)
 
 
-def _points_on(g: Expr, x: Sequence[Symbol], others: Sequence[Symbol]) -> Iterator[Point]:
+def _points_on(g: Expr, x: Sequence[Symbol], others: Set[Basic]) -> Iterator[Point]:
     """A few random points at which g vanishes; the coordinates take turns in being solved for."""
     generator = random.Random(20261122)  # noqa: S311 - test points, not secrets
-    names = sorted(g.free_symbols | set(others), key=str)
+    names = sorted(g.free_symbols | others, key=str)
     solvable = [v for v in x if v in g.free_symbols]
-    count = 0
-    with mpmath.workdps(_DIGITS):
-        for k in range(_ATTEMPTS):
-            point = {s: mpmath.mpf(generator.uniform(-_RANGE, _RANGE)) for s in names}
-            v = solvable[k % len(solvable)]
-            along = sympy.lambdify([v], g.xreplace({s: _number(u) for s, u in point.items() if s != v}), "mpmath")
-            try:
-                point[v] = mpmath.findroot(along, point[v])
-            except (ArithmeticError, ValueError, TypeError):  # no root found, or g has no value
-                continue
-            if mpmath.im(point[v]) == 0:
-                yield point
-                count += 1
-            if count == _POINTS:
-                return
+    arithmetic, tape, count = digits(_DIGITS, _LARGEST), Tape([g]), 0
+    for k in range(_ATTEMPTS):
+        point = {s: arithmetic.context.mpf(generator.uniform(-_RANGE, _RANGE)) for s in names}
+        v = solvable[k % len(solvable)]
+        height = partial(_height, tape, arithmetic, point, v)
+        try:
+            point[v] = arithmetic.context.findroot(height, point[v])
+        except (ArithmeticError, ValueError):  # g has no value on the way, or no root is found
+            continue
+        yield point
+        count += 1
+        if count == _POINTS:
+            return
 
 
-def _is_zero(expression: Expr, point: Point) -> bool:
-    with mpmath.workdps(_DIGITS):
-        at = {s: _number(u) for s, u in point.items()}
-        terms = [mpmath.mpmathify(sympy.N(term.xreplace(at), _DIGITS)) for term in sympy.Add.make_args(expression)]
-        return bool(abs(mpmath.fsum(terms)) <= _ZERO * mpmath.fsum(map(abs, terms)))
+def _height(tape: Tape, arithmetic: Digits, point: Point, v: Symbol, u: Any) -> Any:
+    """g at a point whose coordinate v is replaced by u."""
+    return tape.run(arithmetic, {**point, v: u})[-1]
 
 
-def _number(value: mpmath.mpf) -> sympy.Float:
-    return sympy.Float(value, _DIGITS)
+def _is_zero(expression: Expr, tape: Tape, point: Point) -> bool:
+    try:
+        values = tape.run(digits(_DIGITS, _LARGEST), point)
+    except ArithmeticError:
+        return False
+    return bool(abs(values[-1]) <= _ZERO * tape.size(expression, values))
