@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.integration.outcome import outcome
 from core.integration.recording import Sampler
 from core.integration.runner import Runner, Settings, no_crossings
 from core.integration.starting import first_place
-from core.integration.trajectory import Status, Trajectory
+from core.integration.trajectory import Trajectory
 from core.interface.arguments import checked_sliding, choice, count, number, numbers
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method, method_named
@@ -185,7 +186,7 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple
     """Return the initial state; ValueError if no run can start there."""
     start = system.x0 if x0 is None else system.check_state(x0)
     laws, count, d = system.laws, len(system.laws.surfaces), system.dimension
-    values = laws.numbers("start", laws.at_start, t0, start, system.parameter_array).tolist()
+    values = laws.numbers("start", laws.at_start, t0, start, system.parameter_array)
     heights, gradients, rest = values[:count], values[count : count * (1 + d)], values[count * (1 + d) :]
     word = "g" if laws.two_sided else "a switching function"
     if not all(map(math.isfinite, heights)):
@@ -295,7 +296,7 @@ def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sa
     tau = runner.longest if method.adaptive else runner.settings.tau
     return Trajectory(
         runner.system, method.name, tau, t, x, mode, segment, entered_t, entered_x, crossings,
-        runner.crossing_count, runner.status, _message(runner), runner.steps, runner.evaluations, runner.seconds,
+        runner.crossing_count, runner.status, outcome(runner), runner.steps, runner.evaluations, runner.seconds,
         _envelope(runner), _warning, record, runner.settings.tolerance if method.adaptive else math.nan,
         runner.samples, runner.settings.slides,
     )  # fmt: skip
@@ -318,8 +319,7 @@ def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0
 
 def _with_ends(first: Any, parts: list[Any], last: Any) -> Any:
     """The recorded parts, between the first and the last value."""
-    ends = np.array([first, last])
-    return np.concatenate([ends[:1], *parts, ends[1:]]) if parts else ends
+    return np.concatenate([np.asarray(first)[None], *parts, np.asarray(last)[None]])
 
 
 def _envelope(runner: Runner) -> Floats | None:
@@ -329,13 +329,3 @@ def _envelope(runner: Runner) -> Floats | None:
     kept = runner.envelope.copy()
     kept[~np.isfinite(kept)] = np.nan
     return kept
-
-
-def _message(runner: Runner) -> str:
-    status = runner.status
-    where = f"t = {runner.t:.12g}"
-    if status is not Status.COMPLETED:
-        where += ", " + ", ".join(
-            f"{name} = {v:.6g}" for name, v in zip(runner.system.variables, runner.x, strict=True)
-        )
-    return f"{where}: {runner.reason}. {runner.advice}".strip()

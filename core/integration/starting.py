@@ -38,28 +38,22 @@ def first_place(system: PiecewiseSystem, t: float, x: Floats) -> Place:
     """
     laws = system.laws
     value, bound = _values(system, t, x)
-    zero = np.abs(value) <= _EPS * bound
-    if laws.regions[0].sides and not zero.any():
-        return Place(laws.regions_by_sides.get(tuple(1 if u > 0 else -1 for u in value.tolist())))
-    if laws.regions[0].sides:
-        met = np.flatnonzero(zero)
-        inside = [k for k, mode in enumerate(laws.regions) if ((np.array(mode.sides) * value > 0) | zero).all()]
-        if len(met) > 1:
-            return Place(inside[0] if inside else None, corner=tuple(met.tolist()))
-        return Place(inside[0], int(met[0]) if len(met) else 0) if inside else Place(None)
+    met = [k for k, (height, size) in enumerate(zip(value, bound, strict=True)) if abs(height) <= _EPS * size]
+    if laws.regions[0].sides and not met:
+        return Place(laws.regions_by_sides.get(tuple(1 if u > 0 else -1 for u in value)))
     for k, ways in enumerate(laws.ways):
-        heights = [way.sign * value[way.surface] for way in ways]
-        if all(h > 0 or zero[way.surface] for h, way in zip(heights, ways, strict=True)):
-            return Place(k, next((n for n, way in enumerate(ways) if zero[way.surface]), 0))
+        if all(way.surface in met or way.sign * value[way.surface] > 0 for way in ways):
+            if laws.regions[0].sides and len(met) > 1:
+                return Place(k, corner=tuple(met))
+            return Place(k, next((n for n, way in enumerate(ways) if way.surface in met), 0))
     return Place(None)
 
 
-def _values(system: PiecewiseSystem, t: float, x: Floats) -> tuple[Floats, Floats]:
+def _values(system: PiecewiseSystem, t: float, x: Floats) -> tuple[list[float], list[float]]:
     """All switching functions at a state, and for each the size of which rounding the state changes it by eps."""
     laws = system.laws
-    wanted, k = (*laws.surfaces, *laws.state_roundings), len(laws.surfaces)
-    both = laws.numbers("surfaces", wanted, t, x.tolist(), system.parameter_array)
-    return both[:k], both[k:]
+    both = laws.numbers("surfaces", laws.surfaces_and_roundings, t, x.tolist(), system.parameter_array)
+    return both[: len(laws.surfaces)], both[len(laws.surfaces) :]
 
 
 def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, ...], direction: float) -> int | None:
@@ -80,7 +74,8 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
         None where the fields of the regions around do not all lead to the same declared region.
     """
     laws = system.laws
-    value, _ = _values(system, t, x)
+    heights, _ = _values(system, t, x)
+    value = np.array(heights)
     found: set[tuple[int, ...]] = set()
     numbers = laws.regions_by_sides
     for signs in product((-1, 1), repeat=len(surfaces)):
@@ -135,8 +130,8 @@ def way_along(system: PiecewiseSystem, mode: int, surface: int, t: float, x: Flo
     bounds = [rounding_bound(h).replace(magnitude, sympy.Abs) for h in heights]
     both = laws.numbers(("beyond", number, surface, way), (*heights, *bounds), t, x.tolist(),
                         system.parameter_array)  # fmt: skip
-    clear = both[:3] > _MARGIN * _EPS * both[3:]
-    return number if bool(clear.all()) else None
+    clear = all(height > _MARGIN * _EPS * doubt for height, doubt in zip(both[:3], both[3:], strict=True))
+    return number if clear else None
 
 
 def _rate(system: PiecewiseSystem, region: int, surface: int, t: float, x: Floats) -> float:
@@ -144,7 +139,7 @@ def _rate(system: PiecewiseSystem, region: int, surface: int, t: float, x: Float
     rate = system.laws.regions[region].rate_of(system.laws.surfaces[surface])
     wanted = (rate, rounding_bound(rate).replace(magnitude, sympy.Abs))
     value, doubt = system.laws.numbers(("rate", region, surface), wanted, t, x.tolist(), system.parameter_array)
-    return float(value) if abs(value) > _MARGIN * _EPS * doubt else 0.0
+    return value if abs(value) > _MARGIN * _EPS * doubt else 0.0
 
 
 def regions_entered(

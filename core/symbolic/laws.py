@@ -225,10 +225,10 @@ class Laws:
         return (*self.surfaces, *slopes, *(f for mode in self.regions for f in mode.field))
 
     @cached_property
-    def state_roundings(self) -> tuple[Expr, ...]:
-        """For each surface Σ|xₖ ∂g/∂xₖ|: rounding the state changes g by eps times this, at most."""
+    def surfaces_and_roundings(self) -> tuple[Expr, ...]:
+        """Each g, then for each Σ|xₖ ∂g/∂xₖ|: rounding the state changes g by eps times this, at most."""
         pairs = (zip(self.x, gradient, strict=True) for gradient in self.gradients)
-        return tuple(sympy.Add(*(sympy.Abs(slope * v) for v, slope in pair)) for pair in pairs)
+        return (*self.surfaces, *(sympy.Add(*(sympy.Abs(slope * v) for v, slope in pair)) for pair in pairs))
 
     @cached_property
     def most_conserved(self) -> int:
@@ -275,16 +275,17 @@ class Laws:
                 result[..., k] = column
         return result
 
-    def numbers(self, key: object, expressions: Sequence[Expr], t: float, x: Sequence[float], p: Floats) -> Floats:
+    def numbers(self, key: object, expressions: Sequence[Expr], t: float, x: Sequence[float], p: Floats) -> list[float]:
         """Values of expressions at one state, as from `evaluate`, but ten times as fast."""
         if ("number", key) not in self._functions:
             names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
             own = [_with_floats(e).xreplace(names) for e in expressions]
             self._functions["number", key] = sympy.lambdify(list(names.values()), own, "math")
         try:
-            return np.array(self._functions["number", key](t, *x, *p.tolist()), dtype=float)
+            return [float(u) for u in self._functions["number", key](t, *x, *p.tolist())]
         except (ArithmeticError, ValueError, TypeError):  # undefined or complex: nan or inf in numpy
-            return self.evaluate(key, expressions, t, x, p)
+            values: list[float] = self.evaluate(key, expressions, t, x, p).tolist()
+            return values
 
 
 def _leading_back(region: RegionLaw, to: int, way: Way) -> int | None:
