@@ -128,9 +128,7 @@ GUARDS = G + 12  #: what the loop keeps of each guard but the one looked at, in 
 HEIGHT, RATE, ENTERED, LEAVING, SIGN = range(5)  #: as in `records.RUN`
 KEPT = 5  #: how many these are
 VISITS = GUARDS + KEPT * MAX_GUARDS  #: of the last crossing of each surface, modulo `MAX_VISITS`, in parts of `VISIT`:
-LAST, LAST_CARRY, GAP, SHRINKING = range(
-    4
-)  #: its time, the time since the one before, how many of these shrank in a row
+LAST, LAST_CARRY, GAP, SHRINKING = range(4)  #: its time, that since the one before, how many of those shrank in a row
 VISIT = 4  #: how many these are
 MAX_VISITS = 8  #: how many surfaces are told apart
 _HEAD = VISITS + VISIT * MAX_VISITS  #: number of scalars

@@ -61,19 +61,13 @@ RUN = np.dtype(
         ("slides", np.int64),  # 1: where both fields point to the surface, the run slides along it; 0: it stops there
         ("pending", np.int64),  # 1: the mode is to be entered, as soon as it is compiled, before the next step
         ("at", np.int64),  # bits of the guards at whose zeros it is entered
-        (
-            "near",
-            np.int64,
-        ),  # bits of the guards at whose zeros it is though their signs say nothing, after a jump there
+        ("near", np.int64),  # likewise, of those whose signs say nothing after a jump
         ("asked", np.int64),  # number + 1 of a guard at whose zero `Runner` is asked where the field leads, or 0
         ("inward", np.int64),  # its answers, as bits: the field leads into the mode, or out of it, or into it as at a
         ("outward", np.int64),  # fold, where the rate is zero
         ("folded", np.int64),
         ("jumped", np.int64),  # 1: it is entered by a jump, so that it depends on the signs of all guards
-        (
-            "past",
-            np.int64,
-        ),  # number + 1 of a guard beyond whose zero the mode is entered, which ends it at once; or 0
+        ("past", np.int64),  # number + 1 of a guard beyond whose zero it is entered, which ends it at once; or 0
         ("corner", np.int64),  # bits of the guards that vanish where the run has met several surfaces at once
         ("chain", np.int64),  # number of modes in a row that ended where they were entered
         ("adaptive", np.int64),  # 1: a variable-step method
