@@ -24,7 +24,7 @@ from core.symbolic.expressions import TIME
 from core.symbolic.mode import Mode
 from core.system import PiecewiseSystem
 
-__all__ = ["EXTERNAL_SOLVERS", "Arcs", "ExternalSolver", "Stopped", "external_arcs"]
+__all__ = ["EXTERNAL_SOLVERS", "Arcs", "ExternalSolver", "Stopped", "external_arcs", "heyoka_integrator"]
 
 #: Spacing of doubles at 1, the least tolerance of heyoka.
 _EPS = 2.0**-52
@@ -296,11 +296,11 @@ class _PreparedHeyoka:
             raise Stopped("heyoka is not installed") from None
         self._outcomes = heyoka.taylor_outcome
         # An integrator, and its state, looked up once, as each access is slow.
-        self._integrators = _OnDemand[int, "tuple[Any, Any]"](lambda k: self._made(heyoka, functions, k, tolerance))
+        self._integrators = _OnDemand[int, "tuple[Any, Any]"](lambda k: self._made(functions, k, tolerance))
 
     @staticmethod
-    def _made(heyoka: Any, functions: ScalarFunctions, label: int, tolerance: float) -> tuple[Any, Any]:
-        one = _heyoka_integrator(heyoka, functions.system, functions.mode(label), tolerance)
+    def _made(functions: ScalarFunctions, label: int, tolerance: float) -> tuple[Any, Any]:
+        one = heyoka_integrator(functions.system, functions.mode(label), tolerance)
         return one, one.state
 
     def arc(self, side: int, t: float, x: Floats, end: float, check: Callable[[], None]) -> Arrival:
@@ -316,7 +316,13 @@ class _PreparedHeyoka:
         return Arrival(one.time, state.copy(), outcome != outcomes.time_limit, np.nan, met)
 
 
-def _heyoka_integrator(hy: Any, system: PiecewiseSystem, mode: Mode, tolerance: float) -> Any:
+def heyoka_integrator(system: PiecewiseSystem, mode: Mode, tolerance: float, fast_math: bool = False) -> Any:
+    """heyoka's integrator of one mode of a system, with a terminal event for each of its guards, in their order.
+
+    ImportError if heyoka is not installed.
+    """
+    import heyoka as hy
+
     laws, d = system.laws, system.dimension
     variables = [hy.expression(f"u{k}") for k in range(d)]
     wanted = [_in_floats(e) for e in (*mode.field, *mode.heights)]
@@ -326,7 +332,7 @@ def _heyoka_integrator(hy: Any, system: PiecewiseSystem, mode: Mode, tolerance: 
     events = [hy.t_event(height + _ROOT_SHIFT, direction=hy.event_direction.negative) for height in values[d:]]
     return hy.taylor_adaptive(
         list(zip(variables, values[:d], strict=True)), [0.0] * d, tol=tolerance,
-        pars=[system.values[str(q)] for q in used], t_events=events,
+        pars=[system.values[str(q)] for q in used], t_events=events, fast_math=fast_math,
     )  # fmt: skip
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from pwsviz.bench.heyoka import HeyokaRun, has_heyoka
+from pwsviz.bench.heyoka import HeyokaByRegion, HeyokaRun, has_heyoka
 from pwsviz.bench.plan import Plan
-from pwsviz.bench.problems import ENDS, Problem, drawn_problems
+from pwsviz.bench.problems import ENDS, Problem, drawn_problems, named_problem
 from pwsviz.bench.table import UNKNOWN, Table, milliseconds
 
 __all__ = ["drawn", "named", "time_to_error"]
@@ -38,14 +38,15 @@ def named(plan: Plan) -> Table:
     rows: list[list[str]] = []
     ends = ", ".join(f"{plan.share * ENDS[name]:.4g}" for name in plan.compared)
     for name in plan.compared:
-        problem = Problem(name, core.CATALOGUE[name], plan.share * ENDS[name])
+        problem = named_problem(name, plan.share)
         times = np.array([*_own_and_heyoka(problem, plan), _scipy(problem, plan)])
         rows += [[name, f"{e:.0e}", *map(milliseconds, t), *_ratios(t)] for e, t in zip(_TARGETS, times.T, strict=True)]
     return Table(
         "Time to a state error",
         f"milliseconds to integrate to t = {ends}, after some {500 * plan.share:.0f} crossings, until the state is "
         f"right to an error; the least of {plan.repeats} runs, interpolated between tolerances. taylor is all of "
-        "core.integrate(record='end') and heyoka propagate_until alone, in wall-clock time. SciPy is DOP853, restarted "
+        "core.integrate(record='end') and heyoka propagate_until alone, in wall-clock time (with an "
+        "integrator for each region where there are more than two). SciPy is DOP853, restarted "
         "at terminal events, in processor time, as in core.work_precision. The last columns are the ratios of taylor's "
         f"times to those of the three. {UNKNOWN}: not reached, or heyoka is not installed.",
         ("system", "error", "taylor", "heyoka", "fast_math", "SciPy", "/ heyoka", "/ fast_math", "/ SciPy"),
@@ -90,7 +91,7 @@ def _integrators(problem: Problem, tolerance: float) -> Iterator[Integrator]:
 
     yield run, run, lambda: run().x[-1]
     for fast_math in (False, True) if has_heyoka() else ():
-        other = HeyokaRun(problem, tolerance, fast_math)
+        other = (HeyokaRun if problem.system.two_sided else HeyokaByRegion)(problem, tolerance, fast_math)
         yield other.reset, other.run, lambda: other.state  # noqa: B023 - called before the next iteration
 
 

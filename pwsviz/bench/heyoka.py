@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import core
+from core.studies.external_solvers import heyoka_integrator
 from pwsviz.bench.problems import Problem
 
-__all__ = ["HeyokaRun", "has_heyoka"]
+__all__ = ["HeyokaByRegion", "HeyokaRun", "has_heyoka"]
 
 
 def has_heyoka() -> bool:
@@ -72,3 +74,40 @@ class HeyokaRun:
     def state(self) -> NDArray[np.float64]:
         """State (d,) at the time that the integrator has reached."""
         return self._integrator.state.copy()  # type: ignore[no-any-return]
+
+
+class HeyokaByRegion:
+    """An integrator for each region on a problem without jumps, exchanged by hand where an event ends one.
+
+    Parameters
+    ----------
+    tolerance, fast_math
+        As for `HeyokaRun`.
+    """
+
+    def __init__(self, problem: Problem, tolerance: float, fast_math: bool = False) -> None:
+        system = problem.system
+        self._end, self._start = problem.end, np.array(system.x0)
+        self._beyond = [[way.to for way in ways if way.to is not None] for ways in system.laws.ways]
+        first_step = core.integrate(system, (0.0, problem.end), method="taylor", max_steps=1, record="end")
+        self._first = int(first_step.mode[0])
+        ones = [heyoka_integrator(system, mode, tolerance, fast_math) for mode in system.laws.regions]
+        self._integrators = [(one, one.state) for one in ones]  # looked up once: each access costs as much as an event
+        self.reset()
+
+    def reset(self) -> None:
+        """Go back to the start."""
+        self._now, self.state = self._integrators[self._first]
+        self._now.time, self.state[:] = 0.0, self._start
+        self._now.reset_cooldowns()
+
+    def run(self) -> None:
+        """Integrate to the end; `state` is then that of the last region."""
+        region = self._first
+        while (met := -1 - int(self._now.propagate_until(self._end)[0])) < len(self._beyond[region]):
+            region = self._beyond[region][met]
+            now, state = self._integrators[region]
+            state[:] = self.state
+            now.time = self._now.time
+            now.reset_cooldowns()
+            self._now, self.state = now, state

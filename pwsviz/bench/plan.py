@@ -40,7 +40,7 @@ class Plan:
 
 
 STANDARD = Plan(
-    compared=("harmonic_oscillator", "elliptic_curve", "pendulum", "rigid_body"),
+    compared=("harmonic_oscillator", "elliptic_curve", "pendulum", "rigid_body", "chua"),
     drawn=6,
     share=1.0,
     budget=2.0,

@@ -12,10 +12,12 @@ from sympy import Expr, Symbol
 
 import core
 
-__all__ = ["ENDS", "Problem", "drawn_problems"]
+__all__ = ["ENDS", "Problem", "drawn_problems", "named_problem"]
 
 #: System -> end time, after some 500 crossings, at which the state is far from the surface.
-ENDS = {"harmonic_oscillator": 1240.0, "elliptic_curve": 473.0, "pendulum": 755.0, "rigid_body": 1989.0}
+ENDS = {"harmonic_oscillator": 1240.0, "elliptic_curve": 473.0, "pendulum": 755.0, "rigid_body": 1989.0, "chua": 540.0}
+#: System -> values of its parameters, where they are not its own: at its own, Chua's circuit loses all digits by then.
+_VALUES = {"chua": {"beta": 16.0}}
 
 #: Potentials in x; the coefficient a has another value on each side, the numbers b and c are drawn.
 _POTENTIALS = (
@@ -55,9 +57,10 @@ _LATEST = 1e5
 
 @dataclass(frozen=True)
 class Problem:
-    """A system to be integrated from its x0 to a time; its sides differ in the value of one coefficient only.
+    """A system to be integrated from its x0 to a time.
 
-    The two values are parameters with the name of the coefficient and the endings _minus and _plus.
+    Where it has two sides, they differ in the value of one coefficient only: two parameters with the name of the
+    coefficient and the endings _minus and _plus.
     """
 
     name: str
@@ -101,6 +104,11 @@ class Problem:
         # Doubles, as in the compiled code: heyoka accepts no ratio whose denominator is not a power of two.
         ratios = {q: sympy.Float(float(q), 17) for q in expression.atoms(sympy.Rational) if q.q & (q.q - 1)}
         return expression.xreplace(numbers | ratios)
+
+
+def named_problem(name: str, share: float = 1.0) -> Problem:
+    """A system of the catalogue, up to a part of its end time."""
+    return Problem(name, core.CATALOGUE[name].with_parameters(**_VALUES.get(name, {})), share * ENDS[name])
 
 
 def drawn_problems(count: int, seed: int) -> Iterator[Problem]:

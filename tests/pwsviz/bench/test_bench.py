@@ -11,9 +11,9 @@ import core
 from pwsviz.bench import QUICK, Table, sections
 from pwsviz.bench.comparison import drawn, named, time_to_error
 from pwsviz.bench.costs import first_calls
-from pwsviz.bench.heyoka import HeyokaRun
+from pwsviz.bench.heyoka import HeyokaByRegion, HeyokaRun
 from pwsviz.bench.machine import machine_lines
-from pwsviz.bench.problems import ENDS, Problem, drawn_problems
+from pwsviz.bench.problems import ENDS, Problem, drawn_problems, named_problem
 from pwsviz.bench.table import milliseconds
 
 TINY = replace(QUICK, share=0.02, repeats=1)
@@ -148,3 +148,15 @@ def test_quick_and_long_exclude_each_other():
 def test_a_first_call_that_compiles_takes_longer_than_one_that_loads():
     columns = first_calls(QUICK).columns
     assert all(float(a) > float(b) for a, b in zip(columns["compiles"], columns["loads"], strict=True))
+
+
+def test_heyoka_changes_between_the_regions_of_chuas_circuit_as_we_do():
+    pytest.importorskip("heyoka")
+    problem = named_problem("chua", 0.1)
+    other = HeyokaByRegion(problem, 2.0**-52)
+    run = core.integrate(problem.system, (0.0, problem.end), method="taylor", record="end")
+    for _ in range(2):
+        other.reset()
+        other.run()
+        assert run.crossing_count > 40
+        assert np.abs(other.state - run.x[-1]).max() < 1e-12
