@@ -88,7 +88,7 @@ class HeyokaByRegion:
     def __init__(self, problem: Problem, tolerance: float, fast_math: bool = False) -> None:
         system = problem.system
         self._end, self._start = problem.end, np.array(system.x0)
-        self._beyond = [[way.to for way in ways if way.to is not None] for ways in system.laws.ways]
+        self._beyond = [[way.to for way in ways] for ways in system.laws.ways]
         first_step = core.integrate(system, (0.0, problem.end), method="taylor", max_steps=1, record="end")
         self._first = int(first_step.mode[0])
         ones = [heyoka_integrator(system, mode, tolerance, fast_math) for mode in system.laws.regions]
@@ -105,7 +105,10 @@ class HeyokaByRegion:
         """Integrate to the end; `state` is then that of the last region."""
         region = self._first
         while (met := -1 - int(self._now.propagate_until(self._end)[0])) < len(self._beyond[region]):
-            region = self._beyond[region][met]
+            beyond = self._beyond[region][met]
+            if beyond is None:
+                raise ValueError(f"at t = {self._now.time:.6g} heyoka has left all regions that are declared")
+            region = beyond
             now, state = self._integrators[region]
             state[:] = self.state
             now.time = self._now.time
