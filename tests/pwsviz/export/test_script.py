@@ -190,7 +190,8 @@ def own_scene(system, t_end=4.0):
 def test_an_own_system_of_several_regions_is_declared_in_full(system, monkeypatch):
     scene = own_scene(system)
     program = program_of(scene)
-    assert all(f"{key!r}: core.Region(" in program for key in system.regions)
+    assert all((f"{key!r}: core.Region(" in program) != bool(system.f) for key in system.regions)
+    assert all(repr(law) in program for law in system.f)
     assert program.count("core.Transition(") == len(system.transitions)
     assert_program_is_the_page(scene, monkeypatch)
 
