@@ -103,7 +103,7 @@ class Ground:
     def name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Name the surface in the legend, if it is drawn."""
         self._surface_entry.label = value(surface_name(system))
-        self._tint_entry.label = value(shade_names(system)[-1])
+        self._tint_entry.label = value(shade_names(system).get(-1, ""))
         self._surface_entry.visible = shows_surface(system, axes)
         self._tint_entry.visible = shows_regions(system, axes) and bool(regions_of(system, -1))
 

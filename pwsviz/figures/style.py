@@ -47,7 +47,9 @@ SAND = "#A89A80"
 SIDES = {-1: SKY, 1: SAND}
 """Colour of each side of the surface; of several, of the two shades that tell neighbouring regions apart."""
 
-OCCUPIED = {-1: ("g < 0", SIDES[-1]), 1: ("g > 0", SIDES[1]), 0: ("sliding", GREEN)}
+OCCUPIED = {
+    -1: ("g < 0", SIDES[-1]), 1: ("g > 0", SIDES[1]), 2: ("", VERMILION), 3: ("", VIOLET), 0: ("sliding", GREEN),
+}  # fmt: skip
 """Name, of one surface, and colour of where a run is: on a side, or sliding."""
 
 HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
