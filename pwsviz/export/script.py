@@ -42,8 +42,7 @@ _USUAL: Mapping[str, object] = {
 _FIGURES = '''\
 def show(run):
     """Print a run in figures."""
-    crossings = len(run.crossings.crossed)
-    figures = f"{run.steps:,} steps, {crossings:,} crossings, {run.seconds * 1e3:.3g} ms"
+    figures = f"{run.steps:,} steps, {run.tally}, {run.seconds * 1e3:.3g} ms"
     print(f"{run.method} from {run.x[0]}: {figures}WORST")
     if run.status is not core.Status.COMPLETED:
         print(run.message)
