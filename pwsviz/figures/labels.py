@@ -75,6 +75,16 @@ const ends = g => EDGES.flatMap((edge, side) => {
   }
   return found
 })
+// How far it is, to the left or to the right, from a place on a surface to another surface or the edge.
+const room = ({ x, y }, k, way) => {
+  const others = heights.filter((g, n) => g != null && n != k), signs = others.map(g => g(x, y, t) < 0)
+  let steps = 0
+  for (let at = x; at > across.start && at < across.end; at += way * width / ALONG) {
+    if (others.some((g, n) => g(at, y, t) < 0 != signs[n])) { break }
+    steps += 1
+  }
+  return steps
+}
 const nameSurfaces = () => {
   const placed = []
   const apart = one => Math.min(...placed.map(({ x, y }) => Math.hypot(one.x - x, one.y - y)), width + height)
@@ -83,8 +93,8 @@ const nameSurfaces = () => {
     const best = ends(g).reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
     if (best == null) { return }
     placed.push(best)
-    const right = best.x > across.start + 0.6 * width  // the text then ends there
-    const beside = best.side % 2 == 0
+    const beside = best.side % 2 == 0  // else above the surface, from that edge on
+    const right = beside ? room(best, k, -1) > room(best, k, 1) : best.side == 1  // the text then ends there
     add(best.x, best.y, given.surfaces[k], right ? "right" : "left", beside ? "middle" : "bottom",
         beside ? (right ? -6 : 6) : 0, beside ? 0 : -4)
   })
