@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from core.compilation.compiled import compile_beside
 from core.integrate import integrate
 from core.integration.crossings import Crossing, Crossings
+from core.integration.tally import Tally
 from core.integration.trajectory import Status, Trajectory
 from core.methods import METHODS, Method
 from core.system import Parameter, PiecewiseSystem, Region, Transition
@@ -32,6 +33,7 @@ __all__ = [
     "Region",
     "StabilityStudy",
     "Status",
+    "Tally",
     "Trajectory",
     "Transition",
     "WorkPrecision",

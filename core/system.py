@@ -105,9 +105,10 @@ class PiecewiseSystem:
     """x' = f₋(t, x) where g < 0 and f₊(t, x) where g > 0, each side with its own conserved quantities; or more regions.
 
     Expressions are text, or sympy, in the variables, the parameters and time ``t``; see `core.symbolic.expressions` for
-    the syntax. A system is frozen; `with_parameters` returns a new one. There are three ways to declare one: two sides
-    of one surface; `surfaces` and `regions`; or, where the way back is another than the way there, `regions` and
-    `transitions`, the general form from which the others are derived.
+    the syntax. A system is frozen; `with_parameters` returns a new one. There are four ways to declare one: two sides
+    of one surface; `surfaces` and `regions`; one field `f` that says by sign, abs and so on where it switches, in which
+    surfaces and regions are found; or, where the way back is another than the way there, `regions` and `transitions`,
+    the general form from which the others are derived.
 
     Parameters
     ----------
@@ -140,6 +141,11 @@ class PiecewiseSystem:
         Number of the surface, from 0 -> d expressions: the state after reaching it.
     transitions
         The ways between regions that have names, for hysteresis.
+    f
+        d expressions with sign, abs, max, min, Heaviside or Piecewise, as in ``("v", "-x - mu*sign(v - 1)")``, in place
+        of the laws of regions; kept as given.
+    psi
+        Conserved quantities of `f`, in which such terms may stand as well.
 
     Raises
     ------
@@ -165,12 +171,14 @@ class PiecewiseSystem:
     regions: Mapping[str, Region] = field(default_factory=dict, hash=False)
     jumps: Mapping[int, tuple[str, ...]] = field(default_factory=dict, hash=False)
     transitions: tuple[Transition, ...] = ()
+    f: tuple[str, ...] = ()
+    psi: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         set_(self, "name", str(self.name))
         set_(self, "parameters", self._check_parameters())
-        for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "surfaces"):
+        for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "surfaces", "f", "psi"):
             set_(self, name, _texts(getattr(self, name), name))
         set_(self, "jump", None if self.jump is None else _texts(self.jump, "jump") or None)
         set_(self, "g", _text(self.g))
@@ -178,6 +186,8 @@ class PiecewiseSystem:
         self._check_regions()
         if self.f_minus or self.f_plus or self.g:
             self._take_sides()
+        if self.f or self.psi:
+            self._take_field()
         self._complete()
         start = self.check_state((0.0,) * self.dimension if isinstance(self.x0, tuple) and not self.x0 else self.x0)
         set_(self, "x0", start)
@@ -211,6 +221,19 @@ class PiecewiseSystem:
             raise ValueError("give either f_minus, f_plus, g and so on, or surfaces and regions, or transitions")
         for name, value in zip(("surfaces", "regions", "jumps"), declared, strict=True):
             object.__setattr__(self, name, MappingProxyType(value) if isinstance(value, dict) else value)
+
+    def _take_field(self) -> None:
+        """Find surfaces and regions of the one field; those that are given as well must be the same."""
+        if not self.f:
+            raise ValueError(f"psi = {self.psi!r}: there is no f that it is of; give psi_minus, psi_plus or regions")
+        given, set_ = (self.surfaces, dict(self.regions)), object.__setattr__
+        names, bounds = tuple(q.name for q in self.parameters), tuple(q.bounds for q in self.parameters)
+        found = read_switching(self.variables, names, self.f, self.psi, bounds)
+        set_(self, "surfaces", found.surfaces)
+        set_(self, "regions", {key: Region(law, found.quantities[key]) for key, law in found.fields.items()})
+        full = {law.name: Region(law.f, law.psi) for law in self._declared.regions}
+        if self.jumps or self.transitions or (any(given) and given != (self.surfaces, full)):
+            raise ValueError("give either f, in which surfaces and regions are found, or these themselves")
 
     def _complete(self) -> None:
         """Check the declaration, and add the ψ that are found for it; name the sides of one surface."""
@@ -249,17 +272,8 @@ class PiecewiseSystem:
         ValueError
             Also where nothing switches, or more than six surfaces are found; see `core.symbolic.switching_terms`.
         """
-        given = parameters
-        if isinstance(given, Mapping):
-            given = tuple(q if isinstance(q, Parameter) else Parameter(key, q) for key, q in given.items())
-        names, bounds = tuple(q.name for q in given), tuple(q.bounds for q in given)
-        quantities = () if psi is None else _texts(psi, "psi")
-        found = read_switching(_texts(variables, "variables"), names, _texts(f, "f"), quantities, bounds)
-        regions = {key: Region(found.fields[key], found.quantities[key]) for key in found.fields}
-        return cls(
-            name=name, variables=tuple(variables), surfaces=found.surfaces, regions=regions, parameters=tuple(given),
-            x0=tuple(x0), doc=doc,
-        )  # fmt: skip
+        laws: dict[str, Any] = {"f": f, "psi": () if psi is None else psi, "parameters": parameters}
+        return cls(name=name, variables=tuple(variables), x0=tuple(x0), doc=doc, **laws)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:g}" for name, value in self.values.items())
@@ -304,10 +318,11 @@ class PiecewiseSystem:
     def law_arguments(self) -> dict[str, Any]:
         """Return the arguments that declare the laws, without those that are empty.
 
-        They are f_minus, f_plus, g and so on; or surfaces and regions; or regions and transitions.
+        They are f and psi; or f_minus, f_plus, g and so on; or surfaces and regions; or regions and transitions.
         """
         sides = ("f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump")
-        names = sides if self.two_sided else ("surfaces", "regions", "jumps", "transitions")
+        several = ("surfaces", "regions", "jumps", "transitions")
+        names: tuple[str, ...] = ("f", "psi") if self.f else sides if self.two_sided else several
         given = {name: getattr(self, name) for name in names}
         return {name: dict(part) if isinstance(part, Mapping) else part for name, part in given.items() if part}
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.integration.conserved_error import level_residual_along, psi_size, with_exits
 from core.integration.crossings import Crossings, Integers, side_columns, with_columns
 from core.integration.dense_output import Stepper, Track
+from core.integration.tally import Tally, kinds_of
 from core.interface.arguments import numbers
 from core.kernels.arrays import Floats
 from core.methods import METHODS
@@ -77,6 +78,16 @@ class Trajectory:
     """(k, 3 + d) time, mode, length and state at the start of some steps; the length ends at a crossing."""
     slides: bool = False
     """Whether the run was asked to slide along the surface where both fields point to it."""
+
+    @property
+    def tally(self) -> Tally:
+        """How often it crossed, jumped and slid, of the crossings that are kept."""
+        return Tally.of(self.kinds_met)
+
+    @property
+    def kinds_met(self) -> Integers:
+        """(k,) what happened at each of ``crossings.passed``: indices into the fields of `Tally`."""
+        return kinds_of(np.append(self.mode[:1], self.crossings.passed.mode), len(self.system.laws.regions))
 
     @property
     def side(self) -> Integers:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integrate import checked_method, checked_settings, checked_start
+from core.integration.tally import Tally, crossed
 from core.interface.arguments import count, listed, number
 from core.interface.cancelling import Cancel, Cancelled
 from core.interface.summary import Brief
@@ -80,7 +81,7 @@ class CostCurve(Brief):
     """(m,) largest |Δψ| over all segments, each from where it was entered to where it was left, or to the end, as in
     `Trajectory.conserved_error`; nan where no ψ is known."""
     crossings: Floats
-    """(m,) number of crossings found."""
+    """(m,) number of crossings and jumps found."""
     status: tuple[str, ...]
     """(m,) `DONE`, `WAITING`, `CANCELLED`, or what is wrong."""
     compile_seconds: float
@@ -95,18 +96,23 @@ class WorkPrecision:
 
     t_span: tuple[float, float]
     curves: tuple[CostCurve, ...]
-    crossings: int
-    """Number of crossings of the solution."""
+    met: Tally
+    """How often the solution meets a surface."""
     reference: str
     """Name of the reference solution."""
     floor: Mapping[str, float]
     """Errors that are round-off of run and reference, of "state", "time" and "invariant"."""
 
+    @property
+    def crossings(self) -> int:
+        """Number of crossings and jumps of the solution."""
+        return int(crossed(np.array(self.met)))
+
     def __repr__(self) -> str:
         names = ", ".join(curve.name for curve in self.curves)
         done = "complete" if self.complete else "not complete"
         span = f"t = {self.t_span[0]:g} … {self.t_span[1]:g}"
-        return f"<WorkPrecision of {names} over {span}: {self.crossings} crossings, against {self.reference}; {done}>"
+        return f"<WorkPrecision of {names} over {span}: {self.met}, against {self.reference}; {done}>"
 
     @property
     def complete(self) -> bool:
@@ -185,7 +191,7 @@ def work_precision(
         reference = reference_solution(system, start, span[0], cancel=cancel, sliding=sliding)
         target = target_of(system, reference, start, span)
     except Cancelled:
-        target = Target.unknown(start, span)
+        target = Target.unknown(system, start, span)
     ladders = {name: given.get(name) or _ladder(name, target, budget) for name in names}
     study, given_up = _Study(target, ladders), GivenUp()
     most = 2 * len(target.crossings) + 10
@@ -224,7 +230,7 @@ class _Study:
         ]
         target = self._target
         span = (target.t0, target.end)
-        return WorkPrecision(span, tuple(curves), len(target.crossings), target.reference, target.floor)
+        return WorkPrecision(span, tuple(curves), target.crossings.tally, target.reference, target.floor)
 
 
 def _empty(name: str, ladder: Sequence[float]) -> CostCurve:
@@ -243,8 +249,8 @@ def _with_point(curve: CostCurve, k: int, measured: Measured, target: Target) ->
     """A copy of the curve with column k filled, as earlier ones are already in use."""
     status = measured.reason or DONE
     values: dict[str, float] = {}
-    if measured.x is not None:
-        found = measured.crossings
+    found = measured.crossings
+    if measured.x is not None and found is not None:
         difference = found.difference(target.crossings)
         status = difference or status
         values = {
@@ -253,7 +259,7 @@ def _with_point(curve: CostCurve, k: int, measured: Measured, target: Target) ->
             "state_error": float(np.linalg.norm(measured.x - target.x)),
             "time_error": math.nan if difference or not len(found) else abs(found.t[-1] - target.crossings.t[-1]),
             "invariant_error": measured.conserved_error,
-            "crossings": len(found),
+            "crossings": int(crossed(np.array(found.tally))),
             "correct_sequence": not difference,
         }
     columns: dict[str, Any] = {name: np.array(getattr(curve, name)) for name in values}

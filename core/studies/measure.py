@@ -58,7 +58,7 @@ class Measured(NamedTuple):
     evaluations: float = math.nan
     x: Floats | None = None
     """(d,) state at the end."""
-    crossings: CrossingSequence = CrossingSequence(np.empty(0), np.empty(0, dtype=np.int64))
+    crossings: CrossingSequence | None = None
     conserved_error: float = math.nan
     """Largest change of any ψ over a segment, from where it was entered to where it was left, or to the end."""
 
@@ -175,5 +175,4 @@ def _fastest(run: Callable[[], object], repeats: int, budget: float) -> float:
 
 
 def _sequence(arcs: Arcs, system: PiecewiseSystem) -> CrossingSequence:
-    entered = np.array(arcs.side[1:], dtype=np.int64)
-    return CrossingSequence(np.array([t for t, _ in arcs.left[:-1]]), entered, system.laws.sides.shape[1] != 1)
+    return CrossingSequence.labelled(system, [t for t, _ in arcs.left[:-1]], arcs.side)

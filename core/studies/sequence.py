@@ -2,65 +2,83 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from core.integration.crossings import Crossings
+from core.integration.crossings import Integers
+from core.integration.tally import KINDS, Tally, kinds_of
+from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
+from core.system import PiecewiseSystem
 
 __all__ = ["CrossingSequence"]
 
-
-#: What happens at a crossing, by the side entered.
+#: What happens where a side of the only surface is entered, by its label.
 _WAYS = {-1: "enters the side g < 0", 0: "begins to slide", 1: "enters the side g > 0"}
 
 
 @dataclass(frozen=True, eq=False)
 class CrossingSequence:
-    """When a trajectory crosses the surface, and which side it enters, or that it slides from there.
+    """When a trajectory meets a surface, and which mode it enters there; what happens follows from the modes."""
 
-    Their kind follows from that, and from the system: all are jumps, or none is.
-    """
-
-    t: Floats
+    system: PiecewiseSystem
+    t: Floats = field(default_factory=lambda: np.empty(0))
     """(k,) times, increasing."""
-    side: NDArray[np.int64]
-    """(k,) sides entered, −1 or +1; 0 where sliding begins. Of several surfaces the numbers of the modes entered."""
-
-    several: bool = False
-    """Whether there are several surfaces."""
+    modes: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+    """(k + 1,) numbers of the modes: that of the start, and those entered."""
 
     @classmethod
-    def of(cls, crossings: Crossings) -> CrossingSequence:
-        """Return that of the crossings after which a run continued."""
-        passed = crossings.passed
-        several = passed.side.ndim > 1
-        return cls(passed.t, passed.mode if several else passed.side, several)
+    def of(cls, run: Trajectory, until: float = np.inf) -> CrossingSequence:
+        """Return that of the crossings up to a time after which a run continued."""
+        passed = run.crossings[run.crossings.t <= until].passed
+        return cls(run.system, passed.t, np.append(run.mode[:1], passed.mode))
+
+    @classmethod
+    def labelled(cls, system: PiecewiseSystem, t: list[float], labels: list[int]) -> CrossingSequence:
+        """Return the sequence with the given (k,) times and (k + 1,) labels of modes."""
+        return cls(system, np.array(t), np.array([system.laws.labelled(label) for label in labels], dtype=np.int64))
 
     def __len__(self) -> int:
-        """Return the number of crossings."""
+        """Return how often a surface is met."""
         return len(self.t)
 
-    def _way(self, k: int) -> str:
-        return f"enters mode {self.side[k]}" if self.several else _WAYS[int(self.side[k])]
+    @property
+    def kinds(self) -> Integers:
+        """(k,) what happens, as indices into `KINDS`."""
+        return kinds_of(self.modes, len(self.system.laws.regions))
+
+    @cached_property
+    def tally(self) -> Tally:
+        """How often each of it happens."""
+        return Tally.of(self.kinds)
 
     def difference(self, expected: CrossingSequence) -> str:
-        """Say in which crossing this differs from the sequence expected; empty if it is the same.
+        """Say in what this differs first from the sequence expected; empty if it is the same.
 
-        It is the same if there are as many crossings, which enter the same sides in the same order, each nearer in time
-        to its own in the other sequence than to the neighbours of that.
+        It is the same if surfaces are met as often, and the same modes are entered in the same order, each nearer in
+        time to its own in the other sequence than to the neighbours of that.
         """
         if len(self) != len(expected):
-            return f"{len(self)} crossing{'s' * (len(self) != 1)} instead of {len(expected)}"
+            return self.tally.difference(expected.tally)
         between = (expected.t[1:] + expected.t[:-1]) / 2
         early, late = self.t[1:] < between, self.t[:-1] > between
         elsewhere = np.append(False, early) | np.append(late, False) if len(self) else np.zeros(0, dtype=bool)
-        wrong = np.flatnonzero(elsewhere | (self.side != expected.side))
+        wrong = np.flatnonzero(elsewhere | (self.modes[1:] != expected.modes[1:]))
         if not len(wrong):
             return ""
         k = int(wrong[0])
-        if self.side[k] != expected.side[k]:
-            return f"crossing {k + 1} {self._way(k)}, where the solution {expected._way(k)}"
-        return f"crossing {k + 1} is at t = {self.t[k]:.4g} instead of {expected.t[k]:.4g}, nearer to another one"
+        if self.modes[k + 1] != expected.modes[k + 1]:
+            return f"at t = {self.t[k]:.4g} it {self._way(k)}, where the solution {expected._way(k)}"
+        return f"{self._name(k)} is at t = {self.t[k]:.4g} instead of {expected.t[k]:.4g}, nearer to another one"
+
+    def _way(self, k: int) -> str:
+        mode = int(self.modes[k + 1])
+        several = self.system.laws.sides.shape[1] != 1
+        return f"enters “{self.system.laws.name(mode)}”" if several else _WAYS[self.system.laws.label(mode)]
+
+    def _name(self, k: int) -> str:
+        """Return kind and number of the k-th, such as “crossing 3”."""
+        kind = self.kinds[k]
+        return f"{KINDS[kind][0]} {np.count_nonzero(self.kinds[: k + 1] == kind)}"

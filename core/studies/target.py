@@ -40,12 +40,11 @@ class Target:
     """Errors that are round-off of run and reference, of "state", "time" and "invariant"."""
 
     @classmethod
-    def unknown(cls, x0: tuple[float, ...], span: tuple[float, float | None]) -> Target:
+    def unknown(cls, system: PiecewiseSystem, x0: tuple[float, ...], span: tuple[float, float | None]) -> Target:
         """Return what stands for a solution whose computation was cancelled."""
         end = span[0] + _LENGTH if span[1] is None else span[1]
-        nothing = CrossingSequence(np.empty(0), np.empty(0, dtype=np.int64))
         floor = dict.fromkeys(("state", "time", "invariant"), math.nan)
-        return cls(span[0], end, np.full(len(x0), np.nan), nothing, "not computed", floor)
+        return cls(span[0], end, np.full(len(x0), np.nan), CrossingSequence(system), "not computed", floor)
 
 
 def target_of(
@@ -60,9 +59,8 @@ def target_of(
     except ValueError as why:
         raise ValueError(f"t_span ends at {end:g}, after the solution: {why}; take an earlier end") from None
     times = _crossing_times(exact, end)
-    crossings = CrossingSequence(
-        np.array(times), np.array([exact.entered(k + 1) for k in range(len(times))], dtype=np.int64)
-    )
+    labels = [exact.side(t0), *(exact.entered(k + 1) for k in range(len(times)))]
+    crossings = CrossingSequence.labelled(system, times, labels)
     size = max(float(np.linalg.norm(x0)), float(np.linalg.norm(x)))
     estimate = _OF_ESTIMATE * exact.error
     floor = {

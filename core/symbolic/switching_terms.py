@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import lru_cache
 from itertools import product, zip_longest
+from types import MappingProxyType
 from typing import NamedTuple
 
 import sympy
@@ -35,9 +37,9 @@ class Found(NamedTuple):
 
     surfaces: tuple[str, ...]
     """Expressions that vanish on the surfaces, in the order in which the field names them."""
-    fields: dict[str, tuple[str, ...]]
+    fields: Mapping[str, tuple[str, ...]]
     """Key of each region that can occur, with one sign a surface as in ``"+-"`` -> the field there."""
-    quantities: dict[str, tuple[str, ...]]
+    quantities: Mapping[str, tuple[str, ...]]
     """Key of each region -> the given quantities there."""
 
 
@@ -71,8 +73,17 @@ def read_switching(
         If a text cannot be read, nothing switches, there are more than 6 surfaces, or the sign of a switching function
         depends on parameters or time alone. The message says what would do.
     """
+    return _read(tuple(variables), tuple(parameters), tuple(f), tuple(psi), tuple(bounds) or (None,) * len(parameters))
+
+
+@lru_cache(maxsize=256)
+def _read(
+    variables: tuple[str, ...], parameters: tuple[str, ...], f: tuple[str, ...], psi: tuple[str, ...],
+    bounds: tuple[tuple[float, float] | None, ...],
+) -> Found:  # fmt: skip
+    """Find surfaces and laws as `read_switching`; cached, so that another parameter value does not repeat it."""
     x, p = [check_name(v, "variable") for v in variables], [check_name(v, "parameter") for v in parameters]
-    ranges = {Symbol(name): ends for name, ends in zip(p, bounds or [None] * len(p), strict=True) if ends}
+    ranges = {Symbol(name): ends for name, ends in zip(p, bounds, strict=True) if ends}
     field = _Field((*x, *p), [Symbol(name) for name in x], ranges)
     laws = [list(field.laws(u, f"{of}[{k}]")) for of, texts in (("f", f), ("psi", psi)) for k, u in enumerate(texts)]
     needed, regions = _needed(len(field.surfaces), field.regions(laws))
@@ -82,7 +93,8 @@ def read_switching(
         raise ValueError(f"nothing switches: {why}; write {words} where the law changes, as in -x - mu*sign(v - 1)")
     keyed = {"".join("+" if s > 0 else "-" for s in signs): law for signs, law in regions.items()}
     surfaces = tuple(text for k, text in enumerate(field.surfaces.values()) if k in needed)
-    return Found(surfaces, {k: law[: len(f)] for k, law in keyed.items()}, {k: u[len(f) :] for k, u in keyed.items()})
+    fields, quantities = ({k: law[part] for k, law in keyed.items()} for part in (slice(len(f)), slice(len(f), None)))
+    return Found(surfaces, MappingProxyType(fields), MappingProxyType(quantities))
 
 
 def _needed(count: int, regions: Regions) -> tuple[list[int], Regions]:

@@ -6,14 +6,14 @@ from core.system import Parameter, PiecewiseSystem, Region
 def _law(current: str) -> Region:
     """Source and capacitor where the bridge leads a current to the capacitor."""
     return Region(
-        f=("omega*w", "-omega*v", f"({current} - u/load)/capacitance"),
+        f=("omega*w", f"({current} - u/load)/capacitance", "-omega*v"),
         psi=("(v**2 + w**2)/2",),
     )
 
 
 SYSTEM = PiecewiseSystem(
     name="Diode bridge",
-    variables=("v", "w", "u"),
+    variables=("v", "u", "w"),  # the first two span the portrait: the plane of both surfaces
     surfaces=("v - u", "v + u"),
     regions={"-+": _law("0"), "++": _law("(v - u)/resistance"), "--": _law("(-v - u)/resistance")},
     parameters=(
@@ -22,7 +22,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("capacitance", 1.0, (0.2, 5.0), "capacitance that smooths the voltage", "C"),
         Parameter("load", 4.0, (1.0, 20.0), "resistance of the load", "R_L"),
     ),
-    x0=(0.0, 1.5, 0.3),
+    x0=(0.0, 0.3, 1.5),
     doc="Four ideal diodes lead the current of an alternating source, of voltage v, to a capacitor of voltage u and a "
     "load beside it: one pair of diodes conducts where v > u, the other where v < −u. In between all of them block, "
     "and the load empties the capacitor.",

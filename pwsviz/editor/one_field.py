@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any
 
 import sympy
 
@@ -49,11 +48,6 @@ class OneField:
             problem = Problem(place, called_by_variables(message, variables), entry)
             problems.setdefault((place, entry), problem)
         return list(problems.values())
-
-    def arguments(self) -> dict[str, Any]:
-        """The arguments of `core.PiecewiseSystem` that declare it."""
-        laws = {key: core.Region(f, self.found.quantities[key]) for key, f in self.found.fields.items()}
-        return {"surfaces": self.found.surfaces, "regions": laws}
 
     def markup(self, variables: Sequence[str]) -> str:
         """The surfaces, and the law of each region, with a plain-text version for screen readers."""
@@ -108,13 +102,15 @@ def _equation(said: str, shown: str, right: sympy.Expr) -> str:
 
 
 def one_field_of(system: core.PiecewiseSystem) -> Mapping[str, list[str]]:
-    """Write the laws of all regions of a system as the field f, and its quantities as ψ.
+    """Return the field f of a system and its quantities ψ as they were typed, or write those of all regions so.
 
     Raises
     ------
     ValueError
         Where the state jumps or regions have names, or a region has no law, for which the editor has no fields.
     """
+    if system.f:
+        return {"f": list(system.f), "psi": list(system.psi)}
     if system.transitions or system.jumps:
         words = "jumps at several surfaces" if system.jumps else "regions that have names"
         raise ValueError(f"{system.name} has {words}, which cannot be written here: start from another system")

@@ -96,7 +96,7 @@ class Draft:
         ValueError
             If its regions cannot be written in the fields.
         """
-        if system.two_sided:
+        if system.two_sided and not system.f:
             names = ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump")
             lists = {n: "\n".join(getattr(system, n) or ()) for n in names} | {"g": system.g}
         else:
@@ -342,11 +342,8 @@ class _Check:
 
     def build(self) -> core.PiecewiseSystem | None:
         """Return the system, or None after a complaint if it is refused or cannot start."""
-        texts: dict[str, Any]
-        if self.one is None:
-            texts = {name: self.items[name] for name in _SIDES} | {"g": self.declaration.surfaces[0]}
-        else:
-            texts = self.one.arguments()
+        texts: dict[str, Any] = {name: self.items[name] for name in _EXPRESSIONS}
+        texts["g"] = next(iter(self.items["g"]), "")
         names = {"name": self.texts["name"].strip(), "variables": self.variables, "parameters": self.parameters}
         field = "system"
         try:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 
 import core
 from pwsviz.geometry.shades import region_name
-from pwsviz.scene.names import short_name
+from pwsviz.scene.names import readable, short_name
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from pwsviz.text.numbers import RAISED, printed
@@ -73,30 +72,21 @@ def _equations(scene: Scene) -> str:
     for mode, region in zip(system.laws.regions, system.regions.values(), strict=True):
         where, psi = words.get(mode.name, (f"region {region_name(mode)}", "ψ"))
         rates = [
-            f"{variable}′ = {_readable(rate, system)}"
-            for variable, rate in zip(system.variables, region.f, strict=True)
+            f"{variable}′ = {readable(rate, system)}" for variable, rate in zip(system.variables, region.f, strict=True)
         ]
-        laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {_readable(one, system)}" for one in region.psi)]))
+        laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {readable(one, system)}" for one in region.psi)]))
     names = ["g"] if system.two_sided else [f"g{k + 1}" for k in range(len(system.surfaces))]
-    laws += [f"{name} = {_readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
+    laws += [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
     laws += [f"reset map at {names[k]} = 0: {_map(jump, system)}" for k, jump in system.jumps.items()]
     for way in system.transitions:
         jump = f", reset map {_map(way.jump, system)}" if way.jump else ""
-        laws.append(f"{way.mode} to {way.to} where {_readable(way.guard, system)} = 0{jump}")
+        laws.append(f"{way.mode} to {way.to} where {readable(way.guard, system)} = 0{jump}")
     return "; ".join(laws)
 
 
 def _map(jump: Iterable[str], system: core.PiecewiseSystem) -> str:
     """Return the state after a jump, as “(x, −ε·v)”."""
-    return f"({', '.join(_readable(part, system) for part in jump)})"
-
-
-def _readable(text: str, system: core.PiecewiseSystem) -> str:
-    """Return an expression as it is printed: powers raised, a dot for each product, parameters by their symbols."""
-    symbols = {q.name: short_name(q) for q in system.parameters}
-    text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
-    text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(RAISED), text)
-    return text.replace("**", "^").replace("*", "·").replace("-", "−")
+    return f"({', '.join(readable(part, system) for part in jump)})"
 
 
 def _parameters(scene: Scene) -> str:

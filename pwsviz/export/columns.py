@@ -14,8 +14,8 @@ MEANINGS: Mapping[str, str] = {
     "step": "number of the step, from 0; of very long runs every k-th step is kept",
     "t": f"time, {_TIME}",
     "side": "sign of g on the side occupied; 0 while sliding along g = 0",
-    "region": "region occupied: its name, or one sign for each surface, 0 for one along which it slides; in CSV after "
-    "an apostrophe if it begins with a sign",
+    "region": "region occupied: its name, or one sign for each surface, 0 for one along which it slides; to be read "
+    "as text",
     "region_entered": "region entered, likewise; empty where the run stopped",
     "side_entered": "sign of g on the side entered; 0 where the run slid from, or stopped",
     "change_of_psi": "|Δψ|, the numerical drift of ψ since the start; the largest over several ψ",
@@ -33,8 +33,10 @@ MEANINGS: Mapping[str, str] = {
     "state_error": "‖x − x̂‖₂ at the end",
     "time_error": f"|t̂ − t*| of the last crossing, {_TIME}",
     "invariant_error": "largest |Δψ| between two crossings",
-    "crossings": "number of crossings",
-    "expected_crossings": "number of crossings of the solution",
+    "crossings": "number of crossings and jumps",
+    "expected_crossings": "number of crossings and jumps of the solution",
+    "slides": "how often sliding begins",
+    "expected_slides": "how often sliding begins in the solution",
     "correct_sequence": "whether the run has the crossings of the solution, in order",
     "as_the_solution": "whether the run ends as the solution does, with the same sequence of crossings",
     "largest_tau": f"largest step size that works, {_TIME}",

@@ -27,6 +27,9 @@ Table = Mapping[str, ArrayLike]
 Tables = Mapping[str, Callable[[], Table]]
 """The data of a picture: each table is made when it is asked for; one that stands alone may be called “”."""
 
+_SIGNS = re.compile("[-+0]+")
+"""The key of a region, or of sliding."""
+
 ROWS = 50_000
 """Rows formatted at a time, so that a long run is never held as text."""
 
@@ -119,9 +122,12 @@ def _cells(column: NDArray[Any]) -> Iterable[object]:
 
 
 def _harmless(cell: object) -> str:
-    """Return a word on one line that no spreadsheet takes for a formula (OWASP, “CSV injection”)."""
+    """Return a word on one line that no spreadsheet takes for a formula (OWASP, “CSV injection”).
+
+    The signs of a region, as “+-”, stay as they are: there is no formula of signs and zeros that does anything.
+    """
     text = _on_one_line(str(cell))
-    return f"'{text}" if text.lstrip().startswith(("=", "+", "-", "@")) else text
+    return f"'{text}" if text.lstrip().startswith(("=", "+", "-", "@")) and not _SIGNS.fullmatch(text) else text
 
 
 def _on_one_line(text: str) -> str:

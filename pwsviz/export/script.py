@@ -5,7 +5,7 @@ What a user typed enters the program only through `repr`, so that it cannot be a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from textwrap import indent
 from typing import Any
 
@@ -26,6 +26,9 @@ from pwsviz.scene.validation import MAX_STEPS
 MAX_LINE = 100
 """Characters of a call on one line; a longer one has a line for each argument."""
 
+MAX_LAW = 80
+"""Characters of a part of the laws on one line, which stands among the arguments of a call, or deeper."""
+
 _USUAL: Mapping[str, object] = {
     "tau": 1e-2,
     "method": "dmm2",
@@ -42,8 +45,7 @@ _USUAL: Mapping[str, object] = {
 _FIGURES = '''\
 def show(run):
     """Print a run in figures."""
-    crossings = len(run.crossings.crossed)
-    figures = f"{run.steps:,} steps, {crossings:,} crossings, {run.seconds * 1e3:.3g} ms"
+    figures = f"{run.steps:,} steps, {run.tally}, {run.seconds * 1e3:.3g} ms"
     print(f"{run.method} from {run.x[0]}: {figures}WORST")
     if run.status is not core.Status.COMPLETED:
         print(run.message)
@@ -94,14 +96,15 @@ def _declaration(system: core.PiecewiseSystem) -> dict[str, str]:
 def _law(part: Any) -> str:
     """Return the laws of a system as Python: regions and transitions by their classes of `core`."""
     if isinstance(part, dict):
-        return f"{{{', '.join(f'{key!r}: {_law(one)}' for key, one in part.items())}}}"
+        return _bracketed("{", [f"{key!r}: {_law(one)}" for key, one in part.items()], "}", MAX_LAW)
+    if isinstance(part, tuple):
+        return _bracketed("(", [_law(one) for one in part], ",)" if len(part) == 1 else ")", MAX_LAW)
     if isinstance(part, core.Region):
-        return f"core.Region(f={part.f!r}{f', psi={part.psi!r}' if part.psi else ''})"
+        given = {"f": part.f} | ({"psi": part.psi} if part.psi else {})
+        return _call("core.Region", keywords={name: _law(one) for name, one in given.items()}, most=MAX_LAW)
     if isinstance(part, core.Transition):
-        jump = f", jump={part.jump!r}" if part.jump else ""
-        return f"core.Transition({part.mode!r}, {part.guard!r}, {part.to!r}{jump})"
-    if isinstance(part, tuple) and any(isinstance(one, core.Transition) for one in part):
-        return f"({''.join(f'{_law(one)}, ' for one in part).rstrip()})"
+        jump = {"jump": _law(part.jump)} if part.jump else {}
+        return _call("core.Transition", map(repr, (part.mode, part.guard, part.to)), jump, most=MAX_LAW)
     return repr(part)
 
 
@@ -257,7 +260,13 @@ def _call(
 ) -> str:
     """Return a call, on one line if it has at most `most` characters."""
     arguments = [*positional, *(f"{key}={text}" for key, text in (keywords or {}).items()), *rest]
-    line = f"{name}({', '.join(arguments)})"
+    return _bracketed(f"{name}(", arguments, ")", most)
+
+
+def _bracketed(opening: str, items: Sequence[str], closing: str, most: int | None) -> str:
+    """Return items between brackets, on one line if that has at most `most` characters, else on a line each."""
+    line = f"{opening}{', '.join(items)}{closing}"
     if most is None or ("\n" not in line and len(line) <= most):
         return line
-    return f"{name}(\n" + "".join(f"{indent(argument, '    ')},\n" for argument in arguments) + ")"
+    lines = "".join(f"{indent(item, '    ')},\n" for item in items)
+    return f"{opening}\n{lines}{closing.removeprefix(',')}"

@@ -171,7 +171,7 @@ class ConservedView:
             few = slice(None) if len(first.crossings) <= MOST_BANDS else slice(0)
             shaded = segments(bounds, first.sides[few], side)
             assign(source, **shaded)
-            entry, name = self.entries[side], first.names[side]
+            entry, name = self.entries[side], first.names.get(side, "")
             name = name if side else f"{name}: |Δg|"
             if entry.label != value(name):  # each change rebuilds the legend
                 entry.label = value(name)

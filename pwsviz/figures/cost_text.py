@@ -105,7 +105,7 @@ def _why_none(study: core.WorkPrecision, up: Up) -> str:
         return "no run has reached the end"
     return {
         "state": "no run has reached the end",
-        "time": "no run has the crossings of the solution" if study.crossings else "there is no crossing",
+        "time": "no run has the crossings of the solution" if any(study.met) else "there is no crossing",
         "invariant": "no conserved quantity is known",
     }[up]
 
@@ -137,7 +137,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         places: dict[str, list[int]] = {}
         for k, status in enumerate(curve.status):
             if status not in (DONE, WAITING, CANCELLED):
-                wrong = f"not the sequence of {plural(study.crossings, 'crossing')} of the solution (drawn hollow)"
+                wrong = f"not the sequence of {study.met} of the solution (drawn hollow)"
                 places.setdefault(wrong if np.isfinite(curve.seconds[k]) else status, []).append(k)
         for reason, found in places.items():
             yield f"{curve.title}{_where(curve, found)}: {reason}."
@@ -152,8 +152,7 @@ def _where(curve: CostCurve, found: list[int]) -> str:
 
 def compared_with(study: core.WorkPrecision) -> str:
     """Return over which time the runs go, and what they are compared with."""
-    crossings = plural(study.crossings, "crossing")
-    return f"run to t = {study.t_span[1]:.6g}, over {crossings}; compared with: {study.reference}"
+    return f"run to t = {study.t_span[1]:.6g}, over {study.met}; compared with: {study.reference}"
 
 
 def _comparison(study: core.WorkPrecision, up: Up) -> str:

@@ -15,6 +15,7 @@ from bokeh.models.widgets import Div
 from bokeh.plotting import figure
 
 import core
+from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
 from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
@@ -65,6 +66,8 @@ class Ground:
         attracting = plot.add_glyph(self.attracting, Line(**look))
         repelling = plot.add_glyph(self.repelling, Line(line_dash=[6, 6], **look))
         line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
+        self.labels = label_glyph(plot)
+        self._surface_labels: list[str] = []
         self._arrow_lines = field
         self._shaded = [dict(zip(SIDES, lines, strict=True)) for lines in (field, usual, own)]
         self.legend: list[tuple[str, Any]] = [
@@ -88,11 +91,15 @@ class Ground:
         painted = {"side": self.side, "surface": self.surface, "entry": entries[0], "arrows": self._arrow_lines}
         lines = {"lines_below": self._lines(-1), "lines_above": self._lines(1)}
         repaint = CustomJS(args=plane | painted | lines, code=REPAINT)
+        label = CustomJS(args=plane | {"labels": self.labels}, code=PLACE_LABELS)
         for source in (self.formulas, self.clock):
-            source.js_on_change("data", repaint)
+            source.js_on_change("data", repaint, label)
         forget = CustomJS(args={"readout": self.readout}, code="readout.setv({ text: '' }, { sync: false })")
         self.formulas.js_on_change("data", forget)
         self.figure.js_on_event(RangesUpdate, repaint)
+        for axis in ranges(self.figure):
+            axis.js_on_change("start", label)
+            axis.js_on_change("end", label)
         tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
         self.figure.js_on_event(MouseMove, tell)
         self.figure.js_on_event(MouseLeave, tell)
@@ -101,9 +108,10 @@ class Ground:
         return [self.levels[side], self.orbit_levels[side], self.arrows[side]]
 
     def name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
-        """Name the surface in the legend, if it is drawn."""
+        """Name the surface in the legend, if it is drawn; several of them in the figure, too."""
         self._surface_entry.label = value(surface_name(system))
-        self._tint_entry.label = value(shade_names(system)[-1])
+        self._surface_labels = surface_labels(system)
+        self._tint_entry.label = value(shade_names(system).get(-1, ""))
         self._surface_entry.visible = shows_surface(system, axes)
         self._tint_entry.visible = shows_regions(system, axes) and bool(regions_of(system, -1))
 
@@ -139,8 +147,9 @@ class Ground:
             entry.visible = bool(there)
             if k < len(self._shaded) and there and entry.renderers != [wanted := self._shaded[k][max(there)]]:
                 entry.renderers = [wanted]  # the key has the colour of a shade that is drawn
+        text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels})
         # Sent last: the browser then paints what moves as it is at the time of the player.
-        self.formulas.data = {"text": [json.dumps(backdrop.formulas)], "across": [names[0]], "up": [names[1]]}
+        self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
 
 
 def _line_source() -> ColumnDataSource:

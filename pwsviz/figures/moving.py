@@ -33,27 +33,15 @@ REPAINT = (
     FORMULAS
     + """
 const t = clock.data.t[0], running = clock.data.running[0]
-if (given?.moving && given.regions.length > 0) {
-  const g = (x, y, t) => heights.reduce((product, height) => product * height(x, y, t), 1)
-  const [across, up] = ranges
-  const CELLS = 150   // along the longer side of what is painted
-  const ROOM = 0.25   // of that beyond each edge of what is seen, for a pan
-  const left = across.start - ROOM * (across.end - across.start), width = (1 + 2 * ROOM) * (across.end - across.start)
-  const low = up.start - ROOM * (up.end - up.start), height = (1 + 2 * ROOM) * (up.end - up.start)
-  const cell = Math.max(width, height) / CELLS
-  const columns = Math.max(2, Math.round(width / cell)), rows = Math.max(2, Math.round(height / cell))
-  const xs = Array.from({ length: columns + 1 }, (_, i) => left + i * width / columns)
-  const ys = Array.from({ length: rows + 1 }, (_, j) => low + j * height / rows)
-  const values = ys.map(y => xs.map(x => g(x, y, t)))
-  const px = [], py = [], sx = [], sy = []
-  const add = (x, y) => { px.push([x]); py.push([y]) }
-  for (let j = 0; j < rows; j++) {
-    let from = null  // first of the cells in this row that lie wholly where g < 0
+// Outline where values at the nodes of a grid are below 0: in pieces to fill, and in the segments of its edge.
+const trace = (xs, ys, values, fill, edge) => {
+  for (let j = 0; j + 1 < ys.length; j++) {
+    let from = null  // first of the cells in this row that lie wholly below
     const close = i => {
-      if (from != null) { add([xs[from], xs[i], xs[i], xs[from]], [ys[j], ys[j], ys[j + 1], ys[j + 1]]) }
+      if (from != null) { fill([xs[from], xs[i], xs[i], xs[from]], [ys[j], ys[j], ys[j + 1], ys[j + 1]]) }
       from = null
     }
-    for (let i = 0; i < columns; i++) {
+    for (let i = 0; i + 1 < xs.length; i++) {
       const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]
       const levels = corners.map(([k, l]) => values[l][k])
       const below = levels.filter(value => value < 0).length
@@ -70,14 +58,32 @@ if (given?.moving && given.regions.length > 0) {
           rx.push(place[0]); ry.push(place[1]); met.push(place)
         }
       }
-      add(rx, ry)
-      for (let k = 0; k + 1 < met.length; k += 2) {
-        sx.push(met[k][0], met[k + 1][0], NaN)
-        sy.push(met[k][1], met[k + 1][1], NaN)
-      }
+      fill(rx, ry)
+      for (let k = 0; k + 1 < met.length; k += 2) { edge(met[k], met[k + 1]) }
     }
-    close(columns)
+    close(xs.length - 1)
   }
+}
+if (given?.moving && given.regions.length > 0) {
+  const [across, up] = ranges
+  const CELLS = 150   // along the longer side of what is painted
+  const ROOM = 0.25   // of that beyond each edge of what is seen, for a pan
+  const left = across.start - ROOM * (across.end - across.start), width = (1 + 2 * ROOM) * (across.end - across.start)
+  const low = up.start - ROOM * (up.end - up.start), height = (1 + 2 * ROOM) * (up.end - up.start)
+  const cell = Math.max(width, height) / CELLS
+  const columns = Math.max(2, Math.round(width / cell)), rows = Math.max(2, Math.round(height / cell))
+  const xs = Array.from({ length: columns + 1 }, (_, i) => left + i * width / columns)
+  const ys = Array.from({ length: rows + 1 }, (_, j) => low + j * height / rows)
+  const nodes = heights.map(g => ys.map(y => xs.map(x => g(x, y, t))))
+  const px = [], py = [], sx = [], sy = []
+  const nothing = () => {}
+  const line = (a, b) => { sx.push(a[0], b[0], NaN); sy.push(a[1], b[1], NaN) }
+  for (const g of nodes) { trace(xs, ys, g, nothing, line) }
+  // Of regions of the first shade, an odd number of signs is −. A region that is not declared has no tint.
+  const tinted = given.regions.map(([sides]) => sides).filter(sides => sides.reduce((a, b) => a * b, 1) < 0)
+  const beyond = (i, j) => -Math.max(...tinted.map(sides => Math.min(...sides.map((s, k) => s * nodes[k][j][i]))))
+  const outside = ys.map((_y, j) => xs.map((_x, i) => beyond(i, j)))
+  trace(xs, ys, outside, (x, y) => { px.push([x]); py.push([y]) }, nothing)
   side.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
   surface.setv({ data: { x: sx, y: sy } }, { sync: false })
   const name = heights.length == 1 ? "S: g = 0" : "surfaces"
@@ -87,7 +93,7 @@ if (given?.moving && given.regions.length > 0) {
     for (const source of sources) {  // lines that are hidden on the other side
       const { whole, y, psi, at_x, at_y } = source.data
       if (whole == null) { continue }
-      const x = Array.from(whole, (value, k) => sign * g(at_x[k], at_y[k], t) > 0 ? value : NaN)
+      const x = Array.from(whole, (value, k) => sign * heights[0](at_x[k], at_y[k], t) > 0 ? value : NaN)
       source.setv({ data: { x, y, psi, whole, at_x, at_y } }, { sync: false })
     }
   }

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import core
 from pwsviz.figures.marks import ENDS
 from pwsviz.results.results import Pictures
-from pwsviz.text.words import listed, often, plural
+from pwsviz.text.words import listed
 
 __all__ = ["SUMMARY", "figures_of", "portrait_text"]
 
@@ -22,12 +22,8 @@ def portrait_text(
     x, y = starts[selected]
     count = len(starts)
     which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
-    crossed = "; ".join(
-        f"{one.method} {'jumps at' if one.jumps else 'crosses'} the surface {plural(one.crossings, 'time')}"
-        + f" and slides along it {often(one.slides)}" * (one.slides > 0)
-        for one in pictures.summaries
-    )
-    return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {crossed}."
+    met = "; ".join(f"{one.method}: {one.met}" for one in pictures.summaries)
+    return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {met}."
 
 
 def figures_of(pictures: Pictures) -> str:

@@ -11,7 +11,7 @@ from bokeh.models.renderers import DataRenderer
 import core
 from core.studies import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
-from pwsviz.figures.stability_text import side_words
+from pwsviz.figures.stability_text import side_words, wrong_number
 from pwsviz.figures.style import (
     VERMILION,
     assign,
@@ -84,7 +84,7 @@ class GrazingFigure:
     def __init__(self) -> None:
         self.figure = plain_figure(
             "worst change of the conserved quantity against the distance of the start from one whose trajectory "
-            "touches the surface, both on logarithmic axes; runs with a wrong number of crossings are marked",
+            "touches the surface, both on logarithmic axes; runs that meet it a wrong number of times are marked",
             x_axis_type="log",
             y_axis_type="log",
             x_axis_label="distance δ of the start from the tangency",
@@ -95,7 +95,7 @@ class GrazingFigure:
         plot = self.figure
         self.curves = ColumnDataSource({name: [] for name in _CURVE})
         lines = _lines(plot, self.curves)
-        points = ("x", "y", "colour", "method", "side", "crossings", "error", "status")
+        points = ("x", "y", "colour", "method", "side", "met", "expected", "error", "status")
         self.points = [ColumnDataSource({name: [] for name in points}) for _ in range(2)]
         marks: list[DataRenderer] = [
             plot.scatter("x", "y", source=source, marker=marker, color="colour", size=9)
@@ -110,13 +110,14 @@ class GrazingFigure:
         rows = [
             ("", "@method, @side"),
             ("δ", "@x{3}"),
-            ("crossings", "@crossings"),
+            ("run", "@met"),
+            ("solution", "@expected"),
             ("|Δψ|", "@error"),
             ("", "@status"),
         ]
         plot.add_tools(tips(rows, renderers=marks))
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
-        self._entries = legend_below(plot, 3, entries, usual=5, widest=195)[1:3]
+        self._entries = legend_below(plot, 3, entries, usual=5, widest=195)[1:]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the runs near a tangency."""
@@ -128,10 +129,11 @@ class GrazingFigure:
         n = len(study.methods)
         heights = [_heights(grazing, k, side) for side in (0, 1) for k in range(n)]
         self.curves.data = _columns(study.methods * 2, [grazing.delta] * 2 * n, heights)
-        for side, (source, entry) in enumerate(zip(self.points, self._entries, strict=True)):
+        for side, (source, entry) in enumerate(zip(self.points, self._entries[:2], strict=True)):
             rows = [row for k in range(n) for row in _points(study, grazing, k, side, heights[side * n + k])]
             source.data = {name: [row[name] for row in rows] for name in source.data}
             entry.label = {"value": side_words(study, side)}
+        self._entries[2].label = {"value": wrong_number(grazing)}
         wrong = [(k, side, j) for k, side, j in np.argwhere(grazing.missed != 0).tolist()]
         self.wrong.data = {
             "x": [grazing.delta[j] for _, _, j in wrong],
@@ -161,13 +163,13 @@ def _columns(methods: tuple[str, ...], xs: list[Floats], ys: list[Floats]) -> di
 def _heights(grazing: Grazing, k: int, side: int) -> Floats:
     """Return the errors of an integrator on one side as drawn: the floor if no ψ is known, NaN if not computed."""
     error = grazing.error[k, side]
-    there = grazing.crossings[k, side] >= 0
+    there = grazing.computed[k, side]
     return np.where(there, drawable(np.where(np.isfinite(error), error, 0.0)), np.nan)
 
 
 def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, heights: Floats) -> list[dict[str, Any]]:
     """Return the columns of each run of an integrator on one side."""
-    error, found, expected = grazing.error[k, side], grazing.crossings[k, side], grazing.expected[side]
+    error, expected = grazing.error[k, side], grazing.expected_met[side]
     return [
         {
             "x": grazing.delta[n],
@@ -175,11 +177,12 @@ def _points(study: core.StabilityStudy, grazing: Grazing, k: int, side: int, hei
             "colour": line_of(study.methods[k]).colour,
             "method": study.methods[k],
             "side": side_words(study, side),
-            "crossings": f"{found[n]} of {expected[n]}" if expected[n] >= 0 else f"{found[n]}; the solution stops",
+            "met": str(core.Tally(*grazing.met[k, side, n].tolist())),
+            "expected": str(core.Tally(*expected[n].tolist())) if grazing.judged[side, n] else "stops",
             "error": printed(f"{error[n]:.1e}") if np.isfinite(error[n]) else "no value",
             "status": outcome_words(int(grazing.status[k, side, n])),
         }
-        for n in np.flatnonzero(found >= 0).tolist()
+        for n in np.flatnonzero(grazing.computed[k, side]).tolist()
     ]
 
 

@@ -36,7 +36,7 @@ FLOOR = MACHINE_EPSILON / 8
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
-_CELLS = ("left", "right", "bottom", "top", "tau", "value", "words", "crossings", "error")
+_CELLS = ("left", "right", "bottom", "top", "tau", "value", "words", "met", "expected", "error")
 
 
 class MapFigure:
@@ -71,7 +71,14 @@ class MapFigure:
         self._limit_glyphs()
         self._place_glyphs()
         self.corners = fit_to_corners(plot, [1e-3, 1.0], [-1.0, 1.0])
-        rows = [("", "@words"), ("τ", "@tau"), ("start", "@value"), ("crossings", "@crossings"), ("|Δψ|", "@error")]
+        rows = [
+            ("", "@words"),
+            ("τ", "@tau"),
+            ("start", "@value"),
+            ("run", "@met"),
+            ("solution", "@expected"),
+            ("|Δψ|", "@error"),
+        ]
         plot.add_tools(tips(rows, renderers=[outcomes, errors, blanks]))
         entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks)]
         self._outcomes, self._blanks = legend_below(plot, 2, entries, usual=4, widest=300)
@@ -147,7 +154,6 @@ def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
     row, column = np.nonzero(shown != NOT_YET)
     across, up = np.exp(_edges(np.log(found.taus))), _edges(found.values)
     error, codes = found.error[k][row, column], shown[row, column].tolist()
-    counts = zip(found.crossings[k][row, column], found.expected_crossings[column], strict=True)
     return {
         "left": across[row],
         "right": across[row + 1],
@@ -156,7 +162,8 @@ def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
         "tau": np.array([printed(f"{tau:.3g}") for tau in found.taus[row]]),
         "value": np.array([printed(f"{value:.4g}") for value in found.values[column]]),
         "words": np.array([OUTCOMES[code].words for code in codes]),
-        "crossings": np.array([f"{has} of {should}" for has, should in counts]),
+        "met": np.array([str(core.Tally(*one)) for one in found.met[k][row, column].tolist()]),
+        "expected": np.array([str(core.Tally(*one)) for one in found.expected_met[column].tolist()]),
         "error": np.array([printed(f"{e:.1e}") if np.isfinite(e) else "no value" for e in error]),
         "colour": np.array([OUTCOMES[code].colour for code in codes]),
         "height": np.maximum(error, FLOOR),

@@ -15,6 +15,9 @@ __all__ = ["stability_tables"]
 SIDES = ("less", "more")
 """The two sides of a tangency, in the order of the arrays of a `Grazing`."""
 
+SLIDES = core.Tally._fields.index("slides")
+"""Column of a tally."""
+
 Columns = dict[str, ArrayLike]
 
 
@@ -60,13 +63,15 @@ def _map_table(study: core.StabilityStudy, found: OutcomeMap) -> Columns:
         "outcome": _words(outcome),
         "as_the_solution": found.works[which, row, column],
         "crossings": found.crossings[which, row, column],
+        "slides": found.met[which, row, column, SLIDES],
         "expected_crossings": found.expected_crossings[column],
+        "expected_slides": found.expected_met[column, SLIDES],
         "change_of_psi": found.error[which, row, column],
     }
 
 
 def _grazing_table(study: core.StabilityStudy, grazing: Grazing) -> Columns:
-    which, side, n = np.nonzero(grazing.crossings >= 0)
+    which, side, n = np.nonzero(grazing.computed)
     return {
         "integrator": np.array(study.methods)[which],
         "side": np.array(SIDES)[side],
@@ -75,7 +80,9 @@ def _grazing_table(study: core.StabilityStudy, grazing: Grazing) -> Columns:
         study.coordinate_name: grazing.starts[side, n],
         "t_end": grazing.horizon[side, n],
         "crossings": grazing.crossings[which, side, n],
+        "slides": grazing.met[which, side, n, SLIDES],
         "expected_crossings": grazing.expected[side, n],
+        "expected_slides": grazing.expected_met[side, n, SLIDES],
         "change_of_psi": grazing.error[which, side, n],
         "outcome": _words(grazing.status[which, side, n]),
     }

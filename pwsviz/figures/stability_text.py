@@ -11,7 +11,7 @@ from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import plural, rounded_up
 
-__all__ = ["side_words", "stability_numbers", "stability_text"]
+__all__ = ["side_words", "stability_numbers", "stability_text", "wrong_number"]
 
 UNKNOWN = "–"
 """In place of a number that is not known, or that there is not."""
@@ -21,6 +21,12 @@ def side_words(study: core.StabilityStudy, side: int) -> str:
     """Return one side of the tangency, such as “x < −1.55”."""
     value = np.nan if study.grazing is None else study.grazing.value
     return printed(f"{study.coordinate_name} {'<>'[side]} {value:.6g}")
+
+
+def wrong_number(grazing: Grazing) -> str:
+    """Return what a run near a tangency has that misses or adds something."""
+    numbers = [core.Tally(*one) for one in (*grazing.met.reshape(-1, 4), *grazing.expected_met.reshape(-1, 4))]
+    return "wrong number of crossings" + " or slides" * any(one.slides > 0 for one in numbers)
 
 
 # Words ---------------------------------------------------------------------------------------------------------------
@@ -60,7 +66,7 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
         f"{start} ({place}).",
         f"Runs that start beside it take the step size in the sidebar, τ = {grazing.tau:.3g}.",
     ]
-    if not (grazing.expected >= 0).any():
+    if not grazing.judged.any():
         words.append("There is nothing to compare with: the solution itself stops on the surface.")
     else:
         words.append("Crossings compared with: the exact solution where one is known, else the Taylor method.")
@@ -143,15 +149,15 @@ def _drifts(study: core.StabilityStudy, drift: Drift) -> Numbers:
 def _misses(study: core.StabilityStudy, grazing: Grazing) -> Numbers:
     """Return how close to the tangency each integrator finds the correct crossings."""
     rows = []
-    judged = bool((grazing.expected >= 0).any())
+    judged = bool(grazing.judged.any())
     for k, method in enumerate(study.methods):
-        if not (grazing.crossings[k] >= 0).any():
+        if not grazing.computed[k].any():
             continue
         wrong = grazing.missed[k].any(axis=0)
         far = f"{float(grazing.delta[wrong].max()):.0e}" if wrong.any() else UNKNOWN
         many = f"{wrong.sum()} of {len(wrong)} distances" if judged else UNKNOWN
         rows.append((method, many, far, _at_most(float(np.fmax.reduce(grazing.error[k], axis=None)))))
-    return Numbers(("integrator", "wrong number of crossings", "largest such δ", "|Δψ| at most"), tuple(rows))
+    return Numbers(("integrator", wrong_number(grazing), "largest such δ", "|Δψ| at most"), tuple(rows))
 
 
 def _size(tau: float) -> str:

@@ -173,14 +173,16 @@ class StateView:
         self._show_crossings(first.crossings.first(MOST_MARKS), first.method, places[:MOST_MARKS])
 
     def _show_segments(self, run: core.Trajectory) -> None:
+        label: Any
         bounds = np.concatenate([[run.t[0]], run.crossings.t, [run.t[-1]]])[: MOST_MARKS + 1]
         sides = shades_of(run.system, np.concatenate([run.mode[:1], run.crossings.mode])[:MOST_MARKS])
         names = shade_names(run.system)
         for k, (side, source) in enumerate(self.shared.segments.items()):
             assign(source, **segments(bounds, sides, side))
             for panel in self.panels:
-                if panel.entries[1 + k].label != value(names[side]):  # each change rebuilds the legend
-                    panel.entries[1 + k].label = value(names[side])
+                label = value(names.get(side, ""))
+                if panel.entries[1 + k].label != label:  # each change rebuilds the legend
+                    panel.entries[1 + k].label = label
                 panel.entries[1 + k].visible = len(source.data["start"]) > 0
 
     def _show_crossings(self, crossings: core.Crossings, method: str, places: Floats) -> None:

@@ -45,10 +45,12 @@ GREY = "#808080"
 SAND = "#A89A80"
 
 SIDES = {-1: SKY, 1: SAND}
-"""Colour of each side of the surface; of several, of the two shades that tell neighbouring regions apart."""
+"""Colour of each side of the surface; of several, of the first two shades of regions."""
 
-OCCUPIED = {-1: ("g < 0", SIDES[-1]), 1: ("g > 0", SIDES[1]), 0: ("sliding", GREEN)}
-"""Name, of one surface, and colour of where a run is: on a side, or sliding."""
+OCCUPIED = {
+    -1: ("g < 0", SIDES[-1]), 1: ("g > 0", SIDES[1]), 2: ("", VERMILION), 3: ("", VIOLET), 0: ("sliding", GREEN),
+}  # fmt: skip
+"""Name, of one surface, and colour of where a run is, by its shade: on a side, in a further region, or sliding."""
 
 HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""

@@ -12,14 +12,12 @@ from pwsviz.figures.style import LEGEND_GLYPH, line_of
 from pwsviz.results.results import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
-from pwsviz.text.words import as_text, duration, listed, often, plural, rounded_up
+from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
 
 
 def run_line(summary: Summary) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
-    met = plural(summary.crossings, "jump" if summary.jumps else "crossing")
-    met += f", slides {often(summary.slides)}" * (summary.slides > 0)
-    figures = f"{plural(summary.steps, 'step')}, {met}, {duration(summary.seconds)}"
+    figures = f"{plural(summary.steps, 'step')}, {summary.met}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'
     return f'<div class="run">{swatch(summary.method)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'

@@ -1,8 +1,8 @@
-"""The shade and the name of where a run is: two shades tell neighbouring regions apart, a third one is for sliding."""
+"""The shade and the name of where a run is: regions between which a run may pass differ in it; sliding has its own."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 import core
 from core.symbolic import Laws, Mode
 
-__all__ = ["SHADES", "SLIDING", "region_name", "regions_of", "shade_names", "shades_of"]
+__all__ = ["REGION_SHADES", "SHADES", "SLIDING", "coloured", "region_name", "regions_of", "shade_names", "shades_of"]
 
 SLIDING = 0
 """The shade of sliding."""
 
-SHADES = (-1, 1, SLIDING)
-"""All shades. Of one surface they are its sides."""
+REGION_SHADES = (-1, 1, 2, 3)
+"""Shades of regions, in the order of their use. Of one surface the first two are its sides."""
+
+SHADES = (*REGION_SHADES, SLIDING)
+"""All shades."""
 
 MOST_NAMES = 2
 """Most regions that a name lists."""
@@ -28,12 +31,33 @@ def shades_of(system: core.PiecewiseSystem, mode: NDArray[np.int64]) -> NDArray[
 
 
 def _shades(laws: Laws) -> NDArray[np.int64]:
-    """Return the shade of each mode: the product of its signs, as neighbours differ in one of them."""
+    """Return the shade of each mode: the product of its signs, as neighbours differ in one of them.
+
+    Regions that have names are shaded by the ways between them.
+    """
     if laws.sides.shape[1]:
         return np.asarray(laws.sides.prod(axis=1))
-    shades = np.zeros(laws.count + 1, dtype=np.int64)
-    shades[: len(laws.regions)] = np.resize([-1, 1], len(laws.regions))
-    return shades
+    around: list[set[int]] = [set() for _ in laws.regions]
+    for k, ways in enumerate(laws.ways[: len(around)]):
+        for to in {way.to for way in ways if way.to is not None} - {k}:
+            around[k].add(to)
+            around[to].add(k)
+    return np.array(coloured(around) + [SLIDING] * (laws.count + 1 - len(around)))
+
+
+def coloured(around: Sequence[set[int]]) -> list[int]:
+    """Return a shade for each region, given its neighbours: another one than theirs while there are enough.
+
+    The next region is always the one with most shades around it, which needs only two shades where two suffice. Where
+    all are taken around a region, it has the one that fewest of its neighbours have.
+    """
+    shades: dict[int, int] = {}
+    while len(shades) < len(around):
+        left = [k for k in range(len(around)) if k not in shades]
+        region = max(left, key=lambda k: len({shades[n] for n in around[k] if n in shades}))
+        taken = [shades[n] for n in around[region] if n in shades]
+        shades[region] = min(REGION_SHADES, key=taken.count)
+    return [shades[k] for k in range(len(around))]
 
 
 def regions_of(system: core.PiecewiseSystem, shade: int) -> list[int]:
@@ -47,12 +71,14 @@ def region_name(region: Mode) -> str:
 
 
 def shade_names(system: core.PiecewiseSystem) -> Mapping[int, str]:
-    """Return what a legend calls each shade: “g < 0”, or the regions that have it."""
+    """Return what a legend calls each shade that is used: “g < 0”, or the regions that have it."""
     if system.two_sided:
         return {-1: "g < 0", 1: "g > 0", SLIDING: "sliding"}
     names = {}
-    for shade in (-1, 1):
+    for shade in REGION_SHADES:
         regions = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
+        if not regions:
+            continue
         few = regions if len(regions) <= MOST_NAMES else [regions[0], "…"]
         names[shade] = f"region{'s' * (len(regions) > 1)} {', '.join(few)}"
     return {**names, SLIDING: "sliding"}

@@ -34,7 +34,7 @@ _USE = (
     "not ticked; a thick green line shows where, a dashed one where the surface repels.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",
     "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
-    "positive and the second negative. Two shades tell neighbouring regions apart.",
+    "positive and the second negative. Shades tell neighbouring regions apart.",
     "“Write your own …” takes the laws of both sides of a surface, or one law with sign, abs, max and so on, in which "
     "up to six surfaces are found; conserved quantities are checked as you type.",
     "The address bar holds the whole scene: a link to it restores the scene.",

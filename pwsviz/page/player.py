@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -11,7 +12,7 @@ import param
 
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import line_of
-from pwsviz.results.animation import Frames
+from pwsviz.results.animation import MET, Frames
 from pwsviz.text.numbers import PRINTED
 
 SPEEDS = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0, "4×": 4.0}
@@ -31,6 +32,7 @@ FAINT = 0.3
 
 _ESM = (
     PRINTED
+    + f"const MET = {json.dumps(MET)}  // what is counted, one of it and several\n"
     + """
 export function render({ model, data, el }) {
   el.innerHTML = `
@@ -72,10 +74,12 @@ export function render({ model, data, el }) {
     }
     scrub.max = end
     scrub.value = time
-    const crossings = there.length > 0 ? there[0].crossings : [], crossed = last(time, crossings) + 1
-    const many = crossed == crossings.length && there[0]?.crossing_count > crossed ? "more than " : ""
-    const count = crossed.toLocaleString("en")
-    const words = `${many}${count} crossing${crossed == 1 ? "" : "s"}`
+    const counts = MET.map((_, k) => there.length > 0 ? last(time, there[0].met[k]) + 1 : 0)
+    const told = counts.map((count, k) => {
+      const many = count > 0 && count == there[0].met[k].length && there[0].tally[k] > count ? "more than " : ""
+      return `${many}${count.toLocaleString("en")} ${MET[k][count == 1 ? 0 : 1]}`
+    })
+    const words = told.filter((_, k) => counts[k] > 0).join(", ") || told[0]
     now.textContent = `t = ${printed(time.toPrecision(4))}, ${words}${there[0]?.whose ?? ""}`
     scrub.setAttribute("aria-valuetext", now.textContent)
     data.setv({ now: shown }, { sync: false })  // not needed by the server
@@ -108,9 +112,10 @@ export function render({ model, data, el }) {
     request = requestAnimationFrame(tick)
   }
   const toggle = () => { if (playing) { pause() } else { start() } }
+  const met = way => way.met.flatMap(times => Array.from(times)).sort((a, b) => a - b)
   // Go to the next step of the first integrator, or to its next crossing.
   const step = (direction, by_crossings) => {
-    const stops = ways.length == 0 ? [] : by_crossings ? ways[0].crossings : ways[0].steps
+    const stops = ways.length == 0 ? [] : by_crossings ? met(ways[0]) : ways[0].steps
     const here = last(time, stops)
     const next = direction > 0 ? here + 1 : stops[here] < time ? here : here - 1
     pause()
@@ -272,7 +277,6 @@ def _way(one: Frames, size: int, whose: str) -> dict[str, Any]:
     x, y = one.places.T.copy()
     line = line_of(one.method)
     return {
-        "t": one.t, "x": x, "y": y, "steps": one.steps, "crossings": one.crossings,
-        "crossing_count": one.crossing_count, "whose": whose, "colour": line.colour, "marker": line.marker,
-        "size": size,
+        "t": one.t, "x": x, "y": y, "steps": one.steps, "met": list(one.met), "tally": list(one.tally),
+        "whose": whose, "colour": line.colour, "marker": line.marker, "size": size,
     }  # fmt: skip

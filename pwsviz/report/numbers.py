@@ -22,7 +22,7 @@ def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:
             summary.method,
             f"({', '.join(f'{x:g}' for x in inputs.problem.x0)})",
             f"{summary.steps:,}",
-            f"{summary.crossings:,}",
+            str(summary.met),
             rounded_up(summary.worst_error) if math.isfinite(summary.worst_error) else "no ψ known",
             duration(summary.seconds),
             summary.status.name.lower().replace("_", " "),
@@ -34,7 +34,9 @@ def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:
     first = next(iter(summaries))
     words = [_step(first), "Run times are those of the compiled loop, once, with what it records.", *stopped.values()]
     return Numbers(
-        ("integrator", "from", "steps", "crossings", "largest |Δψ|", "run time", "how it ended"), rows, " ".join(words)
+        ("integrator", "from", "steps", "at the surface", "largest |Δψ|", "run time", "how it ended"),
+        rows,
+        " ".join(words),
     )
 
 

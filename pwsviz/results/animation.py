@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import core
+from core.integration import KINDS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, in_plane
@@ -19,6 +20,9 @@ FEW = 500
 
 MOST_CROSSINGS = 100_000
 """Crossings whose times are sent to the browser."""
+
+MET = KINDS[:3]
+"""What is counted while a run plays: an end of sliding follows from its beginning."""
 
 ROUND_OFF = 2.0
 """Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
@@ -38,18 +42,18 @@ class Frames:
         Places in the plane at these times; NaN between the two ends of a jump.
     steps : (m,) array
         Times of the steps among `t`.
-    crossings : (k,) array
-        Times of the crossings, at most `MOST_CROSSINGS`.
-    crossing_count : int
-        Number of all crossings.
+    met : tuple of (k,) arrays
+        Times of the crossings, jumps and beginnings of sliding, at most `MOST_CROSSINGS` each.
+    tally : Tally
+        How many there are of each.
     """
 
     method: str
     t: Floats
     places: Floats
     steps: Floats
-    crossings: Floats
-    crossing_count: int
+    met: tuple[Floats, ...]
+    tally: core.Tally
 
 
 @dataclass(frozen=True)
@@ -102,8 +106,9 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
             t = steps
     jumps = run.crossings[run.crossings.kind == "jump"]
     t, x = with_crossings(jumps[:: -(-len(jumps) // limit) or 1], t, x)
-    crossed = run.crossings.crossed.t
-    return Frames(run.method, t, np.ascontiguousarray(in_plane(x, axes)), steps, crossed[:MOST_CROSSINGS], len(crossed))
+    times, kinds = run.crossings.passed.t, run.kinds_met
+    met = tuple(times[kinds == kind][:MOST_CROSSINGS] for kind in range(len(MET)))
+    return Frames(run.method, t, np.ascontiguousarray(in_plane(x, axes)), steps, met, run.tally)
 
 
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:

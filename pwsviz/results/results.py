@@ -57,11 +57,8 @@ class Summary:
 
     method: str
     steps: int
-    crossings: int
-    slides: int
-    """How often the run began to slide along the surface."""
-    jumps: bool
-    """Whether the run stays on its side: each crossing is a jump back."""
+    met: core.Tally
+    """How often the run crossed, jumped and slid."""
     seconds: float
     worst_error: float
     status: core.Status
@@ -333,13 +330,10 @@ def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve
 
 
 def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
-    crossed = run.crossings.crossed
     return Summary(
         method=inputs.scheme.method,
         steps=int(run.steps),
-        crossings=len(crossed),
-        slides=int((run.crossings.passed.kind == "sliding").sum()),
-        jumps=bool(len(crossed) and (crossed.kind == "jump").all() and (run.mode == run.mode[0]).all()),
+        met=run.tally,
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
         status=run.status,

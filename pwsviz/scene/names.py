@@ -9,6 +9,7 @@ from sympy.printing.pretty.pretty_symbology import greek_unicode
 
 import core
 from pwsviz.scene.views import VIEWS
+from pwsviz.text.numbers import RAISED
 
 LABELS: Mapping[str, str] = {
     "system": "System", "own": "Your own system", "starts": "Starts", "selected": "Selected start",
@@ -51,3 +52,11 @@ def choice_name(setting: str, choice: object) -> str:
     if setting == "system" and choice in core.CATALOGUE:
         return core.CATALOGUE[str(choice)].name
     return _CHOICES.get(setting, {}).get(str(choice), str(choice or "none"))
+
+
+def readable(text: str, system: core.PiecewiseSystem) -> str:
+    """Return an expression as it is printed: powers raised, a dot for each product, parameters by their symbols."""
+    symbols = {q.name: short_name(q) for q in system.parameters}
+    text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
+    text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(RAISED), text)
+    return text.replace("**", "^").replace("*", "·").replace("-", "−")

@@ -13,7 +13,8 @@ from pwsviz.geometry.projection import PLANE
 __all__ = ["packed", "shown", "unpacked", "visible"]
 
 _LAWS = (
-    "f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump", "surfaces", "regions", "jumps", "transitions",
+    "f", "psi", "f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump", "surfaces", "regions", "jumps",
+    "transitions",
 )  # fmt: skip
 """The fields of a system that `law_arguments` gives."""
 
@@ -141,7 +142,7 @@ def _number(text: str) -> int:
 
 _SYSTEM: dict[str, Callable[[Any], Any]] = {
     **dict.fromkeys(("name", "g", "doc"), _word),
-    **dict.fromkeys(("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "jump"), _list_of(_word)),
+    **dict.fromkeys(("variables", "f", "psi", "f_minus", "f_plus", "psi_minus", "psi_plus", "jump"), _list_of(_word)),
     "surfaces": _list_of(_word),
     "regions": _mapping_of(str, _region),
     "jumps": _mapping_of(_number, _list_of(_word)),

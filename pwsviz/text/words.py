@@ -27,11 +27,6 @@ def plural(count: int, noun: str) -> str:
     return f"{count:,} {noun}" + ("" if count == 1 else "s")
 
 
-def often(count: int) -> str:
-    """Return how often something happens: once, or 2 times."""
-    return "once" if count == 1 else plural(count, "time")
-
-
 def duration(seconds: float) -> str:
     """Return a time in seconds, or in milliseconds below one second."""
     return f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"

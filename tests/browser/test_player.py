@@ -3,17 +3,20 @@
 import math
 import re
 
+import numpy as np
 import pytest
 
+import core
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from tests.browser.looking import await_painted
-from tests.browser.test_ends import painted
+from tests.browser.test_ends import AROUND, painted
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 PURPLE = (204, 121, 167)
+TINT = tuple(round(0.13 * c + 0.87 * 255) for c in (86, 180, 233))  # SKY over white
 
 
 @pytest.fixture
@@ -52,6 +55,34 @@ def test_a_moving_surface_moves_with_the_player(shown):
     page.get_by_role("button", name="Close the animation").click()
     page.wait_for_timeout(800)
     assert painted(page, (2.4, 0.0), PURPLE) > 10
+
+
+def tinted(page, place):
+    """Whether most of the pixels around a place have the tint to a unit of colour or two."""
+    pixels = np.array(page.evaluate(AROUND, list(place)))[:, :3]
+    return bool((np.abs(pixels - TINT).max(axis=1) <= 2).mean() > 0.5)
+
+
+def test_of_moving_surfaces_the_tint_leaves_out_a_region_that_is_not_declared(visit):
+    law = core.Region(("1", "0.1"))
+    gate = core.PiecewiseSystem(
+        "Gate", ("x", "y"), surfaces=("x - sin(t)", "y"), regions={"-+": law, "++": law, "--": law}, x0=(-3.0, 0.5)
+    )
+    scene = Scene()
+    scene.use(gate)
+    page = visit(query=f"{query(scene)}&t_end=6&window=-3,3,-2,2")
+    await_painted(page, "Phase portrait")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    slider = animate(page)
+    for time, place in ((0.0, 0.0), (math.pi / 2, 1.0)):
+        at_time(page, slider, time)
+        assert tinted(page, (place - 0.5, 1.0)), "-+ has the first shade"
+        assert not tinted(page, (place + 0.5, 1.0))
+        assert not tinted(page, (place - 0.5, -1.0))
+        assert not tinted(page, (place + 0.5, -1.0)), "+- would have it, but is not declared"
+        for on in ((place, 1.0), (place, -1.0), (place + 1.0, 0.0)):
+            assert painted(page, on, PURPLE) > 10
 
 
 def test_all_starts_move_and_one_click_and_the_space_bar_play(shown):

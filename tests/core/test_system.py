@@ -57,6 +57,23 @@ def test_sympy_and_text_declare_the_same_system() -> None:
     assert given.laws.g == system().laws.g
 
 
+def test_one_field_is_kept_as_given_and_gives_the_regions() -> None:
+    given = PiecewiseSystem("Belt", ("x", "v"), f=("v", "-x -  mu*sign(v-1)"), parameters={"mu": 0.5}, x0=(2.0, 0.0))
+    assert given.law_arguments() == {"f": ("v", "-x -  mu*sign(v-1)")}
+    sides = PiecewiseSystem("Belt", ("x", "v"), ("v", "-x + mu"), ("v", "-x - mu"), "v - 1", parameters={"mu": 0.5})
+    assert given.field(-1, 0.0, (2.0, 0.0)).tolist() == sides.field(-1, 0.0, (2.0, 0.0)).tolist() == [0.0, -1.5]
+    assert copy.deepcopy(given.with_parameters(mu=0.75)).f == given.f
+
+
+@pytest.mark.parametrize(
+    "other", [{"f": ("v", "-x - 2*sign(v - 1)")}, {"f": ()}, {"psi": ("x",)}, {"jumps": {0: ("x", "v")}}, {"g": "v"}]
+)
+def test_one_field_beside_other_laws_than_its_own_is_refused(other: dict[str, Any]) -> None:
+    system = PiecewiseSystem.from_field(("x", "v"), ("v", "-x - sign(v - 1)"), ("(x + sign(v - 1))**2 + v**2",))
+    with pytest.raises(ValueError, match=r"give either|not conserved|there is no f"):
+        dataclasses.replace(system, **other)
+
+
 def test_without_a_start_it_is_the_origin_and_without_invariants_there_are_none() -> None:
     damped = ("y", "-x - y/10")
     s = system(x0=(), f_minus=damped, f_plus=damped, psi_minus=(), psi_plus=())

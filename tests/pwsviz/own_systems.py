@@ -48,4 +48,10 @@ GATE = PiecewiseSystem(
     parameters={"level": 0.5}, x0=(-1.0, -1.0),
 )  # fmt: skip
 
-OWN_SYSTEMS = {system.name: system for system in (STRIPS, WEDGE, WALL, RELAY, GATE)}
+#: One field, in the order of whose terms its surfaces are found, with a quantity that switches as it does.
+BELT = PiecewiseSystem.from_field(
+    ("x", "v"), ("v", "-x  - mu*sign(v-1) - max(x - 2, 0)"), ("v**2/2 + x**2/2 + mu*x*sign(v-1) + max(x - 2, 0)**2/2",),
+    {"mu": 0.5}, (0.5, 2.0), "Belt",
+)  # fmt: skip
+
+OWN_SYSTEMS = {system.name: system for system in (STRIPS, WEDGE, WALL, RELAY, GATE, BELT)}

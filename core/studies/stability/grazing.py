@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integrate import integrate
+from core.integration.tally import KINDS, Tally, crossed
 from core.interface.cancelling import Cancel, Cancelled, raise_if
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.reference import Solution
+from core.studies.sequence import CrossingSequence
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
 from core.studies.stability.verdict import start_at, worst_error
@@ -22,7 +24,7 @@ from core.studies.tasks import GivenUp, as_completed
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
 
 UNKNOWN = -1
-"""In place of a number of crossings that is not computed, or not known."""
+"""In place of a number that is not computed, or not known."""
 
 #: Distances of the starts from the tangency, relative to the size of the coordinate.
 _DELTAS = 10.0 ** -np.arange(1.0, 15.0)
@@ -55,10 +57,11 @@ class Grazing(Brief):
     """(2, n) values of the coordinate at the starts: `value` − `delta`, and `value` + `delta`."""
     horizon: Floats
     """(2, n) end time of each run: after the touch, away from other crossings."""
-    expected: Integers
-    """(2, n) crossings of the solution until then; −1 where not computed, or where it ends before (it slides, say)."""
-    crossings: Integers
-    """(methods, 2, n) crossings of the run; −1 where not computed."""
+    expected_met: Integers
+    """(2, n, 4) how often the solution meets the surface until then: a `Tally` each; −1 where not computed, or where
+    the solution ends before (it slides, say)."""
+    met: Integers
+    """(methods, 2, n, 4) how often the run meets it; −1 where not computed."""
     error: Floats
     """(methods, 2, n) largest |Δψ|; nan where no ψ is known."""
     status: Integers
@@ -70,10 +73,31 @@ class Grazing(Brief):
         return bool(np.isfinite(self.value))
 
     @property
+    def crossings(self) -> Integers:
+        """(methods, 2, n) crossings and jumps of the run; −1 where not computed."""
+        return crossed(self.met)
+
+    @property
+    def expected(self) -> Integers:
+        """(2, n) those of the solution; −1 where unknown."""
+        return crossed(self.expected_met)
+
+    @property
+    def computed(self) -> NDArray[np.bool_]:
+        """(methods, 2, n) which runs are."""
+        return np.asarray(self.met[..., 0] != UNKNOWN)
+
+    @property
+    def judged(self) -> NDArray[np.bool_]:
+        """(2, n) for which of them the solution is known."""
+        return np.asarray(self.expected_met[..., 0] != UNKNOWN)
+
+    @property
     def missed(self) -> Integers:
-        """(methods, 2, n) crossings missed by a run (negative: too many); 0 where either number is unknown."""
-        known = (self.crossings != UNKNOWN) & (self.expected != UNKNOWN)
-        return np.where(known, self.expected - self.crossings, 0)
+        """(methods, 2, n) crossings, beginnings and ends of sliding that a run misses (negative: too many); 0 where
+        either number is unknown.
+        """
+        return np.where(self.computed & self.judged, self.expected_met.sum(axis=-1) - self.met.sum(axis=-1), 0)
 
 
 def count(plan: Plan) -> int:
@@ -98,9 +122,9 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     tasks = [(plan, start_at(plan.x0, plan.coordinate, found.starts[place]), horizons, given_up) for place in places]
     for k, (horizon, expected, rows) in as_completed(_runs_from, tasks, executor, cancel, given_up):
         side, n = places[k]
-        found.horizon[side, n], found.expected[side, n] = horizon, expected
-        found.crossings[:, side, n], found.error[:, side, n], found.status[:, side, n] = zip(*rows, strict=True)
-        filled = ("horizon", "expected", "crossings", "error", "status")
+        found.horizon[side, n], found.expected_met[side, n] = horizon, expected
+        found.met[:, side, n], found.error[:, side, n], found.status[:, side, n] = zip(*rows, strict=True)
+        filled = ("horizon", "expected_met", "met", "error", "status")
         yield replace(found, **{name: getattr(found, name).copy() for name in filled})
 
 
@@ -117,8 +141,8 @@ def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
         delta=delta,
         starts=value + np.array([[-1.0], [1.0]]) * delta,
         horizon=np.full((2, n), np.nan),
-        expected=np.full((2, n), UNKNOWN),
-        crossings=np.full((m, 2, n), UNKNOWN),
+        expected_met=np.full((2, n, len(KINDS)), UNKNOWN),
+        met=np.full((m, 2, n, len(KINDS)), UNKNOWN),
         error=np.full((m, 2, n), np.nan),
         status=np.zeros((m, 2, n), dtype=np.int64),
     )
@@ -126,8 +150,8 @@ def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
 
 def _runs_from(
     plan: Plan, x0: tuple[float, ...], horizons: Floats, cancel: Cancel
-) -> tuple[float, int, list[tuple[int, float, int]]]:
-    """End time of the runs from a start, the solution's crossings, and (crossings, error, status) per method."""
+) -> tuple[float, Integers, list[tuple[Tally, float, int]]]:
+    """End time of the runs from a start, the solution's tally, and (tally, error, status) per method."""
     t0 = plan.t_span[0]
     times, solution = exact_times(plan, x0, float(horizons.max()), cancel)
     clear = [float(np.abs(times - t).min(initial=np.inf)) for t in horizons]
@@ -139,17 +163,17 @@ def _runs_from(
             transition=plan.transition, sliding=plan.sliding, cancel=cancel,
         )  # fmt: skip
         raise_if(cancel)
-        rows.append((len(one.crossings.passed), worst_error(one), int(one.status)))
-    expected = int(np.count_nonzero(times <= horizon)) if _reaches(solution, horizon) else UNKNOWN
-    return horizon, expected, rows
+        rows.append((CrossingSequence.of(one).tally, worst_error(one), int(one.status)))
+    return horizon, _expected(plan, solution, times[times <= horizon].tolist(), horizon), rows
 
 
-def _reaches(solution: Solution | None, t: float) -> bool:
-    """Whether a solution extends to time t."""
-    if solution is None:
-        return False
+def _expected(plan: Plan, solution: Solution | None, times: list[float], horizon: float) -> Integers:
+    """(4,) tally of the solution by the times of its crossings; unknown where it does not extend to the horizon."""
     try:
-        solution.state(t)
+        if solution is None:
+            raise ValueError("there is no start")
+        solution.state(horizon)
     except ValueError:
-        return False
-    return True
+        return np.full(len(KINDS), UNKNOWN)
+    labels = [solution.side(plan.t_span[0]), *(solution.entered(k + 1) for k in range(len(times)))]
+    return np.array(CrossingSequence.labelled(plan.system, times, labels).tally)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.integration.tally import Tally, crossed
 from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel
 from core.interface.summary import Brief
@@ -47,10 +48,15 @@ class LargestTau(Brief):
     """(methods,) whether computed."""
     expected: Status
     """How the solution itself ends."""
-    expected_crossings: int
-    """Number of its crossings up to `horizon`."""
+    expected_met: Tally
+    """How often it meets a surface up to `horizon`."""
     horizon: float
-    """Time up to which they are counted."""
+    """Time up to which that is counted."""
+
+    @property
+    def expected_crossings(self) -> int:
+        """Number of its crossings and jumps."""
+        return int(crossed(np.array(self.expected_met)))
 
 
 def count(plan: Plan) -> int:
@@ -64,7 +70,7 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
     n, given_up = len(plan.methods), GivenUp()
     found = LargestTau(
         plan.taus, np.full(n, np.nan), np.full(n, np.nan), ("",) * n, np.zeros(n, dtype=bool),
-        expected.status, len(expected.crossings), expected.horizon,
+        expected.status, expected.crossings.tally, expected.horizon,
     )  # fmt: skip
     tasks = [(plan, expected, name, given_up) for name in plan.methods]
     for k, (tau, beyond, reason) in as_completed(_largest, tasks, executor, cancel, given_up):

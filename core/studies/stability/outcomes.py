@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.integration.tally import KINDS, Tally, crossed
 from core.interface.cancelling import Cancel
 from core.interface.summary import Brief
 from core.kernels.arrays import Floats
@@ -33,12 +34,22 @@ class OutcomeMap(Brief):
     """(methods, m, n) values of `Status`, or WRONG_CROSSINGS, WENT_ON, NO_START, or NOT_YET; see `outcome_words`."""
     error: Floats
     """(methods, m, n) largest |Δψ|; nan where no ψ is known or has a value."""
-    crossings: Integers
-    """(methods, m, n) crossings of the run."""
+    met: Integers
+    """(methods, m, n, 4) how often the run met a surface: a `Tally` each."""
     expected: Integers
     """(n,) how the solution from that start ends: a value of `Status`, or NO_START, or NOT_YET."""
-    expected_crossings: Integers
-    """(n,) crossings of the solution, up to the time until which they are counted."""
+    expected_met: Integers
+    """(n, 4) how often the solution met one, up to the time until which that is counted."""
+
+    @property
+    def crossings(self) -> Integers:
+        """(methods, m, n) crossings and jumps of the run."""
+        return crossed(self.met)
+
+    @property
+    def expected_crossings(self) -> Integers:
+        """(n,) those of the solution."""
+        return crossed(self.expected_met)
 
     @property
     def works(self) -> NDArray[np.bool_]:
@@ -54,10 +65,10 @@ def count(plan: Plan) -> int:
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[OutcomeMap]:
     """Yield the results so far after each column of the map."""
-    n, shape = len(plan.values), (len(plan.methods), len(plan.taus), len(plan.values))
+    n, kinds, shape = len(plan.values), len(KINDS), (len(plan.methods), len(plan.taus), len(plan.values))
     found = OutcomeMap(
         plan.taus, plan.values, np.zeros(shape, dtype=np.int64), np.full(shape, np.nan),
-        np.zeros(shape, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64),
+        np.zeros((*shape, kinds), dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, kinds), dtype=np.int64),
     )  # fmt: skip
     given_up = GivenUp()
     columns = [(which, row) for row in range(n) for which in range(len(plan.methods))]
@@ -65,23 +76,23 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         (plan, start_at(plan.x0, plan.coordinate, plan.values[row]), plan.methods[which], given_up)
         for which, row in columns
     ]
-    for k, (status, crossings, verdicts) in as_completed(_column, tasks, executor, cancel, given_up):
+    for k, (status, met, verdicts) in as_completed(_column, tasks, executor, cancel, given_up):
         which, row = columns[k]
-        found.expected[row], found.expected_crossings[row] = status, crossings
+        found.expected[row], found.expected_met[row] = status, met
         found.outcome[which, :, row] = [verdict.outcome for verdict in verdicts]
         found.error[which, :, row] = [verdict.error for verdict in verdicts]
-        found.crossings[which, :, row] = [verdict.crossings for verdict in verdicts]
+        found.met[which, :, row] = [verdict.met for verdict in verdicts]
         yield replace(found, **{f.name: getattr(found, f.name).copy() for f in fields(found)})
 
 
-def _column(plan: Plan, x0: tuple[float, ...], method: str, cancel: Cancel) -> tuple[int, int, list[Verdict]]:
-    """How the solution from one start ends, its crossings, and a verdict for each step size."""
+def _column(plan: Plan, x0: tuple[float, ...], method: str, cancel: Cancel) -> tuple[int, Tally, list[Verdict]]:
+    """How the solution from one start ends, how often it meets a surface, and a verdict for each step size."""
     try:
         expected = expected_of(plan.system, x0, plan.t_span, plan.sliding, cancel)
     except ValueError as why:  # f or g is undefined there
-        return NO_START, 0, [Verdict(NO_START, 0, np.nan, str(why))] * len(plan.taus)
+        return NO_START, Tally(), [Verdict(NO_START, Tally(), np.nan, str(why))] * len(plan.taus)
     options = (plan.transition, plan.sliding, cancel)
     verdicts = [
         judge(plan.system, x0, plan.t_span[0], expected, method, float(tau), MAX_STEPS, *options) for tau in plan.taus
     ]
-    return int(expected.status), len(expected.crossings), verdicts
+    return int(expected.status), expected.crossings.tally, verdicts

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.integrate import integrate
+from core.integration.tally import Tally
 from core.integration.trajectory import Status, Trajectory
 from core.interface.cancelling import Cancel, raise_if
 from core.studies.sequence import CrossingSequence
@@ -90,7 +91,7 @@ class Verdict:
 
     outcome: int
     """A value of `Status`, or one of the outcomes above."""
-    crossings: int
+    met: Tally
     error: float
     """Largest |Δψ|, see `worst_error`."""
     message: str
@@ -126,13 +127,13 @@ def expected_of(
     run = reference_run(system, x0, (t0, beyond), sliding=sliding, cancel=cancel)
     t, size = run.crossings.t, run.psi_size()
     if run.status is not Status.COMPLETED and run.t[-1] <= t1:
-        return Expected(run.status, CrossingSequence.of(run.crossings), beyond, size)
+        return Expected(run.status, CrossingSequence.of(run), beyond, size)
     before, after = t[t <= t1], t[t > t1]
     start = float(before[-1]) if len(before) else t0
     end = float(after[0]) if len(after) else float(run.t[-1])
     clear = _CLEAR * (end - start)
     low, high = start + clear if len(before) else t0, end - clear if end < beyond else beyond
-    passed = CrossingSequence.of(run.crossings[t <= t1])
+    passed = CrossingSequence.of(run, until=t1)
     return Expected(Status.COMPLETED, passed, min(max(t1, low), high), size)
 
 
@@ -146,13 +147,13 @@ def judge(
         transition=transition, sliding=sliding, cancel=cancel,
     )  # fmt: skip
     raise_if(cancel)
-    outcome, message, passed = int(run.status), run.status.reason, CrossingSequence.of(run.crossings)
+    outcome, message, passed = int(run.status), run.status.reason, CrossingSequence.of(run)
     if run.status is not expected.status:
         if run.status is Status.COMPLETED:
             outcome, message = WENT_ON, f"it continues where the solution stops because {expected.status.reason}"
     elif run.status in _COUNTED and (difference := passed.difference(expected.crossings)):
         outcome, message = WRONG_CROSSINGS, difference
-    return Verdict(outcome, len(passed), worst_error(run), message)
+    return Verdict(outcome, passed.tally, worst_error(run), message)
 
 
 def worst_error(run: Trajectory) -> float:

@@ -75,17 +75,17 @@ def thermostat_pieces(band, power, cold, loss, storage):
 
 
 def bridge_pieces(omega, resistance, capacitance, load):
-    """Voltage of the source, a quarter period later, and of the capacitor."""
+    """Voltage of the source, of the capacitor, and of the source a quarter period later."""
 
     def matrix(sign):
-        current = [sign / resistance, 0, -abs(sign) / resistance]
-        return [[0, omega, 0], [-omega, 0, 0], [c / capacitance for c in current]], -1 / (load * capacitance)
+        current = [sign / resistance, -abs(sign) / resistance, 0]
+        return [[0, 0, omega], [c / capacitance for c in current], [-omega, 0, 0]], -1 / (load * capacitance)
 
     pieces = {}
     for name, sign in (("--", -1), ("-+", 0), ("++", 1)):
         rows, leak = matrix(sign)
-        rows[2][2] += leak
-        guards = [([sign, 0, -1], 0, "-+")] if sign else [([-1, 0, 1], 0, "++"), ([1, 0, 1], 0, "--")]
+        rows[1][1] += leak
+        guards = [([sign, -1, 0], 0, "-+")] if sign else [([-1, 1, 0], 0, "++"), ([1, 1, 0], 0, "--")]
         pieces[name] = rows, [0, 0, 0], guards
     return pieces
 

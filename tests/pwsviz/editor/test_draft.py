@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 import core
 from pwsviz.editor.examples import EXAMPLES
 from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check, split
-from pwsviz.scene.scene import can_use
+from pwsviz.scene.permalink import query, read
+from pwsviz.scene.scene import Scene, can_use
 
 OSCILLATOR = Draft(
     name="Mine",
@@ -117,6 +118,16 @@ def test_one_field_gives_the_surfaces_and_regions_that_it_shows():
     assert two.system.surfaces == ("x - 1", "x + 1")
     assert sorted(two.system.regions) == ["++", "-+", "--"]
     assert "Found: 2 surfaces, 3 regions." in two.maths["f"]
+
+
+def test_one_field_comes_back_from_a_link_as_it_was_typed():
+    typed = replace(FRICTION, f="v\n-x - k*max(x-1, 0) -  mu*sign(v - 1)", parameters="mu = 0.5\nk = 2")
+    scene = Scene()
+    scene.use(check(typed).system)
+    found, complaints = read(query(scene))
+    assert complaints == []
+    assert Draft.of(found["own"]) == typed
+    assert found["own"].surfaces == ("x - 1", "v - 1")
 
 
 @pytest.mark.parametrize(

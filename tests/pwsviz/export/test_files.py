@@ -78,6 +78,12 @@ def test_no_spreadsheet_takes_a_word_for_a_formula(word):
     assert columns[shown] == ("-1.5",), "a number is no word"
 
 
+def test_the_signs_of_regions_are_read_by_a_program_as_they_are():
+    keys = np.array(["+-", "--", "0+", "+0", "-+-0"])
+    _, columns = read_csv(csv_bytes({"region": keys}))
+    assert columns["region"] == tuple(keys)
+
+
 @given(st.text(st.characters(exclude_categories=["Cs"])))
 def test_each_comment_is_one_line_whatever_it_says(words):
     lines = csv_bytes({"x": [1]}, {"link": words}).decode().splitlines()

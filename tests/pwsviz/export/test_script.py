@@ -86,7 +86,7 @@ def test_the_program_runs_what_the_page_runs(key, monkeypatch, capsys):
     said = capsys.readouterr().out
     for run in page_runs(scene):
         assert f"{run.method} from " in said
-        assert f"{run.steps:,} steps, {len(run.crossings.crossed):,} crossings" in said
+        assert f"{run.steps:,} steps, {run.tally}, " in said
         if any(region.psi for region in scene.declaration.regions.values()):
             told = float(re.search(rf"{run.method} from .*<= (\S+)", said)[1])
             # Where round-off is all that is lost: numpy's powers of one number and of many differ by an ulp.
@@ -190,9 +190,19 @@ def own_scene(system, t_end=4.0):
 def test_an_own_system_of_several_regions_is_declared_in_full(system, monkeypatch):
     scene = own_scene(system)
     program = program_of(scene)
-    assert all(f"{key!r}: core.Region(" in program for key in system.regions)
+    assert all((f"{key!r}: core.Region(" in program) != bool(system.f) for key in system.regions)
+    assert all(repr(law) in program for law in system.f)
     assert program.count("core.Transition(") == len(system.transitions)
     assert_program_is_the_page(scene, monkeypatch)
+
+
+@pytest.mark.parametrize("system", SEVERAL.values(), ids=list(SEVERAL))
+def test_regions_and_transitions_stand_on_lines_of_their_own(system):
+    lines = program_of(own_scene(system)).splitlines()
+    laws = [line for line in lines if re.match(r" +(f|psi|surfaces|regions|jumps|transitions)=| +'|[ })]+,$", line)]
+    assert max(map(len, laws)) <= 100
+    assert max(line.count("core.Region(") + line.count("core.Transition(") for line in lines) <= 1
+    assert any(line == "    regions={" for line in lines) == (len(system.regions) > 1 and not system.f)
 
 
 #: Runs programs, and prints the end state of every run that they make.

@@ -117,10 +117,10 @@ def test_a_run_that_stops_at_a_surface_enters_no_region_and_one_that_slides_says
     assert "+0" in made(portrait_tables(lambda: [DrawnRun(1, strips)]))["curves"]["region"]
 
 
-def test_a_table_of_regions_is_explained_and_no_spreadsheet_takes_a_sign_for_a_formula():
+def test_a_table_of_regions_is_explained_and_names_them_as_a_run_does():
     run = core.integrate(core.CATALOGUE["two_walls"], (0.0, 3.0), tau=0.1, method="rk2")
     table = made(portrait_tables(lambda: [DrawnRun(1, run)]))["curves"]
     text = csv_bytes(table).decode()
     assert "region: region occupied" in text
-    assert {line.rpartition(",")[2] for line in text.splitlines()[2:]} == {"'+-"}
+    assert {line.rpartition(",")[2] for line in text.splitlines()[2:]} == {"+-"}
     assert set(np.load(io.BytesIO(npz_bytes({"": table})))["region"]) == {"+-"}

@@ -34,8 +34,11 @@ def curve(name, seconds, state, **changes):
     return CostCurve(**{**given, **changes})
 
 
-def study(*curves, crossings=8):
-    return WorkPrecision((0.0, 20.0), curves, crossings, "exact (linear flow)", FLOOR)
+MET = core.Tally(8)
+
+
+def study(*curves, met=MET):
+    return WorkPrecision((0.0, 20.0), curves, met, "exact (linear flow)", FLOOR)
 
 
 DMM2 = curve("dmm2", [1e-4, 1e-3, 1e-2], [1e-2, 1e-4, 1e-7])
@@ -184,7 +187,7 @@ def test_words_say_what_is_missing_and_why():
 def test_words_say_why_there_is_no_error_of_psi_or_of_a_crossing():
     bare = curve("rk4", [1e-3], [1e-3], invariant_error=np.array([math.nan]), time_error=np.array([math.nan]))
     assert "no conserved quantity is known" in cost_text(study(bare), "seconds", "invariant")
-    assert "there is no crossing" in cost_text(study(bare, crossings=0), "seconds", "time")
+    assert "there is no crossing" in cost_text(study(bare, met=core.Tally()), "seconds", "time")
 
 
 def test_a_real_study_is_drawn_and_told():

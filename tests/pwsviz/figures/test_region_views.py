@@ -58,7 +58,7 @@ def test_the_plot_of_the_state_shades_and_names_the_regions_of_the_run(system):
     assert_shaded_as_occupied(view.shared.segments, run)
     labels = [entry.label for entry in view.panels[-1].entries]
     for shade, source in view.shared.segments.items():
-        assert value(names[shade]) in labels or not len(source.data["start"])
+        assert not len(source.data["start"]) or value(names[shade]) in labels
 
 
 @every_system
@@ -68,8 +68,8 @@ def test_the_plot_of_the_conserved_quantity_shades_and_names_the_regions_of_the_
     curves, run = results.error_curves(inputs), results.run(inputs[0])
     view.show(curves, landmarks(run, (0, 1)))
     assert_shaded_as_occupied(view.segments, run)
-    for shade in (-1, 1):
-        assert view.entries[shade].label == value(shade_names(system)[shade])
+    for shade, name in shade_names(system).items():
+        assert view.entries[shade].label == value(name if shade else f"{name}: |Δg|")
 
 
 @every_system
@@ -81,7 +81,7 @@ def test_the_legend_of_the_portrait_names_what_is_tinted_and_nothing_if_nothing_
     view.show_backdrop(ground)
     tint = view.ground._tint_entry
     assert tint.visible == bool(ground.minus_outer)
-    assert tint.label == value(shade_names(system)[-1])
+    assert tint.label == value(shade_names(system).get(-1, ""))
     for entry, part in zip(view.ground._line_entries, (ground.arrows, ground.levels), strict=False):
         assert entry.visible == any(np.isfinite(lines).any() for lines in part.values())
 

@@ -258,7 +258,7 @@ def test_the_tangency_is_told_and_who_misses_it(study):
 
 
 def test_nobody_is_judged_where_the_solution_stops(study):
-    stopped = replace(study, grazing=replace(study.grazing, expected=np.full((2, 14), -1)))
+    stopped = replace(study, grazing=replace(study.grazing, expected_met=np.full((2, 14, 4), -1)))
     assert {row[1] for row in stability_numbers(stopped, "grazing", "dmm2")[0].rows} == {"–"}
     assert "the solution itself stops" in stability_text(stopped, "grazing")
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.figures.style import LEGEND_GLYPH, line_of
+from pwsviz.figures.style import LEGEND_GLYPH, OCCUPIED, line_of, side_strips
+from pwsviz.geometry.shades import REGION_SHADES
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
 SIGHT = {
@@ -38,6 +39,18 @@ def test_no_two_colours_are_close_in_any_sight(seen):
     # A difference of 2.3 is just noticed side by side; the palette of Okabe and Ito keeps 16 among those used here.
     for a, b in combinations(map(line_of, core.METHODS), 2):
         assert np.linalg.norm(lab(a.colour, seen) - lab(b.colour, seen)) > 15
+
+
+@pytest.mark.parametrize("ground", ["#ffffff", "#1e1e1e"], ids=["light", "dark"])
+@pytest.mark.parametrize("seen", SIGHT.values(), ids=SIGHT)
+def test_no_two_shades_of_regions_are_closer_than_those_of_two_sides_need_be_in_any_sight(seen, ground):
+    alpha, under = side_strips(1).fill_alpha, np.array([int(ground[k : k + 2], 16) for k in (1, 3, 5)])
+    shades = []
+    for shade in REGION_SHADES:
+        over = np.array([int(OCCUPIED[shade][1][k : k + 2], 16) for k in (1, 3, 5)])
+        shades.append("#" + "".join(f"{round(c):02x}" for c in alpha * over + (1 - alpha) * under))
+    for a, b in combinations([*shades, ground], 2):  # 2.3 is just noticed, see above
+        assert np.linalg.norm(lab(a, seen) - lab(b, seen)) > 5
 
 
 def test_a_legend_shows_every_dash_once():

@@ -1,5 +1,7 @@
 """What is drawn is true in the plane shown; what is left out is named."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 
@@ -79,9 +81,16 @@ def test_of_several_surfaces_those_that_are_no_curves_in_the_plane_are_named():
     assert "Nor can the surface z - threshold = 0, which is not a curve" in portrait_note(ring, XY)
     assert "Nor can" not in portrait_note(chua, XY)
     assert "Nor can the surfaces x + 1 = 0, x - 1 = 0, which are not curves" in portrait_note(chua, (1, 2))
-    assert "Nor can the surfaces v - u = 0, v + u = 0" in portrait_note(bridge, XY)
-    assert "Nor can" not in portrait_note(bridge, (0, 2))
-    assert [shows_regions(ring, XY), shows_regions(chua, XY), shows_regions(bridge, (0, 2))] == [False, True, True]
+    assert "Nor can the surfaces v - u = 0, v + u = 0" in portrait_note(bridge, (0, 2))
+    assert "Nor can" not in portrait_note(bridge, XY)
+    assert [shows_regions(ring, XY), shows_regions(chua, XY), shows_regions(bridge, XY)] == [False, True, True]
+
+
+def test_a_system_of_several_surfaces_opens_in_the_plane_of_as_many_of_them_as_its_declaration_can_order_first():
+    for name, system in core.CATALOGUE.items():
+        if system.surfaces and not system.two_sided:
+            planes = [surfaces_shown(system, axes) for axes in permutations(range(system.dimension), 2)]
+            assert len(surfaces_shown(system, XY)) == max(map(len, planes)), name
 
 
 def test_what_is_not_drawn_of_regions_without_a_place_of_their_own_is_named():

@@ -1,10 +1,20 @@
-"""Two shades tell neighbouring regions apart, a third one is for sliding, and legends name the regions of each."""
+"""Shades tell neighbouring regions apart, one of them is for sliding, and legends name the regions of each."""
 
 import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.shades import MOST_NAMES, SHADES, SLIDING, region_name, regions_of, shade_names, shades_of
+from pwsviz.geometry.shades import (
+    MOST_NAMES,
+    REGION_SHADES,
+    SHADES,
+    SLIDING,
+    coloured,
+    region_name,
+    regions_of,
+    shade_names,
+    shades_of,
+)
 from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY, STRIPS
 
 SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
@@ -17,7 +27,7 @@ def test_regions_between_which_a_run_may_pass_have_different_shades(system):
     shades = shades_of(system, np.arange(len(system.modes)))
     for k, ways in enumerate(system.laws.ways):
         for way in ways:
-            assert way.to in (None, k) or shades[way.to] == -shades[k] != 0
+            assert way.to in (None, k) or 0 != shades[way.to] != shades[k] != 0
 
 
 @every_system
@@ -31,9 +41,9 @@ def test_regions_whose_keys_differ_in_one_sign_have_different_shades(system):
 
 
 @every_system
-def test_sliding_and_a_run_that_stopped_at_a_surface_have_the_third_shade(system):
+def test_sliding_and_a_run_that_stopped_at_a_surface_have_a_shade_of_their_own(system):
     count = len(system.laws.regions)
-    assert set(shades_of(system, np.arange(count)).tolist()) <= {-1, 1}
+    assert set(shades_of(system, np.arange(count)).tolist()) <= set(REGION_SHADES)
     assert set(shades_of(system, np.array([-1, *range(count, len(system.modes))])).tolist()) == {SLIDING}
 
 
@@ -54,7 +64,7 @@ def test_of_two_sides_the_shade_is_the_sign_of_g(name):
 @every_system
 def test_the_legend_names_the_regions_of_each_shade_or_counts_on(system):
     if not system.two_sided:
-        for shade in (-1, 1):
+        for shade in set(shades_of(system, np.arange(len(system.regions))).tolist()):
             names = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
             told = shade_names(system)[shade]
             assert all(name in told for name in names[: MOST_NAMES if len(names) <= MOST_NAMES else 1])
@@ -64,3 +74,42 @@ def test_the_legend_names_the_regions_of_each_shade_or_counts_on(system):
 def test_signs_are_printed_as_minus_signs_and_hyphens_of_names_as_hyphens():
     assert shade_names(STRIPS) == {-1: "region +−", 1: "regions −−, ++", 0: "sliding"}
     assert shade_names(RELAY) == {-1: "region pre-heat", 1: "region off", 0: "sliding"}
+
+
+def ring(count):
+    return [{(k - 1) % count, (k + 1) % count} for k in range(count)]
+
+
+def test_regions_in_a_ring_have_two_shades_and_a_third_where_their_number_is_odd():
+    for count in range(2, 13):
+        shades = coloured(ring(count))
+        assert all(shades[k] != shades[k - 1] for k in range(count))
+        assert len(set(shades)) == 2 + count % 2
+        assert shades[:2] == [-1, 1]
+
+
+def test_two_shades_are_enough_wherever_they_can_be():
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        side = rng.integers(0, 2, 12)
+        pairs = [(a, b) for a in range(12) for b in range(a) if side[a] != side[b] and rng.random() < 0.3]
+        around = [{a + b - k for a, b in pairs if k in (a, b)} for k in range(12)]
+        shades = coloured(around)
+        assert set(shades) <= {-1, 1}
+        assert all(shades[a] != shades[b] for a, b in pairs)
+
+
+def test_four_regions_each_beside_all_others_differ_and_of_more_as_few_as_possible_are_alike():
+    for count in (4, 9):
+        shades = coloured([set(range(count)) - {k} for k in range(count)])
+        assert set(shades) == set(REGION_SHADES)
+        assert max(map(shades.count, shades)) == -(-count // 4)
+
+
+def test_a_cycle_of_three_named_regions_is_told_apart_by_its_shades():
+    names = ("a", "b", "c")
+    system = core.PiecewiseSystem(
+        "Three", ("x", "y"), regions={name: core.Region((f"{k + 1}", "0")) for k, name in enumerate(names)},
+        transitions=[core.Transition(names[k - 1], f"{k + 1} - x", names[k], jump=("0", "y")) for k in range(3)],
+    )  # fmt: skip
+    assert shade_names(system) == {-1: "region a", 1: "region b", 2: "region c", 0: "sliding"}

@@ -19,8 +19,8 @@ def test_few_steps_are_all_there(run):
     assert np.array_equal(shown.t, run.t)
     assert np.array_equal(shown.places, run.x)
     assert np.array_equal(shown.steps, run.t)
-    assert np.array_equal(shown.crossings, run.crossings.t)
-    assert shown.crossing_count == len(run.crossings)
+    assert np.array_equal(shown.met[0], run.crossings.t)
+    assert shown.tally == (len(run.crossings), 0, 0, 0)
     assert shown.method == "dmm2"
 
 
@@ -50,7 +50,19 @@ def test_of_few_steps_states_between_them_are_shown_too():
 def test_every_crossing_is_counted():
     run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 3000.0), tau=1e-2, method="prk8")
     shown = frames(run, (0, 1))
-    assert len(shown.crossings) == shown.crossing_count == len(run.crossings) > 3000
+    assert len(shown.met[0]) == shown.tally.crossings == len(run.crossings) > 3000
+
+
+def test_crossings_jumps_and_slides_are_counted_apart():
+    slides = core.integrate(core.CATALOGUE["stick_slip"], (0.0, 40.0), tau=1e-2, method="rk4", sliding="continue")
+    shown = frames(slides, (0, 1))
+    kinds = slides.crossings.kind
+    for times, kind in zip(shown.met, ("transversal", "jump", "sliding"), strict=True):
+        assert np.array_equal(times, slides.crossings.t[kinds == kind])
+    assert shown.tally == tuple((kinds == kind).sum() for kind in ("transversal", "jump", "sliding", "leaving"))
+    assert shown.tally.slides > 1
+    jumps = core.integrate(core.CATALOGUE["bouncing_ball"], (0.0, 1.0), tau=1e-2, method="rk4")
+    assert str(jumps.tally) == f"{len(jumps.crossings)} jumps"
 
 
 def test_the_plane_is_that_of_the_axes(run):

@@ -18,7 +18,7 @@ from pwsviz.text.words import as_text, complaint, duration, listed, plural, roun
 
 def summary(**changes):
     values = {
-        "method": "dmm2", "steps": 60000, "crossings": 1, "slides": 0, "jumps": False, "seconds": 0.00481,
+        "method": "dmm2", "steps": 60000, "met": core.Tally(1), "seconds": 0.00481,
         "worst_error": 8.2e-16, "status": core.Status.COMPLETED, "message": "",
     }  # fmt: skip
     return Summary(**(values | changes))
@@ -27,8 +27,8 @@ def summary(**changes):
 def test_a_run_in_one_line():
     words = re.sub("<.*?>", "", run_line(summary()))
     assert words == "dmm2: 60,000 steps, 1 crossing, 4.81 ms, |Δψ| ≤ 9×10⁻¹⁶"
-    words = re.sub("<.*?>", "", run_line(summary(crossings=3, slides=1)))
-    assert words.startswith("dmm2: 60,000 steps, 3 crossings, slides once, 4.81 ms")
+    words = re.sub("<.*?>", "", run_line(summary(met=core.Tally(3, slides=2, ends=1))))
+    assert words.startswith("dmm2: 60,000 steps, 3 crossings, 2 slides, 4.81 ms")
 
 
 def test_runs_that_stopped_say_why_once():

@@ -40,7 +40,7 @@ def test_paragraphs_tables_and_messages_of_runs_print_their_numbers() -> None:
     table = Numbers(("t",), (("-1e-9", "5e+16"),), caption="at -2")
     message = "t = 1e-05, x = -0.2: the solution stops. Take a smaller step size."
     stopped = Summary(
-        method="dmm2", steps=1, crossings=0, slides=0, jumps=False, seconds=1.0, worst_error=2e-9,
+        method="dmm2", steps=1, met=core.Tally(), seconds=1.0, worst_error=2e-9,
         status=core.Status.GRAZING, message=message,
     )  # fmt: skip
     for text in (as_text("from -3 to 1e-3"), table_markup(table), run_lines([stopped])):

@@ -1,0 +1,148 @@
+"""Names of several surfaces and their regions in a portrait: at an end of each surface, and inside each region."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bokeh.models import ColumnDataSource
+from bokeh.models.glyphs import Text
+from bokeh.plotting import figure
+
+import core
+from core.symbolic import to_text
+from pwsviz.figures.moving import FORMULAS
+from pwsviz.figures.style import GREY
+from pwsviz.scene.names import readable
+
+__all__ = ["PLACE_LABELS", "label_glyph", "surface_labels"]
+
+LONGEST = 24
+"""Characters of a switching function that a label writes out."""
+
+_COLUMNS = ("x", "y", "text", "align", "baseline", "dx", "dy")
+
+
+def surface_labels(system: core.PiecewiseSystem) -> list[str]:
+    """Return what each of several surfaces is called in the portrait: “g1 = x − 1 = 0”, or without g1 where the names
+    of regions do not tell signs; nothing of a single one.
+    """
+    if len(system.laws.surfaces) < 2:
+        return []
+    guards = [to_text(-g if g.could_extract_minus_sign() else g) for g in system.laws.surfaces]
+    texts = [readable(g, system) for g in system.surfaces or guards]
+    names = [f"g{k + 1} = " if system.surfaces else "" for k in range(len(texts))]
+    return [
+        f"{name}{text} = 0" if len(text) <= LONGEST else f"{name}0" for name, text in zip(names, texts, strict=True)
+    ]
+
+
+def label_glyph(plot: figure) -> ColumnDataSource:
+    """Add the labels, without any yet; return their source, which `PLACE_LABELS` fills."""
+    source = ColumnDataSource({name: [] for name in _COLUMNS})
+    look: dict[str, Any] = {"text_color": GREY, "text_font_size": "12px", "text_font_style": "bold"}
+    place: dict[str, Any] = {"text_align": "align", "text_baseline": "baseline", "x_offset": "dx", "y_offset": "dy"}
+    plot.add_glyph(source, Text(**look, **place))
+    return source
+
+
+PLACE_LABELS = (
+    FORMULAS
+    + """
+const INSET = 0.03  // of what is seen, between its edge and the label of a surface
+const ALONG = 80    // points along an edge at which a surface is sought
+const CELLS = 36    // along the longer side of what is seen, by which regions are told apart
+const DEEP = 2      // cells around the label of a region, at least, that belong to it
+const TEXT = 0.6    // cells that a character of a label takes
+const [across, up] = ranges, width = across.end - across.start, height = up.end - up.start
+const shown = { x: [], y: [], text: [], align: [], baseline: [], dx: [], dy: [] }
+const add = (x, y, text, align, baseline, dx, dy) => {
+  for (const [name, value] of Object.entries({ x, y, text, align, baseline, dx, dy })) { shown[name].push(value) }
+}
+const t = clock.data.t[0]
+const at = (u, v) => [across.start + u * width, up.start + v * height]
+
+// Where a surface meets the edges of what is seen, all of them a little inside: top, right, bottom, left.
+const EDGES = [s => [1 - s, 1 - INSET], s => [1 - INSET, 1 - s], s => [1 - s, INSET], s => [INSET, 1 - s]]
+const ends = g => EDGES.flatMap((edge, side) => {
+  const places = Array.from({ length: ALONG + 1 }, (_, k) => at(...edge(INSET + (1 - 2 * INSET) * k / ALONG)))
+  const levels = places.map(([x, y]) => g(x, y, t)), found = []
+  for (let k = 0; k < ALONG; k++) {
+    const [a, b] = [levels[k], levels[k + 1]]
+    if (a < 0 != b < 0) {
+      const share = a / (a - b), [[x0, y0], [x1, y1]] = [places[k], places[k + 1]]
+      found.push({ x: x0 + share * (x1 - x0), y: y0 + share * (y1 - y0), side })
+    }
+  }
+  return found
+})
+// How far it is, to the left or to the right, from a place on a surface to another surface or the edge.
+const room = ({ x, y }, k, way) => {
+  const others = heights.filter((g, n) => g != null && n != k), signs = others.map(g => g(x, y, t) < 0)
+  let steps = 0
+  for (let at = x; at > across.start && at < across.end; at += way * width / ALONG) {
+    if (others.some((g, n) => g(at, y, t) < 0 != signs[n])) { break }
+    steps += 1
+  }
+  return steps
+}
+const nameSurfaces = () => {
+  const placed = []
+  const apart = one => Math.min(...placed.map(({ x, y }) => Math.hypot(one.x - x, one.y - y)), width + height)
+  heights.forEach((g, k) => {
+    if (g == null) { return }
+    const best = ends(g).reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
+    if (best == null) { return }
+    placed.push(best)
+    const beside = best.side % 2 == 0  // else above the surface, from that edge on
+    const right = beside ? room(best, k, -1) > room(best, k, 1) : best.side == 1  // the text then ends there
+    add(best.x, best.y, given.surfaces[k], right ? "right" : "left", beside ? "middle" : "bottom",
+        beside ? (right ? -6 : 6) : 0, beside ? 0 : -4)
+  })
+}
+
+// Toward the edge of what is seen, where few trajectories are, and away from other regions and labels of surfaces.
+const nameRegions = () => {
+  const cell = Math.max(width, height) / CELLS
+  const columns = Math.max(2, Math.round(width / cell)), rows = Math.max(2, Math.round(height / cell))
+  const place = (i, j) => at((i + 0.5) / columns, (j + 0.5) / rows)
+  const region = Array.from({ length: rows }, (_r, j) => Array.from({ length: columns }, (_c, i) => {
+    const [x, y] = place(i, j), signs = heights.map(g => Math.sign(g(x, y, t)))
+    return given.regions.findIndex(([sides]) => sides.every((sign, k) => sign == signs[k]))
+  }))
+  const depth = region.map(row => row.map(() => 0))  // cells from there to another region
+  let inside = region.flatMap((row, j) => row.map((_, i) => [i, j]))
+  for (let level = 0; inside.length > 0 && level < CELLS; level++) {
+    inside = inside.filter(([i, j]) => [-1, 0, 1].every(dj => [-1, 0, 1].every(di => {
+      const other = region[j + dj]?.[i + di]
+      return other == null || (other == region[j][i] && depth[j + dj][i + di] >= level)
+    })))
+    for (const [i, j] of inside) { depth[j][i] = level + 1 }
+  }
+  const surfaces = shown.text.map((text, k) => {
+    const long = TEXT * text.length * cell, end = shown.x[k] + (shown.align[k] == "right" ? -long : long)
+    return { low: Math.min(shown.x[k], end), high: Math.max(shown.x[k], end), y: shown.y[k] }
+  })
+  const free = ([x, y]) => surfaces.every(({ low, high, y: there }) =>
+    x < low - DEEP * cell || x > high + DEEP * cell || Math.abs(y - there) > DEEP * cell)
+  given.regions.forEach(([, name], k) => {
+    let best = null, most = 0
+    for (let j = rows - 1 - DEEP; j >= DEEP; j--) {
+      for (let i = DEEP; i < columns - DEEP; i++) {
+        if (region[j][i] != k || depth[j][i] < DEEP || !free(place(i, j))) { continue }
+        const out = Math.max(Math.abs((i + 0.5) / columns - 0.5), Math.abs((j + 0.5) / rows - 0.5))
+        const score = out + depth[j][i] / CELLS
+        if (score > most + 1e-9) { most = score; best = place(i, j) }
+      }
+    }
+    if (best != null) { add(...best, name.replace(/^region /, ""), "center", "middle", 0, 0) }
+  })
+}
+
+if (given?.surfaces?.length > 1 && Number.isFinite(width) && Number.isFinite(height)) {
+  nameSurfaces()
+  if (given.regions.length > 0) { nameRegions() }
+}
+if (shown.x.length > 0 || labels.data.x.length > 0) { labels.setv({ data: shown }, { sync: false }) }
+"""
+)
+"""JavaScript run when another part of the plane is seen, or another time: it puts each label where there is room."""

@@ -1,0 +1,54 @@
+"""Names of surfaces and regions in the portrait stand where these are, also after a pan and as time moves them."""
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.scene.permalink import query
+from pwsviz.scene.scene import Scene
+from tests.browser.looking import await_painted
+from tests.browser.test_player import animate, at_time
+from tests.browser.test_portrait import FIGURE, await_that
+
+pytestmark = [pytest.mark.browser, pytest.mark.deep]
+
+LABELS = f"""() => {{
+    const figure = ({FIGURE})("Phase portrait"), row = figure?.rows.find(row => "baseline" in row)
+    if (row == null || row.x.length == 0) {{ return null }}
+    return {{places: Object.fromEntries(row.text.map((text, k) => [text, [row.x[k], row.y[k]]])), range: figure.range}}
+}}"""
+
+LAW = core.Region(("1", "0.1"))
+GATE = core.PiecewiseSystem(
+    "Gate", ("x", "y"), surfaces=("x - sin(t)", "x + y"), regions={"-+": LAW, "++": LAW, "--": LAW}, x0=(-3.0, 0.5)
+)
+
+
+def assert_in_place(seen, t):
+    left, right, low, high = seen["range"]
+    places = {text: np.array(place) for text, place in seen["places"].items()}
+    assert all(left < x < right and low < y < high for x, y in places.values())
+    heights = {text: (x - np.sin(t), x + y) for text, (x, y) in places.items()}
+    assert abs(heights["g1 = x − sin(t) = 0"][0]) < 0.02
+    assert abs(heights["g2 = x + y = 0"][1]) < 0.02
+    for name in ("−+", "++", "−−"):
+        assert [np.sign(height) for height in heights[name]] == [1 if sign == "+" else -1 for sign in name]
+    assert len(places) == 5, "what is not declared has no name"
+
+
+def test_surfaces_and_regions_are_named_where_they_are(visit):
+    scene = Scene()
+    scene.use(GATE)
+    page = visit(query=f"{query(scene)}&t_end=6&window=-3,3,-2,2")
+    await_painted(page, "Phase portrait")
+    assert_in_place(await_that(page, LABELS), 0.0)
+    slider = animate(page)
+    at_time(page, slider, np.pi / 2)
+    assert_in_place(page.evaluate(LABELS), np.pi / 2)
+
+
+def test_a_single_surface_has_no_label(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.wait_for_timeout(500)
+    assert page.evaluate(LABELS) is None
