@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from core.interface.arguments import listed, number
 from core.kernels.arrays import Floats
 from core.symbolic.declaration import Declaration, RegionText, TransitionText, accepted, miscounted
-from core.symbolic.expressions import check_name, to_text
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
+from core.symbolic.parts import Parameter, Region, Transition, latex_of_name, text_of, texts_of
 from core.symbolic.switching_terms import read_switching
 
 __all__ = ["Parameter", "PiecewiseSystem", "Region", "Start", "Transition"]
@@ -27,77 +27,6 @@ _SIDES = {-1: "-", 0: "0", 1: "+"}
 
 #: Initial state: d numbers, or a mapping from the name of each variable to its number.
 Start: TypeAlias = "Iterable[float] | Mapping[str, float]"
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number in a system that can be changed without compiling it anew."""
-
-    name: str
-    """Identifier, as used in the expressions."""
-    default: float
-    """Initial value."""
-    bounds: tuple[float, float] | None = None
-    """Least and greatest allowed value."""
-    doc: str = ""
-    """Its meaning, in a few words."""
-    latex: str | None = None
-    """LaTeX for it; derived from the name where not given."""
-
-    def __post_init__(self) -> None:
-        check_name(self.name, "parameter")
-        if self.bounds is not None:
-            if not isinstance(self.bounds, Sequence) or len(self.bounds) != 2:
-                raise ValueError(f"bounds of parameter {self.name} are {self.bounds!r}: two numbers are needed")
-            low, high = (number(b, f"bound of parameter {self.name}") for b in self.bounds)
-            if not low < high:
-                raise ValueError(f"bounds of parameter {self.name} are {self.bounds}: the first must be the smaller")
-            object.__setattr__(self, "bounds", (low, high))
-        object.__setattr__(self, "default", self.check(self.default))
-
-    @property
-    def symbol(self) -> str:
-        """LaTeX for it."""
-        return self.latex or _latex_name(self.name)
-
-    def check(self, value: float) -> float:
-        """Return `value` as a float if the parameter may take it, else raise ValueError."""
-        found = number(value, f"parameter {self.name}")
-        if self.bounds is not None and not self.bounds[0] <= found <= self.bounds[1]:
-            raise ValueError(f"parameter {self.name} = {found!r} is outside {self.bounds[0]:g} … {self.bounds[1]:g}")
-        return found
-
-
-@dataclass(frozen=True)
-class Region:
-    """The law of one region."""
-
-    f: tuple[str, ...]
-    """d expressions."""
-    psi: tuple[str, ...] = ()
-    """0 to d − 1 conserved quantities."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "f", _texts(self.f, "f"))
-        object.__setattr__(self, "psi", _texts(self.psi, "psi"))
-
-
-@dataclass(frozen=True)
-class Transition:
-    """A way out of a region: where its guard, positive inside, falls to zero."""
-
-    mode: str
-    """Key of the region that it ends."""
-    guard: str
-    """An expression, positive inside the region."""
-    to: str
-    """Key of the region that follows."""
-    jump: tuple[str, ...] | None = None
-    """d expressions: the state after reaching the guard's zero; None where it is continuous."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "guard", _text(self.guard))
-        object.__setattr__(self, "jump", None if self.jump is None else _texts(self.jump, "jump") or None)
 
 
 @dataclass(frozen=True)
@@ -179,9 +108,9 @@ class PiecewiseSystem:
         set_(self, "name", str(self.name))
         set_(self, "parameters", self._check_parameters())
         for name in ("variables", "f_minus", "f_plus", "psi_minus", "psi_plus", "surfaces", "f", "psi"):
-            set_(self, name, _texts(getattr(self, name), name))
-        set_(self, "jump", None if self.jump is None else _texts(self.jump, "jump") or None)
-        set_(self, "g", _text(self.g))
+            set_(self, name, texts_of(getattr(self, name), name))
+        set_(self, "jump", None if self.jump is None else texts_of(self.jump, "jump") or None)
+        set_(self, "g", text_of(self.g))
         set_(self, "values", MappingProxyType(self._check_values(self.values)))
         self._check_regions()
         if self.f_minus or self.f_plus or self.g:
@@ -207,7 +136,7 @@ class PiecewiseSystem:
         names = list(regions)
         order = names if given else sorted(names, key=lambda name: name.replace("-", "\0"))  # - before +
         set_(self, "regions", MappingProxyType({name: regions[name] for name in order}))
-        set_(self, "jumps", MappingProxyType({k: _texts(jump, f"jumps[{k}]") for k, jump in sorted(jumps.items())}))
+        set_(self, "jumps", MappingProxyType({k: texts_of(jump, f"jumps[{k}]") for k, jump in sorted(jumps.items())}))
         set_(self, "transitions", tuple(given))
 
     def _take_sides(self) -> None:
@@ -375,7 +304,7 @@ class PiecewiseSystem:
         regions['-+'].f and so on.
         """
         names = {sympy.Symbol(q.name): q.symbol for q in self.parameters}
-        names |= {v: _latex_name(str(v)) for v in self.laws.x}
+        names |= {v: latex_of_name(str(v)) for v in self.laws.x}
 
         def typeset(expressions: Sequence[sympy.Expr]) -> str:
             return r",\; ".join(sympy.latex(e, symbol_names=names) for e in expressions)
@@ -471,19 +400,3 @@ class Modes(Sequence[Mode]):
         if isinstance(number, slice):
             return tuple(self[k] for k in range(len(self))[number])
         return self._laws.mode(range(len(self))[number])
-
-
-def _texts(given: Any, what: str) -> tuple[str, ...]:
-    return tuple(map(_text, listed(given, what, "a tuple is needed, as in ('y', '-x')")))
-
-
-def _text(expression: Any) -> str:
-    return to_text(expression) if isinstance(expression, sympy.Basic) else str(expression)
-
-
-def _latex_name(name: str) -> str:
-    """LaTeX of a name; the endings _minus and _plus become the subscripts − and +."""
-    for word, sign in (("_minus", "-"), ("_plus", "+")):
-        if name.endswith(word):
-            return rf"{sympy.latex(sympy.Symbol(name.removesuffix(word)))}_{{{sign}}}"
-    return str(sympy.latex(sympy.Symbol(name)))

@@ -1,6 +1,7 @@
 """Studies of a method by many runs: its order, its cost, its stability."""
 
 from core.studies.cost import CANCELLED, DONE, WAITING, CostCurve, WorkPrecision, work_precision
+from core.studies.external_solvers import heyoka_integrator
 from core.studies.order import OrderStudy, order_study
 from core.studies.stability import (
     ENDINGS,
@@ -34,6 +35,7 @@ __all__ = [
     "OutcomeMap",
     "StabilityStudy",
     "WorkPrecision",
+    "heyoka_integrator",
     "order_study",
     "outcome_words",
     "stability_study",

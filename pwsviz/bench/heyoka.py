@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from core.studies.external_solvers import heyoka_integrator
+from core.studies import heyoka_integrator
 from pwsviz.bench.problems import Problem
 
 __all__ = ["HeyokaByRegion", "HeyokaRun", "has_heyoka"]
