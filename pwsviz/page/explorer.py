@@ -163,7 +163,8 @@ class Explorer(pn.viewable.Viewer):
         if changed & set(self.view.settings):
             self.view.redraw()
         self._changes += 1
-        self.scheduler.call_later(ADDRESS_RESTS, partial(self._write_address, self._changes))
+        changes = self._changes
+        self.scheduler.call_later(ADDRESS_RESTS, self._write_address, lambda: changes == self._changes)
 
     def refresh(self) -> None:
         """Submit the computations that the visible views need and do not show yet."""
@@ -186,12 +187,9 @@ class Explorer(pn.viewable.Viewer):
         if submitted:
             self._stop_others(view)
             if isinstance(view, LongTab):
-                self.scheduler.call_later(SOON, partial(self._show_begun, view, wanted))
-
-    def _show_begun(self, view: Tab, wanted: Any) -> None:
-        """Show that a computation is running, if it is still the one submitted."""
-        if self.scheduler.busy("view") and self.scheduler.submitted("view") == (self.scene.view, wanted):
-            view.begin()
+                self.scheduler.call_later(
+                    SOON, view.begin, partial(self.scheduler.busy, "view", (self.scene.view, wanted))
+                )
 
     def _stop_others(self, view: Tab) -> None:
         for other in self.views.values():
@@ -254,10 +252,8 @@ class Explorer(pn.viewable.Viewer):
         complaints = adopt(self.scene, search.removeprefix("?")) if search not in ("", "?") else []
         self.notice.object = "".join(as_text(words, "error") for words in complaints)
 
-    def _write_address(self, changes: int) -> None:
-        """Update the address bar unless the scene has changed since; a scene too large for a link empties it."""
-        if changes != self._changes:
-            return
+    def _write_address(self) -> None:
+        """Update the address bar; a scene too large for a link empties it."""
         try:
             self.browser.query = query(self.scene)
         except ValueError:  # the export dialog says why there is no link

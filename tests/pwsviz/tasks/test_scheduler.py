@@ -30,7 +30,7 @@ def test_the_same_is_computed_once(scheduler):
 
 def test_an_outcome_on_its_way_is_not_shown_once_it_is_forgotten(scheduler, monkeypatch):
     seen, under_way = [], []
-    monkeypatch.setattr(scheduler, "_delivery", lambda show, *outcome: under_way.append(partial(show, *outcome)))
+    monkeypatch.setattr(scheduler, "_delivery", lambda show, *outcome, **_: under_way.append(partial(show, *outcome)))
     for inputs in (1, 2):
         scheduler.submit("a", inputs, lambda _cancel, _report: "of another start", seen.append)
         assert scheduler.settle(5)
