@@ -95,7 +95,7 @@ class Delivery:
     def _apply(self) -> None:
         """Call back all that waits, and send the changes in one message: the browser paints each figure once."""
         with pn.io.hold(self.document):
-            while not self._waiting.empty():
+            for _ in range(self._waiting.qsize()):  # what these add comes in its own time
                 show = self._waiting.get()
                 if self._being_built():
                     self._early.append(show)

@@ -8,7 +8,7 @@ from threading import Lock
 from time import monotonic
 from typing import Any
 
-from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.tasks.cancellation import Cancel, Report, never
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 from pwsviz.tasks.turns import Turns
@@ -101,6 +101,10 @@ class Scheduler:
         """
         self._deliver(callback)
 
+    def call_together(self, callback: Callable[[], None]) -> None:
+        """Call back together with the outcomes of short computations under way, or soon if there are none."""
+        self._deliver(callback, lacking=self._lacks)
+
     def call_later(self, milliseconds: int, callback: Callable[[], None], wanted: Callable[[], bool]) -> None:
         """Call back from the event loop after a delay, if `wanted` then; not at all if there is none."""
         self._delivery.later(milliseconds / 1000, partial(self._while_open, callback), wanted)
@@ -139,14 +143,14 @@ class Scheduler:
         if advance is not None and self._submitted.get(lane) == inputs and self.busy(lane):
             advance(*news)
 
-    def _deliver(self, show: Callable[..., None], *outcome: Any) -> None:
+    def _deliver(self, show: Callable[..., None], *outcome: Any, lacking: Callable[[], bool] = never) -> None:
         """Deliver a result from a thread to this page, unless the page has been closed."""
-        self._delivery(partial(self._while_open, show), *outcome)
+        self._delivery(partial(self._while_open, show), *outcome, lacking=lacking)
 
     def _deliver_with_others(self, lane: str, show: Callable[..., None], outcome: Any) -> None:
         """Deliver the outcome of one lane together with those that other lanes will have soon."""
         self._come.add(lane)
-        self._delivery(partial(self._while_open, show), outcome, lacking=self._lacks)
+        self._deliver(show, outcome, lacking=self._lacks)
 
     def _lacks(self) -> bool:
         """Whether a lane has still to compute something short, and no outcome that waits."""
