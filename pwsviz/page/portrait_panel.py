@@ -122,15 +122,16 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""
-        current = self._is_current(shown)
-        if not self._keeps_view(shown.inputs, loaded=current):
+        if self._keeps_view(shown.inputs):
+            return
+        current, before = self._is_current(shown), self._aimed_at[:2]
+        if current or before != (shown.inputs.declaration, shown.inputs.axes):
             self._aimed_at = (shown.inputs.declaration, shown.inputs.axes, self.scene.loads if current else -1)
             self._aim()
 
-    def _keeps_view(self, inputs: PortraitInputs, loaded: bool = True) -> bool:
-        """Whether the view stays as it is when these pictures come, which may be those of a scene that was loaded."""
-        system, axes, loads = self._aimed_at
-        return (inputs.declaration, inputs.axes) == (system, axes) and not (loaded and self.scene.loads != loads)
+    def _keeps_view(self, inputs: PortraitInputs) -> bool:
+        """Whether the view stays as it is when these pictures come, if they are those of the present scene."""
+        return self._aimed_at == (inputs.declaration, inputs.axes, self.scene.loads)
 
     def _is_current(self, shown: Pictures) -> bool:
         return bool(shown.inputs == PortraitInputs.of(self.scene))

@@ -42,6 +42,7 @@ class NumberEntry(pn.custom.JSComponent):
     place = param.Number(default=0.0, doc="Place of the slider, between its ends.")
 
     _debounce = SLIDER_RESTS
+    _busy__ignore: ClassVar[list[str]] = ["text", "place"]  # Panel's list of what it is busy with is shown nowhere
     _bundle = "number_entry.js"  # fetched once by the browser, and not sent with every field
     _stylesheets: ClassVar[list[str]] = [FIELD_CSS]
 
