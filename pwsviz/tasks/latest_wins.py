@@ -37,7 +37,7 @@ class Job:
     deliver: Callable[[Any], None]
     quiet: float = 0.0
     patience: float = 0.0
-    given_up: Event = field(default_factory=Event)
+    given_up: Event = field(default_factory=Event)  # set from outside, to stop it
     computed: Event = field(default_factory=Event)
 
 

@@ -107,7 +107,7 @@ class Scheduler:
 
     def call_later(self, milliseconds: int, callback: Callable[[], None], wanted: Callable[[], bool]) -> None:
         """Call back from the event loop after a delay, if `wanted` then; not at all if there is none."""
-        self._delivery.later(milliseconds / 1000, partial(self._while_open, callback), wanted)
+        self._delivery.later(milliseconds / 1000, callback, lambda: not self.closed and wanted())
 
     def settle(self, timeout: float) -> bool:
         """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""

@@ -79,8 +79,7 @@ class NumberField(pn.viewable.Viewer):
         later: Later = at_once,
     ) -> None:
         super().__init__()
-        self._later = later
-        self._read, self._accept = read, accept
+        self._read, self._accept, self._later = read, accept, later
         self._log = logarithmic
         self._syncing = False
         self._shown = math.nan
