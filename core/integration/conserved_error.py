@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import sympy
 from numba import njit, types
 from numpy.typing import ArrayLike, NDArray
 
@@ -114,10 +115,16 @@ def psi_size(system: PiecewiseSystem, mode: int, t: ArrayLike, x: ArrayLike) -> 
     (...), the largest over the conserved quantities; 0 where none is known, or where it is not finite.
     """
     laws = system.laws
-    sizes = [abs(psi) + sum(abs(v * psi.diff(v)) for v in laws.x) for psi in laws.mode(mode).conserved]
+    sizes = _sizes(laws.mode(mode).conserved, laws.x)
     values = laws.evaluate(("size of psi", mode), sizes, t, x, system.parameter_array)
     largest: Floats = np.where(np.isfinite(values), values, 0.0).max(axis=-1, initial=0.0)
     return largest
+
+
+@lru_cache(maxsize=256)
+def _sizes(conserved: tuple[sympy.Expr, ...], x: tuple[sympy.Symbol, ...]) -> list[sympy.Expr]:
+    """Return |ψ| + Σₖ |xₖ ∂ψ/∂xₖ| for each ψ."""
+    return [abs(psi) + sum(abs(v * psi.diff(v)) for v in x) for psi in conserved]
 
 
 @lru_cache(maxsize=1)

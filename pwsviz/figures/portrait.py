@@ -119,6 +119,7 @@ class PortraitView:
         self.frame: Window | None = None
         self._pictures: Pictures | None = None
         self._names = ("x", "y")
+        self._named: tuple[core.PiecewiseSystem, Axes] | None = None
         self._visible: Window | None = None
         self._heard = 0
         self._acts: dict[str, Callable[[int, float, float], None]] = {
@@ -324,7 +325,10 @@ class PortraitView:
         }
 
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
-        """Label the axes, and show only what is drawn in the legend."""
+        """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""
+        if self._named == (system, axes):
+            return
+        self._named = system, axes
         self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, axes)
         self._names = system.variables[axes[0]], system.variables[axes[1]]
         self.ground.name(system, axes)

@@ -118,6 +118,9 @@ LOOKS: dict[str, tuple[Line, ...]] = {
 }
 """Looks of the integrators of each family, in their order (cyclically); all differ in colour and in dash."""
 
+FEW = 40
+"""Entries up to which a column of numbers is sent as text."""
+
 LEGEND_WIDTH = 2.5
 """Width in pixels of a line in every legend, whatever its width in the plot."""
 
@@ -318,7 +321,13 @@ def unseen(columns: Iterable[str]) -> ColumnDataSource:
 def assign(source: ColumnDataSource, **columns: Any) -> None:
     """Give a source new data unless they equal its own, which saves sending and painting them."""
     if source.data.keys() != columns.keys() or any(_differ(source.data[name], columns[name]) for name in columns):
-        source.data = columns
+        source.data = {name: _sent(column) for name, column in columns.items()}
+
+
+def _sent(column: Any) -> Any:
+    """Return a short array of numbers as a list: sent by itself, it would cost more than their digits."""
+    short = isinstance(column, np.ndarray) and column.dtype.kind in "if" and len(column) <= FEW
+    return column.tolist() if short else column
 
 
 def _differ(old: Any, new: Any) -> bool:

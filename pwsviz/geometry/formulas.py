@@ -9,7 +9,7 @@ import sympy
 
 import core
 from core.symbolic import TIME, Mode
-from pwsviz.geometry.projection import PLANE, Axes, moves, shows_regions, surfaces_shown
+from pwsviz.geometry.projection import PLANE, Axes, forced, moves, shows_regions, surfaces_shown
 from pwsviz.geometry.shades import region_name
 
 __all__ = ["FUNCTIONS", "Tree", "formulas", "tree"]
@@ -68,7 +68,7 @@ def formulas(system: core.PiecewiseSystem, axes: Axes) -> dict[str, Any]:
             for mode, part in zip(laws.regions, psi, strict=True) if told
         ],
         "moving": moves(system),
-        "forced": any(TIME in part.free_symbols for mode in laws.regions for part in mode.field),
+        "forced": forced(system),
     }  # fmt: skip
 
 

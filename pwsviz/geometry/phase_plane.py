@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -25,8 +25,8 @@ from pwsviz.geometry.projection import (
 )
 from pwsviz.geometry.shades import regions_of
 
-GRID = 160
-"""Cells along the longer side of the grid on which surfaces and level sets are traced."""
+GRID = 120
+"""Cells along the longer side of the grid on which surfaces and level sets are traced: 6 to 10 pixels each."""
 
 ARROWS = 24
 """Arrows of the field along the longer side."""
@@ -151,15 +151,15 @@ def backdrop(
     rings = plane.minus_rings()
     return Backdrop(
         window=window,
-        surface=_joined(plane.surface()),
-        attracting=_joined(plane.where_both_point(1)),
-        repelling=_joined(plane.where_both_point(-1)),
+        surface=plane.surface(),
+        attracting=plane.where_both_point(1),
+        repelling=plane.where_both_point(-1),
         minus_outer=[ring[0] for ring in rings],
         minus_holes=[ring[1:] for ring in rings],
         arrows={side: np.concatenate([*map(plane.arrows, modes), _joined([])]) for side, modes in shades.items()},
-        levels={side: _joined_sets(map(plane.usual_level_sets, modes)) for side, modes in shades.items()},
+        levels={side: _joined(map(plane.usual_level_sets, modes), 3) for side, modes in shades.items()},
         orbit_levels={
-            side: _joined_sets(plane.level_sets(mode, orbits.get(mode, ())) for mode in modes)
+            side: _joined((plane.level_sets(mode, orbits.get(mode, ())) for mode in modes), 3)
             for side, modes in shades.items()
         },
         whole={
@@ -173,7 +173,7 @@ def backdrop(
 
 def closed_surface(system: core.PiecewiseSystem, window: Window, axes: Axes = (0, 1)) -> Floats:
     """Return the points (k, 2) of the pieces of the surface that are closed curves within a window."""
-    lines = _Plane(system, window, axes).surface()
+    lines = _pieces(_Plane(system, window, axes).surface())
     loops = [line for line in lines if len(line) > 3 and np.array_equal(line[0], line[-1])]
     return np.concatenate([*loops, np.empty((0, 2))])
 
@@ -186,14 +186,11 @@ class _Plane:
         self.window = window
         self.axes = axes
         self.x, self.y = self._axes(GRID)
+        self.grid = self._states(*np.meshgrid(self.x, self.y))
         self.shown = surfaces_shown(system, axes)
-        self._psi: dict[int, Floats | None] = {}
-
-    def psi(self, mode: int) -> Floats | None:
-        """Return the first conserved quantity of a mode on the grid, or None."""
-        if mode not in self._psi:
-            self._psi[mode] = self._conserved(mode)
-        return self._psi[mode]
+        # What several parts of the picture need, computed once:
+        self._psi, self._levels = cache(self._conserved), cache(self._level_contours)
+        self._inside, self._surface = cache(self._heights), cache(self._traced_surface)
 
     def _axes(self, count: int) -> tuple[Floats, Floats]:
         """Return grid lines in x and y: nearly square cells, `count` of them along the longer side."""
@@ -208,63 +205,86 @@ class _Plane:
         states[..., self.axes[0]], states[..., self.axes[1]] = x, y
         return states
 
-    def _switching(self, k: int, x: Floats, y: Floats) -> Floats:
-        """Return a switching function, by its number."""
-        return np.asarray(self.system.laws.evaluate(("g", k), (self.system.laws.surfaces[k],), 0.0, self._states(x, y),
-                                                    self.system.parameter_array))[..., 0]  # fmt: skip
+    def _switching(self, k: int) -> Floats:
+        """Return a switching function on the grid, by its number."""
+        laws = self.system.laws
+        values = laws.evaluate(("g", k), (laws.surfaces[k],), 0.0, self.grid, self.system.parameter_array)
+        return np.asarray(values)[..., 0]
 
-    def _height(self, mode: int, x: Floats, y: Floats) -> Floats:
+    def _height(self, mode: int, states: Floats) -> Floats:
         """Return the least guard of a mode, which is positive inside it."""
-        heights: Floats = self.system.heights(mode, 0.0, self._states(x, y)).min(axis=-1)
+        heights: Floats = self.system.heights(mode, 0.0, states).min(axis=-1)
         return heights
 
+    def _heights(self, mode: int) -> Floats:
+        """Return the least guard of a mode on the grid."""
+        return self._height(mode, self.grid)
+
     def _conserved(self, mode: int) -> Floats | None:
-        """Return ψ on the grid; None if there is none, or its level sets cannot be drawn in the plane."""
+        """Return the first ψ of a mode on the grid; None if it has none whose level sets can be drawn in the plane."""
         if not shows_levels(self.system):
             return None
         with np.errstate(all="ignore"):
-            states = self._states(*np.meshgrid(self.x, self.y))
-            psi = np.asarray(self.system.conserved(self.system.laws.name(mode), 0.0, states))
-        return np.ma.masked_invalid(psi[..., 0]) if psi.shape[-1] else None
+            psi = np.asarray(self.system.conserved(self.system.laws.name(mode), 0.0, self.grid))
+        return psi[..., 0] if psi.shape[-1] else None
 
-    def _contours(self, values: Floats) -> Any:
-        return contour_generator(self.x, self.y, values, line_type=LineType.Separate)
+    def _contours(self, values: Floats) -> Callable[[float], Floats]:
+        """Return a function that traces a level set of values on the grid."""
+        contours = contour_generator(self.x, self.y, values, line_type=LineType.ChunkCombinedNan)
 
-    def _simplified(self, line: Floats) -> Floats:
-        """Return a line without the vertices within 1/4000 of the longer side of what is left."""
-        return line[simplify(line, max(self.window.width, self.window.height) / 4000)]
+        def at(level: float) -> Floats:
+            (line,) = contours.lines(level)[0]
+            return np.empty((0, 2)) if line is None else np.asarray(line)
 
-    def surface(self) -> list[Floats]:
-        """Return the pieces of the curves g = 0; none of a surface that is no curve in the plane."""
-        return [line for k in self.shown for line in self._surface(k)]
+        return at
 
-    def _surface(self, k: int) -> list[Floats]:
-        lines = self._contours(self._switching(k, *np.meshgrid(self.x, self.y))).lines(0.0)
-        return [self._simplified(line) for line in lines]
+    def _level_contours(self, mode: int) -> Callable[[float], Floats] | None:
+        """Return a function that traces a level set of the first ψ of a mode; None if there is none to draw."""
+        psi = self._psi(mode)
+        return None if psi is None else self._contours(psi)
 
-    def where_both_point(self, way: int) -> list[Floats]:
-        """Return the pieces of the surfaces to which both fields point (way = 1), or from which both do (−1).
+    def _simplified(self, lines: Floats) -> Floats:
+        """Return lines without the vertices within 1/4000 of the longer side of what is left."""
+        gaps = np.isnan(lines[:, 0])
+        kept = gaps.copy()
+        kept[1:] |= gaps[:-1]
+        kept[:-1] |= gaps[1:]
+        return lines[simplify(lines, max(self.window.width, self.window.height) / 4000, kept)]
+
+    def surface(self) -> Floats:
+        """Return the curves g = 0; none of a surface that is no curve in the plane."""
+        return _joined(map(self._surface, self.shown))
+
+    def _traced_surface(self, k: int) -> Floats:
+        return self._simplified(self._contours(self._switching(k))(0.0))
+
+    def where_both_point(self, way: int) -> Floats:
+        """Return the parts of the surfaces to which both fields point (way = 1), or from which both do (−1).
 
         None where this changes with time, or depends on variables that are not shown, or where the state jumps.
         """
         if not shows_sliding(self.system):
-            return []
-        pieces = []
+            return _joined([])
+        parts = []
         for mode, (_, _, k) in enumerate(self.system.laws.pairs, start=len(self.system.laws.regions)):
-            for line in self._surface(k) if k in self.shown else []:
-                fine = _resampled(line, max(self.window.width, self.window.height) / FINE)
+            if k in self.shown:
+                fine = self._finely(self._surface(k))
                 heights = np.asarray(self.system.heights(mode, 0.0, self._states(*fine.T)), dtype=float)
-                heights[:, :2] *= way  # the rates; then the other surfaces between which the piece lies
-                pieces += _cut(fine, heights.min(axis=1))
-        return pieces
+                heights[:, :2] *= way  # the rates; then the other surfaces between which the part lies
+                parts.append(_cut(fine, heights.min(axis=1)))
+        return _joined(parts)
+
+    def _finely(self, lines: Floats) -> Floats:
+        """Return lines with vertices as close as those of a line that a moving surface hides in part."""
+        spacing = max(self.window.width, self.window.height) / FINE
+        return _joined((_resampled(line, spacing) for line in _pieces(lines)), lines.shape[1])
 
     def minus_rings(self) -> list[list[Floats]]:
         """Return the outlines of the regions of the first shade, where g < 0, each followed by those of its holes."""
         modes = regions_of(self.system, -1)
         if not modes or not shows_regions(self.system, self.axes):
             return []
-        grid = np.meshgrid(self.x, self.y)
-        g = -np.max([self._height(mode, *grid) for mode in modes], axis=0)
+        g = -np.max([self._inside(mode) for mode in modes], axis=0)
         inside = contour_generator(self.x, self.y, g, fill_type=FillType.OuterOffset)
         filled: Any = inside.filled(-np.inf, 0.0)
         pieces, offsets = filled
@@ -276,41 +296,28 @@ class _Plane:
 
     def usual_levels(self, mode: int) -> tuple[float, ...]:
         """Return quantiles of ψ, so that level sets divide the visible part of a region into strips of equal area."""
-        psi = self.psi(mode)
+        psi = self._psi(mode)
         if psi is None:
             return ()
-        there = np.ma.compressed(psi[self._height(mode, *np.meshgrid(self.x, self.y)) > 0])
+        there = psi[(self._inside(mode) > 0) & np.isfinite(psi)]
         return tuple(np.quantile(there, (np.arange(LEVELS) + 0.5) / LEVELS)) if there.size else ()
 
     def level_sets(self, mode: int, levels: tuple[float, ...]) -> Floats:
         """Return level sets of ψ in one region, cut off at its surfaces."""
         lines = self._lines(mode, levels)
-        if not lines:
-            return _joined([], 3)
-        g = self._height(mode, *np.concatenate([line for _, line in lines]).T)
-        ends = np.cumsum([len(line) for _, line in lines])
-        whole = zip(lines, np.split(g, ends[:-1]), strict=True)
-        pieces = [(level, piece) for (level, line), there in whole for piece in _cut(line, there)]
-        return _joined([_with_value(self._simplified(piece), level) for level, piece in pieces], 3)
+        return self._simplified(_cut(lines, self._height(mode, self._states(*lines[:, :2].T))))
 
-    def _lines(self, mode: int, levels: tuple[float, ...]) -> list[tuple[float, Floats]]:
-        """Return the pieces of level sets, beyond the surfaces, too, each with its value of ψ.
+    def _lines(self, mode: int, levels: tuple[float, ...]) -> Floats:
+        """Return level sets, beyond the surfaces, too, with the value of ψ in a third column.
 
         They have a vertex wherever they leave a cell of the grid, so that a region between two ends is met.
         """
-        psi = self.psi(mode)
-        if psi is None or not levels:
-            return []
-        contours = self._contours(psi)
-        return [(at, line) for at in levels for line in contours.lines(at)]
+        trace = self._levels(mode)
+        return _joined((_with_value(trace(level), level) for level in levels if trace is not None), 3)
 
     def whole(self, mode: int, orbits: tuple[float, ...]) -> list[Columns]:
         """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""
-        fine = max(self.window.width, self.window.height) / FINE
-        sets = [
-            _joined([_with_value(_resampled(line, fine), level) for level, line in self._lines(mode, levels)], 3)
-            for levels in (self.usual_levels(mode), orbits)
-        ]
+        sets = [self._finely(self._lines(mode, levels)) for levels in (self.usual_levels(mode), orbits)]
         arrows, centres = self._all_arrows(mode)
         parts = [(lines[:, :2], lines[:, :2], lines[:, 2]) for lines in sets]
         parts.append((arrows, np.repeat(centres, ROWS, axis=0), np.full(len(arrows), np.nan)))
@@ -318,13 +325,13 @@ class _Plane:
 
     def _hidden(self, mode: int, lines: Floats, at: Floats, psi: Floats) -> Columns:
         """Return lines as columns; x is NaN where the point `at` lies on the other side at t = 0."""
-        x = np.where(self._height(mode, at[:, 0], at[:, 1]) > 0, lines[:, 0], np.nan)
+        x = np.where(self._height(mode, self._states(*at.T)) > 0, lines[:, 0], np.nan)
         return {"x": x, "y": lines[:, 1], "psi": psi, "whole": lines[:, 0], "at_x": at[:, 0], "at_y": at[:, 1]}
 
     def arrows(self, mode: int) -> Floats:
         """Return the directions of the field of one region, as open arrows of equal length."""
         lines, centres = self._all_arrows(mode)
-        there = self._height(mode, centres[:, 0], centres[:, 1]) > 0
+        there = self._height(mode, self._states(*centres.T)) > 0
         return lines[np.repeat(there, ROWS)]
 
     def _all_arrows(self, mode: int) -> tuple[Floats, Floats]:
@@ -353,34 +360,41 @@ def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> F
     return np.stack([middle - forward, tip, neck + sideways, tip, neck - sideways, gap], axis=1).reshape(-1, 2)
 
 
-def _cut(line: Floats, g: Floats) -> list[Floats]:
-    """Return the pieces of a line where g > 0, cut where g, interpolated linearly, vanishes."""
+def _cut(lines: Floats, g: Floats) -> Floats:
+    """Return the parts of lines where g > 0, cut where g, interpolated linearly, vanishes."""
     change = np.flatnonzero(g[:-1] * g[1:] < 0)
     share = g[change] / (g[change] - g[change + 1])
-    ends = line[change] + share[:, None] * (line[change + 1] - line[change])
-    line = np.insert(line, change + 1, ends, axis=0)
-    g = np.insert(g, change + 1, 0.0)
-    bounds = np.unique([0, *np.flatnonzero(g == 0.0), len(g) - 1]).tolist()
-    return [line[a : b + 1] for a, b in pairwise(bounds) if g[a : b + 1].sum() > 0]
+    ends = lines[change] + share[:, None] * (lines[change + 1] - lines[change])
+    lines, g = np.insert(lines, change + 1, ends, axis=0), np.insert(g, change + 1, 0.0)
+    gap = np.isnan(lines[:, 0])
+    inside = ((g[:-1] > 0) | (g[1:] > 0)) & ~gap[:-1] & ~gap[1:]  # of each piece of a line between two vertices
+    met = np.zeros(len(lines), dtype=bool)
+    met[:-1] |= inside
+    met[1:] |= inside
+    kept = np.flatnonzero(met)
+    return np.insert(lines[kept], 1 + np.flatnonzero(~inside[kept[:-1]]), np.nan, axis=0)
 
 
-def _with_value(line: Floats, value: float) -> Floats:
-    return np.column_stack([line, np.full(len(line), value)])
+def _with_value(lines: Floats, value: float) -> Floats:
+    """Return lines with a third column that holds a value."""
+    return np.column_stack([lines, np.full(len(lines), value)])
 
 
 def _resampled(line: Floats, spacing: float) -> Floats:
     """Return a line with vertices at this spacing or less, and its ends."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line[:, :2], axis=0).T))])
     at = np.linspace(0.0, along[-1], 2 + int(along[-1] / spacing))
-    return np.column_stack([np.interp(at, along, line[:, k]) for k in range(2)])
+    return np.column_stack([np.interp(at, along, column) for column in line.T])
 
 
-def _joined_sets(sets: Iterable[Floats]) -> Floats:
-    """Return the level sets of several regions in one array."""
-    return np.concatenate([*sets, _joined([], 3)])
+def _pieces(lines: Floats) -> list[Floats]:
+    """Return the lines between the gaps of one array."""
+    there = np.flatnonzero(~np.isnan(lines[:, 0]))
+    starts = 1 + np.flatnonzero(np.diff(there) > 1)
+    return [lines[part] for part in np.split(there, starts) if len(part)]
 
 
-def _joined(lines: list[Floats], width: int = 2) -> Floats:
+def _joined(lines: Iterable[Floats], width: int = 2) -> Floats:
     """Return one array of all lines, each followed by a gap."""
     gap = np.full((1, width), np.nan)
     return np.concatenate([part for line in lines for part in (line, gap)] or [gap])

@@ -7,7 +7,10 @@ is not a projection and would mislead, so it is left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TypeVar
+
+import sympy
 
 import core
 from core.kernels import Floats
@@ -37,7 +40,7 @@ def in_plane(x: Floats, axes: Axes) -> Floats:
 def surfaces_shown(system: core.PiecewiseSystem, axes: Axes) -> list[int]:
     """Return the numbers of the surfaces that are curves in the plane: their g depends on no other variable."""
     hidden = set(_others(system.laws.x, axes))
-    return [k for k, g in enumerate(system.laws.surfaces) if not g.free_symbols & hidden]
+    return [k for k, g in enumerate(system.laws.surfaces) if not _symbols(g) & hidden]
 
 
 def shows_surface(system: core.PiecewiseSystem, axes: Axes) -> bool:
@@ -67,8 +70,7 @@ def shows_levels(system: core.PiecewiseSystem) -> bool:
 
 def shows_sliding(system: core.PiecewiseSystem) -> bool:
     """Whether the pieces of the surface along which states slide can be drawn: nothing changes with time or jumps."""
-    timed = any(TIME in f.free_symbols for mode in system.laws.regions for f in mode.field) or moves(system)
-    return system.dimension == PLANE and not timed and not system.laws.jumps
+    return system.dimension == PLANE and not forced(system) and not moves(system) and not system.laws.jumps
 
 
 def surface_name(system: core.PiecewiseSystem) -> str:
@@ -132,8 +134,19 @@ def _others(names: Sequence[Name], axes: Axes) -> list[Name]:
 
 def moves(system: core.PiecewiseSystem) -> bool:
     """Whether a surface moves: its g names time."""
-    return any(TIME in g.free_symbols for g in system.laws.surfaces)
+    return any(TIME in _symbols(g) for g in system.laws.surfaces)
+
+
+def forced(system: core.PiecewiseSystem) -> bool:
+    """Whether a field names time."""
+    return any(TIME in _symbols(f) for mode in system.laws.regions for f in mode.field)
 
 
 def _psi_names_time(system: core.PiecewiseSystem) -> bool:
-    return any(TIME in psi.free_symbols for mode in system.laws.regions for psi in mode.conserved)
+    return any(TIME in _symbols(psi) for mode in system.laws.regions for psi in mode.conserved)
+
+
+@lru_cache(maxsize=1024)
+def _symbols(expression: sympy.Expr) -> frozenset[sympy.Basic]:
+    """Return the names in an expression; kept, as they are asked for at each move of a slider."""
+    return frozenset(expression.free_symbols)

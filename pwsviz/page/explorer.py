@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property, partial
 from html import escape
 from typing import Any
@@ -43,7 +44,7 @@ COVER = Cover(RESULTS)
 FIRST = 0.15
 """Seconds that a page waits for its first pictures: most often they are there already, or need some milliseconds."""
 
-ADDRESS_RESTS = 1000
+ADDRESS_RESTS = 1500
 """Milliseconds without a change of the scene after which the address bar is updated."""
 
 SOON = 200
@@ -108,6 +109,7 @@ class Explorer(pn.viewable.Viewer):
         self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
         self._changed_settings: set[str] = set()
+        self._with_pictures: list[Callable[[], None]] = []
         self.tabs = self._make_tabs()
         for tab in self.views.values():
             if isinstance(tab, LongTab):
@@ -127,7 +129,7 @@ class Explorer(pn.viewable.Viewer):
     @cached_property
     def sidebar(self) -> Sidebar:
         """The controls."""
-        return Sidebar(self.scene, self.edit)
+        return Sidebar(self.scene, self.edit, self._call_with_pictures)
 
     @cached_property
     def editing(self) -> Any:
@@ -161,8 +163,19 @@ class Explorer(pn.viewable.Viewer):
         self.refresh()
         if changed & set(self.view.settings):
             self.view.redraw()
+        callbacks, self._with_pictures = self._with_pictures, []
+        for callback in callbacks:
+            self.scheduler.call_together(callback)
         self._changes += 1
-        self.scheduler.call_later(ADDRESS_RESTS, partial(self._write_address, self._changes))
+        changes = self._changes
+        self.scheduler.call_later(ADDRESS_RESTS, self._write_address, lambda: changes == self._changes)
+
+    def _call_with_pictures(self, callback: Callable[[], None]) -> None:
+        """Call back when the pictures of the last change come, or soon if they do not: one message tells all."""
+        if not self._changed_settings:  # they have been submitted
+            self.scheduler.call_together(callback)
+        elif callback not in self._with_pictures:
+            self._with_pictures.append(callback)
 
     def refresh(self) -> None:
         """Submit the computations that the visible views need and do not show yet."""
@@ -185,12 +198,8 @@ class Explorer(pn.viewable.Viewer):
         if submitted:
             self._stop_others(view)
             if isinstance(view, LongTab):
-                self.scheduler.call_later(SOON, partial(self._show_begun, view, wanted))
-
-    def _show_begun(self, view: Tab, wanted: Any) -> None:
-        """Show that a computation is running, if it is still the one submitted."""
-        if self.scheduler.busy("view") and self.scheduler.submitted("view") == (self.scene.view, wanted):
-            view.begin()
+                under_way = partial(self.scheduler.busy, "view", (self.scene.view, wanted))
+                self.scheduler.call_later(SOON, view.begin, under_way)
 
     def _stop_others(self, view: Tab) -> None:
         for other in self.views.values():
@@ -253,10 +262,8 @@ class Explorer(pn.viewable.Viewer):
         complaints = adopt(self.scene, search.removeprefix("?")) if search not in ("", "?") else []
         self.notice.object = "".join(as_text(words, "error") for words in complaints)
 
-    def _write_address(self, changes: int) -> None:
-        """Update the address bar unless the scene has changed since; a scene too large for a link empties it."""
-        if changes != self._changes:
-            return
+    def _write_address(self) -> None:
+        """Update the address bar; a scene too large for a link empties it."""
         try:
             self.browser.query = query(self.scene)
         except ValueError:  # the export dialog says why there is no link

@@ -9,17 +9,19 @@ from typing import Any
 
 import panel as pn
 
-import core
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.portrait_text import figures_of
 from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
-from pwsviz.geometry.projection import portrait_note
+from pwsviz.geometry.projection import Axes, portrait_note
 from pwsviz.page.player import Player
 from pwsviz.page.window_fields import Ends, WindowFields
+from pwsviz.results.orbits import Levels
+from pwsviz.results.requests import InitialValueProblem
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.scene import Scene, Start
 from pwsviz.scene.validation import window
+from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
@@ -68,7 +70,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.trouble = text_pane("")
         self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
-        self._aimed_at: tuple[Any, ...] = ()
+        self._aimed_at: tuple[Any, Any, int] = (None, None, -1)  # system, plane, and loads of the scene
         self._told: Any = None
         self._placed: tuple[dict[str, Any], ...] = ({}, {})  # the starts before and after the last click
         scene.param.watch(lambda event: None if event.new == self._told else self._aim(), "window")
@@ -77,30 +79,30 @@ class PortraitPanel(pn.viewable.Viewer):
     def refresh(self) -> None:
         """Submit the computation of the portrait of the present scene."""
         wanted = PortraitInputs.of(self.scene)
+        window = self._covering() if self._keeps_view(wanted) else None
         if self.scheduler.submit(
-            "runs", wanted, lambda cancel, _: self.results.pictures(wanted, cancel), self._show, patience=0.1
+            "runs", wanted, lambda cancel, _: self._compute(wanted, window, cancel), self._show, patience=0.1
         ):
-            self._remind_later(wanted)
+            self.scheduler.call_later(REMIND, self._remind, partial(self.scheduler.busy, "runs", wanted))
         elif self.shown is not None and self.shown.inputs == wanted:
             self._mark_starts()
 
-    def _remind_later(self, wanted: PortraitInputs) -> None:
-        """Show a progress bar if the portrait has not come after `REMIND` milliseconds."""
+    def _compute(self, wanted: PortraitInputs, window: Window | None, cancel: Cancel) -> Pictures:
+        """Return the curves, after computing what lies under them on a window, so that both are painted together."""
+        pictures = self.results.pictures(wanted, cancel)
+        if window is not None:
+            self.results.backdrop(*_ground_of(pictures, window))
+        return pictures
 
-        def remind() -> None:
-            self.progress.visible = self.scheduler.busy("runs") and self.scheduler.submitted("runs") == wanted
-            if self.progress.visible and self.shown and self._declaration(self.shown) != self.scene.declaration:
-                name = self.scene.declaration.name
-                words = f"{name}: compiling its integrators, which takes a few seconds the first time."
-                self.status.object, self.note.object = as_text(words), ""
-                fade(self.pane, past=True)
-                self._on_wait(words)
-
-        self.scheduler.call_later(REMIND, remind)
-
-    @staticmethod
-    def _declaration(pictures: Pictures) -> core.PiecewiseSystem:
-        return pictures.inputs.selected[0].problem.declaration
+    def _remind(self) -> None:
+        """Show a progress bar: the portrait has not come yet."""
+        self.progress.visible = self.scheduler.busy("runs")
+        if self.progress.visible and self.shown and self.shown.inputs.declaration != self.scene.declaration:
+            name = self.scene.declaration.name
+            words = f"{name}: compiling its integrators, which takes a few seconds the first time."
+            self.status.object, self.note.object = as_text(words), ""
+            fade(self.pane, past=True)
+            self._on_wait(words)
 
     def _show(self, outcome: Pictures | Exception) -> None:
         self.progress.visible = False
@@ -109,7 +111,7 @@ class PortraitPanel(pn.viewable.Viewer):
             return
         self.trouble.object = ""
         fade(self.pane, past=False)
-        system, axes = self._declaration(outcome), outcome.inputs.axes
+        system, axes = outcome.inputs.declaration, outcome.inputs.axes
         self.shown = outcome
         self._mark_starts()
         self._aim_first(outcome)
@@ -120,11 +122,16 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""
-        kind = (self._declaration(shown), shown.inputs.axes)
-        current = self._is_current(shown)
-        if kind != self._aimed_at[:2] or (current and self.scene.loads != self._aimed_at[2]):
-            self._aimed_at = (*kind, self.scene.loads if current else -1)
+        if self._keeps_view(shown.inputs):
+            return
+        current, before = self._is_current(shown), self._aimed_at[:2]
+        if current or before != (shown.inputs.declaration, shown.inputs.axes):
+            self._aimed_at = (shown.inputs.declaration, shown.inputs.axes, self.scene.loads if current else -1)
             self._aim()
+
+    def _keeps_view(self, inputs: PortraitInputs) -> bool:
+        """Whether the view stays as it is when these pictures come, if they are those of the present scene."""
+        return self._aimed_at == (inputs.declaration, inputs.axes, self.scene.loads)
 
     def _is_current(self, shown: Pictures) -> bool:
         return bool(shown.inputs == PortraitInputs.of(self.scene))
@@ -170,7 +177,7 @@ class PortraitPanel(pn.viewable.Viewer):
         assert self.shown is not None  # noqa: S101  (called only after the first portrait)
         a, b = self.shown.inputs.axes
         starts = [(start[a], start[b]) for start in self.scene.starts]
-        self.portrait.show_orbits(self._declaration(self.shown), self.shown, starts, self.scene.selected)
+        self.portrait.show_orbits(self.shown.inputs.declaration, self.shown, starts, self.scene.selected)
 
     def _submit_frames(self) -> None:
         """Submit the computation of the frames of the player, while it is open."""
@@ -199,23 +206,30 @@ class PortraitPanel(pn.viewable.Viewer):
         self.limits.sync()
         self._cover()
 
+    def _covering(self) -> Window | None:
+        """Return the window of a backdrop for the visible part of the plane; None if nothing is visible yet."""
+        visible, covered = self._visible or self.portrait.frame, self.portrait.ground.covered
+        if visible is None or (covered is not None and covered.shows_well(visible)):
+            return covered
+        return visible.scaled(1.3 if self._visible else 2.0)
+
     def _cover(self) -> None:
-        """Submit the computation of a backdrop for the visible part of the plane."""
-        if self.shown is None or self.portrait.frame is None:
+        """Show a backdrop for the visible part of the plane if it has been computed, or submit its computation."""
+        window = self._covering()
+        if self.shown is None or window is None:
             return
-        visible = self._visible or self.portrait.frame
-        window = self.portrait.ground.covered
-        if window is None or not window.shows_well(visible):
-            window = visible.scaled(1.3 if self._visible else 2.0)
-        problem, axes = self.shown.inputs.selected[0].problem, self.shown.inputs.axes
-        levels = self.shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
-        self.scheduler.submit(
-            "backdrop",
-            (problem.declaration, problem.values, window, levels, axes),
-            lambda _cancel, _report: self.results.backdrop(problem, window, levels, axes),
-            self._show_backdrop,
-            patience=0.1,
-        )
+        wanted = _ground_of(self.shown, window)
+        if there := self.results.found_backdrop(*wanted):
+            self.scheduler.forget("backdrop")
+            self._show_backdrop(there)
+        else:
+            self.scheduler.submit(
+                "backdrop",
+                wanted,
+                lambda _cancel, _report: self.results.backdrop(*wanted),
+                self._show_backdrop,
+                patience=0.1,
+            )
 
     def _show_backdrop(self, outcome: Any) -> None:
         if isinstance(outcome, Exception):
@@ -285,6 +299,12 @@ def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, i
     digits = _digits(view)
     shown = {axes[0]: round(x, digits), axes[1]: round(y, digits)}
     return tuple(shown.get(k, value) for k, value in enumerate(others))
+
+
+def _ground_of(shown: Pictures, window: Window) -> tuple[InitialValueProblem, Window, Levels, Axes]:
+    """Return the arguments of `Results.backdrop` for these curves."""
+    levels = shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
+    return shown.inputs.selected[0].problem, window, levels, shown.inputs.axes
 
 
 def _digits(view: Window) -> int:

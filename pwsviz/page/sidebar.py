@@ -21,7 +21,7 @@ from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text.words import as_text
 from pwsviz.widgets.choices import Choices
 from pwsviz.widgets.dropdown import Dropdown
-from pwsviz.widgets.number_field import NumberField
+from pwsviz.widgets.number_field import Later, NumberField, at_once
 from pwsviz.widgets.panes import PLAIN_SX, heading, text_pane
 
 TAU_SLIDER = (1e-4, 0.3)
@@ -57,11 +57,13 @@ class Sidebar(pn.viewable.Viewer):
         The settings.
     on_edit : callable
         Called when the user wants to write a system.
+    later : callable, optional
+        Takes a function that shows changed numbers, and calls it; at once, unless it is better to wait for others.
     """
 
-    def __init__(self, scene: Scene, on_edit: Callable[[], None]) -> None:
+    def __init__(self, scene: Scene, on_edit: Callable[[], None], later: Later = at_once) -> None:
         super().__init__()
-        self.scene = scene
+        self.scene, self._later = scene, later
         self._make_examples()
         self._make_system(on_edit)
         self._make_numbers()
@@ -152,8 +154,9 @@ class Sidebar(pn.viewable.Viewer):
 
     def _number(self, field: str, label: str = "", **options: Any) -> NumberField:
         return NumberField(
-            label or LABELS[field], partial(self._read, field), partial(self.scene.accept, field), **options
-        )
+            label or LABELS[field], partial(self._read, field), partial(self.scene.accept, field), later=self._later,
+            **options,
+        )  # fmt: skip
 
     def _read(self, field: str) -> float:
         name, _, part = field.partition(".")
@@ -202,6 +205,9 @@ class Sidebar(pn.viewable.Viewer):
         """Show the numbers of the scene, after making the fields of its system if need be."""
         if self._built_for is not self.scene.declaration:
             self._rebuild()
+        self._later(self._show_numbers)
+
+    def _show_numbers(self) -> None:
         for field in (self.tau, self.tolerance, self.t_end, self.scale, *self.fields.values()):
             field.sync()
 

@@ -61,6 +61,15 @@ class Cache:
                 continue
             return value
 
+    def found(self, kind: str, inputs: Hashable) -> Any:
+        """Return the value for (`kind`, `inputs`) if it is kept, else None; nothing is computed or waited for."""
+        key = (kind, inputs)
+        with self._lock:
+            if key not in self._sizes:
+                return None
+            self._futures.move_to_end(key)
+            return self._futures[key].result()
+
     def _fill(self, key: Hashable, future: Future[Any], compute: Callable[[], Value]) -> Value:
         try:
             value = compute()

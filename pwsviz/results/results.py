@@ -106,6 +106,11 @@ class PortraitInputs:
         return cls(run_inputs(scene), other_inputs(scene), scene.axes, index)
 
     @property
+    def declaration(self) -> core.PiecewiseSystem:
+        """The system, at its declared parameter values."""
+        return self.selected[0].problem.declaration
+
+    @property
     def start_count(self) -> int:
         """Number of starts."""
         return 1 + len(self.others) // len(self.selected)
@@ -237,9 +242,15 @@ class Results:
 
     def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
         """Return the backdrop of the portrait on a window, with these level sets besides the usual ones."""
-        still = replace(problem, x0=())
-        key = (still, window, levels, axes)
-        return self._cache.get("backdrop", key, lambda: backdrop(still.build(), window, dict(levels), axes))
+        key = _still(problem), window, levels, axes
+        return self._cache.get("backdrop", key, lambda: backdrop(problem.build(), window, dict(levels), axes))
+
+    def found_backdrop(
+        self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)
+    ) -> Backdrop | None:
+        """Return the same if it is in the cache, else None."""
+        found: Backdrop | None = self._cache.found("backdrop", (_still(problem), window, levels, axes))
+        return found
 
     def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis | None:
         """Return the constants of the theory along a run; None of several surfaces, about which it says nothing."""
@@ -304,6 +315,11 @@ class Results:
             return value
 
         return self._cache.get(kind, inputs, study)
+
+
+def _still(problem: InitialValueProblem) -> InitialValueProblem:
+    """Return a problem without its start, on which no backdrop depends."""
+    return replace(problem, x0=())
 
 
 def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:

@@ -27,11 +27,17 @@ def compute_first_scene() -> None:
     RESULTS.diagnosis(runs[0])  # the message of a run that stops early needs what this prepares
 
 
+BETWEEN_COLLECTIONS = 50_000
+"""New objects after which the collector of garbage looks for cycles; each message makes one for each model of a page,
+so that with Python's default of 700 it would look several times a message."""
+
+
 def prepare() -> None:
     """Compute the first scene, and keep what there is by then: the collector of garbage stops all to go through it."""
     compute_first_scene()
     COVER.draw()
     gc.freeze()
+    gc.set_threshold(BETWEEN_COLLECTIONS)
 
 
 if __name__ == "panel_setup_module":

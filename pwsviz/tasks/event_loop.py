@@ -12,10 +12,15 @@ from typing import Any
 
 import panel as pn
 
+from pwsviz.tasks.cancellation import never
+
 __all__ = ["Delivery"]
 
 LOOK_AGAIN = 0.005
 """Seconds after which it is asked again whether callbacks will come."""
+
+TOGETHER = 0.1
+"""Seconds at most that an outcome waits for others, to be shown with them: one message costs less than two."""
 
 
 class Delivery:
@@ -35,7 +40,7 @@ class Delivery:
             self._loop = asyncio.get_running_loop()
             pn.state.onload(self._catch_up)
 
-    def __call__(self, show: Callable[..., None], *outcome: Any) -> None:
+    def __call__(self, show: Callable[..., None], *outcome: Any, lacking: Callable[[], bool] = never) -> None:
         """Call `show` in the event loop soon; may be called from any thread.
 
         Parameters
@@ -44,12 +49,23 @@ class Delivery:
             The callback.
         *outcome
             Its arguments.
+        lacking : callable, optional
+            Asked in the event loop: returns whether to wait up to `TOGETHER` seconds for another call, to show both
+            together.
         """
         if self.document is None:
             show(*outcome)
         elif not self._loop.is_closed():
             self._waiting.put(partial(show, *outcome))
-            self._loop.call_soon_threadsafe(self._add_next)
+            self._loop.call_soon_threadsafe(self._add_unless, lacking)
+
+    def later(self, seconds: float, show: Callable[[], None], wanted: Callable[[], bool]) -> None:
+        """Call `show` in the event loop after so many seconds, if it is `wanted` then; not at all without a page.
+
+        To be called in the event loop, as `wanted` is, which may look at anything but change nothing.
+        """
+        if self.document is not None:
+            self._loop.call_later(seconds, lambda: self(show) if wanted() else None)
 
     def run(self, busy: Callable[[], bool], timeout: float) -> None:
         """Call back here and now; while the page is being made, so that it contains the changes.
@@ -66,6 +82,12 @@ class Delivery:
             with suppress(Empty):
                 self._waiting.get(timeout=LOOK_AGAIN)()
 
+    def _add_unless(self, lacking: Callable[[], bool]) -> None:
+        if lacking():
+            self._loop.call_later(TOGETHER, self._add_next)  # what is lacking adds all when it comes before
+        else:
+            self._add_next()
+
     def _add_next(self) -> None:
         if not self._waiting.empty():  # else `run` has called it, or an earlier tick will
             self.document.add_next_tick_callback(self._apply)  # type: ignore[union-attr]
@@ -73,7 +95,7 @@ class Delivery:
     def _apply(self) -> None:
         """Call back all that waits, and send the changes in one message: the browser paints each figure once."""
         with pn.io.hold(self.document):
-            while not self._waiting.empty():
+            for _ in range(self._waiting.qsize()):  # what these add comes in its own time
                 show = self._waiting.get()
                 if self._being_built():
                     self._early.append(show)

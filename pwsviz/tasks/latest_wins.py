@@ -37,7 +37,8 @@ class Job:
     deliver: Callable[[Any], None]
     quiet: float = 0.0
     patience: float = 0.0
-    given_up: Event = field(default_factory=Event)
+    given_up: Event = field(default_factory=Event)  # set from outside, to stop it
+    computed: Event = field(default_factory=Event)
 
 
 class Lane:
@@ -54,6 +55,13 @@ class Lane:
         """Whether a job is waiting or running."""
         with self._changed:
             return self._waiting is not None or self._running is not None
+
+    @property
+    def due(self) -> bool:
+        """Whether a job that is started at once has still to be computed."""
+        with self._changed:
+            jobs = (self._waiting, self._running)
+            return any(job is not None and job.quiet == 0.0 and not job.computed.is_set() for job in jobs)
 
     def submit(self, job: Job) -> None:
         """Submit `job`, in place of any that is still waiting."""
@@ -87,6 +95,7 @@ class Lane:
                 if not isinstance(reason, ValueError):
                     logger.exception("A computation failed")
                 outcome = reason
+            job.computed.set()
             job.deliver(outcome)
 
     def _given_up(self, job: Job, started: float) -> bool:

@@ -8,7 +8,7 @@ from threading import Lock
 from time import monotonic
 from typing import Any
 
-from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.tasks.cancellation import Cancel, Report, never
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 from pwsviz.tasks.turns import Turns
@@ -34,6 +34,7 @@ class Scheduler:
         self._submitted: dict[str, Hashable] = {}
         self._numbers: dict[str, int] = {}
         self._shown: dict[str, int] = {}
+        self._come: set[str] = set()  # lanes whose outcomes wait to be shown
 
     def submit(
         self,
@@ -70,18 +71,14 @@ class Scheduler:
         throttled = _Throttle(lambda *news: self._deliver(partial(self._pass_on, lane, inputs, advance), *news))
         report = throttled if advance is not None else _ignore
         self._numbers[lane] = number = self._numbers.get(lane, 0) + 1
-        deliver = partial(self._deliver, partial(self._show_latest, lane, number, show))
+        deliver = partial(self._deliver_with_others, lane, partial(self._show_latest, lane, number, show))
         job = Job(lambda cancel: compute(cancel, report), deliver, quiet, patience)
         self._lanes.setdefault(lane, Lane()).submit(job)
         return True
 
-    def submitted(self, lane: str) -> Hashable:
-        """Return the inputs submitted last in a lane."""
-        return self._submitted.get(lane)
-
-    def busy(self, lane: str) -> bool:
-        """Whether a computation is waiting or running."""
-        return lane in self._lanes and self._lanes[lane].busy
+    def busy(self, lane: str, inputs: Hashable = None) -> bool:
+        """Whether a computation is waiting or running; with inputs, whether they are those submitted last, too."""
+        return lane in self._lanes and self._lanes[lane].busy and inputs in (None, self._submitted.get(lane))
 
     def cancel(self, lane: str) -> bool:
         """Cancel what is waiting or running, and return whether there was any; it may be submitted again."""
@@ -104,10 +101,13 @@ class Scheduler:
         """
         self._deliver(callback)
 
-    def call_later(self, milliseconds: int, callback: Callable[[], None]) -> None:
-        """Call back from the event loop after a delay; not at all if there is none."""
-        if self._delivery.document is not None:
-            self._delivery.document.add_timeout_callback(callback, milliseconds)
+    def call_together(self, callback: Callable[[], None]) -> None:
+        """Call back together with the outcomes of short computations under way, or soon if there are none."""
+        self._deliver(callback, lacking=self._lacks)
+
+    def call_later(self, milliseconds: int, callback: Callable[[], None], wanted: Callable[[], bool]) -> None:
+        """Call back from the event loop after a delay, if `wanted` then; not at all if there is none."""
+        self._delivery.later(milliseconds / 1000, callback, lambda: not self.closed and wanted())
 
     def settle(self, timeout: float) -> bool:
         """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""
@@ -133,6 +133,7 @@ class Scheduler:
 
     def _show_latest(self, lane: str, number: int, show: Callable[[Any], None], outcome: Any) -> None:
         """Show a result unless a later one has been shown: event loops do not guarantee the order."""
+        self._come.discard(lane)
         if number >= self._shown.get(lane, 0):
             self._shown[lane] = number
             show(outcome)
@@ -142,9 +143,18 @@ class Scheduler:
         if advance is not None and self._submitted.get(lane) == inputs and self.busy(lane):
             advance(*news)
 
-    def _deliver(self, show: Callable[..., None], *outcome: Any) -> None:
+    def _deliver(self, show: Callable[..., None], *outcome: Any, lacking: Callable[[], bool] = never) -> None:
         """Deliver a result from a thread to this page, unless the page has been closed."""
-        self._delivery(partial(self._while_open, show), *outcome)
+        self._delivery(partial(self._while_open, show), *outcome, lacking=lacking)
+
+    def _deliver_with_others(self, lane: str, show: Callable[..., None], outcome: Any) -> None:
+        """Deliver the outcome of one lane together with those that other lanes will have soon."""
+        self._come.add(lane)
+        self._deliver(show, outcome, lacking=self._lacks)
+
+    def _lacks(self) -> bool:
+        """Whether a lane has still to compute something short, and no outcome that waits."""
+        return any(lane.due for name, lane in self._lanes.items() if name not in self._come)
 
     def _while_open(self, show: Callable[..., None], *outcome: Any) -> None:
         if not self.closed:

@@ -19,6 +19,15 @@ SLIDER_RESTS = 5
 """Milliseconds that Panel waits for further moves before it reports one; its 50 can be changed by no public option."""
 
 
+Later = Callable[[Callable[[], None]], object]
+"""Takes a function and calls it, at once or a little later."""
+
+
+def at_once(show: Callable[[], None]) -> None:
+    """Call a function now."""
+    show()
+
+
 class NumberEntry(pn.custom.JSComponent):
     """What the browser shows of a number: a text entry, and below it a slider, which tells the number."""
 
@@ -33,6 +42,7 @@ class NumberEntry(pn.custom.JSComponent):
     place = param.Number(default=0.0, doc="Place of the slider, between its ends.")
 
     _debounce = SLIDER_RESTS
+    _busy__ignore: ClassVar[list[str]] = ["text", "place"]  # Panel's list of what it is busy with is shown nowhere
     _bundle = "number_entry.js"  # fetched once by the browser, and not sent with every field
     _stylesheets: ClassVar[list[str]] = [FIELD_CSS]
 
@@ -54,6 +64,8 @@ class NumberField(pn.viewable.Viewer):
         Whether the slider is logarithmic.
     description : str
         What the number is.
+    later : callable, optional
+        Takes a function that shows the number to which the slider was moved, and calls it.
     """
 
     def __init__(
@@ -64,9 +76,10 @@ class NumberField(pn.viewable.Viewer):
         bounds: tuple[float, float] | None = None,
         logarithmic: bool = False,
         description: str = "",
+        later: Later = at_once,
     ) -> None:
         super().__init__()
-        self._read, self._accept = read, accept
+        self._read, self._accept, self._later = read, accept, later
         self._log = logarithmic
         self._syncing = False
         self._shown = math.nan
@@ -74,8 +87,8 @@ class NumberField(pn.viewable.Viewer):
             label=label, description=description, sizing_mode="stretch_width", margin=0, **self._track(bounds, read())
         )
         self.sync()
-        self.entry.param.watch(lambda event: self._take(event.new), "text")
-        self.entry.param.watch(lambda event: self._take(self._from_slider(event.new)), "place")
+        self.entry.param.watch(lambda event: self._take(event.new, self._show_typed), "text")
+        self.entry.param.watch(lambda event: self._take(self._from_slider(event.new), self._show_slid), "place")
 
     def _track(self, bounds: tuple[float, float] | None, value: float) -> dict[str, Any]:
         """Return ends and place of the slider for these bounds, at a value."""
@@ -113,7 +126,7 @@ class NumberField(pn.viewable.Viewer):
         value = 10.0**place if self._log else place
         return float(f"{value:.{SLIDER_DIGITS}g}")
 
-    def _take(self, value: object) -> None:
+    def _take(self, value: object, show: Callable[[object], None]) -> None:
         if self._syncing:
             return
         try:
@@ -121,7 +134,16 @@ class NumberField(pn.viewable.Viewer):
         except ValueError as reason:
             self._tell(complaint=printed(str(reason)), note="")
         else:
-            self._show(self._read(), typed=str(value))
+            show(value)
+
+    def _show_typed(self, value: object) -> None:
+        self._show(self._read(), typed=str(value))
+
+    def _show_slid(self, _: object) -> None:
+        self._later(self._show_present)
+
+    def _show_present(self) -> None:
+        self._show(self._read())
 
     def sync(self) -> None:
         """Show the number in the scene, if it has changed; else a refused text stays, with the reason."""

@@ -45,6 +45,13 @@ p { margin: 0 0 2px 0; }
 )
 
 
+class Text(pn.pane.HTML):
+    """Markup that changes; Panel would work out all properties and style sheets of the pane at each change."""
+
+    def _update(self, ref: str, model: Any) -> None:
+        model.update(**self._process_param_change({"object": self.object}))
+
+
 def text_pane(words: str, kind: str = "") -> pn.pane.HTML:
     """Return a pane for text; to change it, assign `as_text` of other words to its `object`."""
     return _html(as_text(words, kind))
@@ -52,7 +59,7 @@ def text_pane(words: str, kind: str = "") -> pn.pane.HTML:
 
 def markup_pane(style: str) -> pn.pane.HTML:
     """Return an empty pane for trusted markup, with an additional style sheet."""
-    return pn.pane.HTML("", stylesheets=[TEXT_CSS, style], margin=0, sizing_mode="stretch_width")
+    return Text("", stylesheets=[TEXT_CSS, style], margin=0, sizing_mode="stretch_width")
 
 
 def heading(words: str) -> pn.pane.HTML:
@@ -82,4 +89,4 @@ def fade(pane: pn.pane.Bokeh, past: bool) -> None:
 
 
 def _html(markup: str) -> pn.pane.HTML:
-    return pn.pane.HTML(markup, stylesheets=[TEXT_CSS], margin=0, sizing_mode="stretch_width")
+    return Text(markup, stylesheets=[TEXT_CSS], margin=0, sizing_mode="stretch_width")

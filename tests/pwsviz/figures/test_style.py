@@ -4,9 +4,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from bokeh.models import ColumnDataSource
 
 import core
-from pwsviz.figures.style import LEGEND_GLYPH, OCCUPIED, line_of, side_strips
+from pwsviz.figures.style import LEGEND_GLYPH, OCCUPIED, assign, line_of, side_strips
 from pwsviz.geometry.shades import REGION_SHADES
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
@@ -55,3 +56,17 @@ def test_no_two_shades_of_regions_are_closer_than_those_of_two_sides_need_be_in_
 
 def test_a_legend_shows_every_dash_once():
     assert all(sum(line.dash) <= LEGEND_GLYPH for line in map(line_of, core.METHODS))
+
+
+def test_short_columns_of_numbers_are_sent_as_text_and_long_ones_as_they_are():
+    source = ColumnDataSource({"t": [], "word": []})
+    words = np.array(["a", "b", "c"])
+    assign(source, t=np.array([0.1, np.nan, -0.0]), word=words)
+    assert source.data["t"][::2] == [0.1, -0.0]
+    assert np.isnan(source.data["t"][1])
+    assert source.data["word"] is words
+    sent = source.data
+    assign(source, t=np.array([0.1, np.nan, -0.0]), word=words)
+    assert source.data is sent, "the same again is not sent"
+    assign(source, t=np.arange(1000.0), word=np.full(1000, "a"))
+    assert isinstance(source.data["t"], np.ndarray)

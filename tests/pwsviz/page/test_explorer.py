@@ -21,6 +21,7 @@ from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS, View
 from pwsviz.tabs import Tab
+from pwsviz.tasks.scheduler import Scheduler
 from tests.levels import deep_but
 
 
@@ -40,6 +41,22 @@ def counts(explorer):
 def test_first_picture_computes_what_is_visible_and_no_more(explorer):
     once = {"backdrop": 1, "landmarks": 1}
     assert counts(explorer) == {"run": 2, "orbit": 2, "error": 2, "summary": 2, "curve": 2, **once}
+
+
+def test_curves_of_a_moved_slider_bring_the_backdrop_on_which_they_lie(explorer):
+    scheduler, panel, submitted = explorer.scheduler, explorer.portrait_panel, []
+    scheduler.submit = lambda lane, *rest, **options: (
+        submitted.append(lane) or Scheduler.submit(scheduler, lane, *rest, **options)
+    )
+    before = panel.portrait.ground.surface.data
+    explorer.scene.accept("values.a_minus", -2.6)
+    explorer.settle(20)
+    assert set(submitted) == {"runs", "view"}, "no other computation has to follow"
+    assert counts(explorer)["backdrop"] == 2
+    assert panel.portrait.ground.surface.data is not before
+    explorer.scene.accept("values.a_minus", -2.5)
+    explorer.settle(20)
+    assert counts(explorer)["backdrop"] == 3
 
 
 def test_hidden_views_compute_nothing(explorer):

@@ -11,6 +11,7 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
+from pwsviz.tasks import event_loop
 from pwsviz.tasks.event_loop import Delivery
 
 
@@ -113,6 +114,70 @@ def test_what_comes_while_a_browser_builds_the_page_waits_until_it_is_there(serv
 
     in_a_loop(serve())
     assert seen[2:] == ["c"]
+
+
+def test_an_outcome_waits_for_another_that_is_lacking_but_not_for_ever(served, monkeypatch):
+    document, _ = served
+    monkeypatch.setattr(event_loop, "TOGETHER", 0.05)
+    seen, lacking = [], [True]
+
+    async def serve():
+        with set_curdoc(document):
+            delivery = Delivery()
+        for outcome in "ab":
+            delivery(seen.append, outcome, lacking=lambda: bool(lacking))
+            await asyncio.sleep(0.01)
+            assert not document.session_callbacks
+            lacking.clear()
+            delivery(seen.append, "the other", lacking=lambda: bool(lacking))
+            await asyncio.sleep(0.01)
+            call_back(document)
+            lacking.append(True)
+        assert seen == ["a", "the other", "b", "the other"]
+        delivery(seen.append, "alone", lacking=lambda: True)
+        await asyncio.sleep(0.2)
+        call_back(document)
+
+    in_a_loop(serve())
+    assert seen[4:] == ["alone"]
+
+
+def test_what_a_callback_adds_to_come_with_others_does_not_come_with_itself(served):
+    document, _ = served
+    seen, lacking = [], [True]
+
+    async def serve():
+        with set_curdoc(document):
+            delivery = Delivery()
+        delivery(lambda: delivery(seen.append, "late", lacking=lambda: bool(lacking)))
+        await asyncio.sleep(0.01)
+        call_back(document)
+        assert seen == []
+        lacking.clear()
+        delivery(seen.append, "outcome", lacking=lambda: bool(lacking))
+        await asyncio.sleep(0.01)
+        call_back(document)
+
+    in_a_loop(serve())
+    assert seen == ["late", "outcome"]
+
+
+@pytest.mark.parametrize("wanted", [True, False])
+def test_what_is_called_later_is_called_if_it_is_wanted_then(served, wanted):
+    document, _ = served
+    seen = []
+
+    async def serve():
+        with set_curdoc(document):
+            delivery = Delivery()
+        delivery.later(0.01, lambda: seen.append("later"), lambda: wanted)
+        assert not document.session_callbacks
+        await asyncio.sleep(0.1)
+        assert bool(document.session_callbacks) == wanted, "the page is left alone where there is nothing to do"
+        call_back(document)
+
+    in_a_loop(serve())
+    assert seen == ["later"] * wanted
 
 
 def test_what_comes_after_the_server_has_stopped_is_let_go(served):

@@ -30,7 +30,7 @@ def test_the_same_is_computed_once(scheduler):
 
 def test_an_outcome_on_its_way_is_not_shown_once_it_is_forgotten(scheduler, monkeypatch):
     seen, under_way = [], []
-    monkeypatch.setattr(scheduler, "_delivery", lambda show, *outcome: under_way.append(partial(show, *outcome)))
+    monkeypatch.setattr(scheduler, "_delivery", lambda show, *outcome, **_: under_way.append(partial(show, *outcome)))
     for inputs in (1, 2):
         scheduler.submit("a", inputs, lambda _cancel, _report: "of another start", seen.append)
         assert scheduler.settle(5)
@@ -98,6 +98,26 @@ def test_short_work_is_done_one_at_a_time(scheduler):
         scheduler.submit(f"lane {k}", 1, short, lambda _: None)
     assert scheduler.settle(5)
     assert most == [1] * 8
+
+
+def test_the_first_of_two_short_outcomes_waits_for_the_second_and_for_nothing_long(scheduler, monkeypatch):
+    lacks, gate, first, never = [], Event(), Event(), Event()
+
+    def deliver(_show, *_outcome, lacking=lambda: None):
+        lacks.append(lacking())
+        first.set()
+
+    monkeypatch.setattr(scheduler, "_delivery", deliver)
+    scheduler.submit("long", 1, lambda _cancel, _report: never.wait(5), lambda _: None, quiet=1e-3)
+    scheduler.submit("view", 1, lambda _cancel, _report: gate.wait(5), lambda _: None)
+    scheduler.submit("curves", 1, lambda _cancel, _report: "curves", lambda _: None)
+    assert first.wait(5)
+    assert lacks == [True]
+    scheduler.submit("curves", 2, lambda _cancel, _report: never.wait(5), lambda _: None)  # newer than what has come
+    gate.set()
+    assert scheduler._lanes["view"].join(5)
+    assert lacks == [True, False], "curves that wait to be shown do not wait for newer ones"
+    never.set()
 
 
 def test_a_closed_scheduler_delivers_nothing(scheduler):
