@@ -48,8 +48,10 @@ def runs_away(
     """
     size = max(size, float(np.abs(x0).max())) or 1.0
 
+    law = system.laws.mode(system.laws.numbers_of_modes[mode])
+
     def field(t: float, x: Floats) -> Floats:
-        return system.field(mode, t, x)
+        return np.array(system.laws.numbers(("f", mode), law.field, t, x.tolist(), system.parameter_array))
 
     with np.errstate(all="ignore"):
         if not np.isfinite(field(t0, x0)).all():
