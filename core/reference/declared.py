@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
 from core.interface.arguments import checked_sliding, number
@@ -13,6 +12,7 @@ from core.interface.cancelling import Cancel, raise_if
 from core.reference.continued import ContinuedSolution
 from core.reference.exact import exact_solution
 from core.reference.external import external_solution
+from core.reference.laws_in_numbers import laws_in_numbers
 from core.reference.solution import Solution
 from core.reference.taylor import TaylorSolution
 from core.system import Start
@@ -69,27 +69,23 @@ def reference_solution(
     system, t0 = system_of(system), number(t0, "t0")
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
     laws = system.laws
-    if not laws.two_sided:
-        if independent:
-            raise ValueError("independent = True: the external solver needs two sides of one surface; leave it out")
-        return TaylorSolution(system, start, t0, cancel, checked_sliding(sliding))
-    # Exactly the numbers that the compiled functions use: every double is a ratio.
-    numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
-    fields = {side: tuple(f.xreplace(numbers) for f in laws.modes[side].field) for side in (-1, 1)}
-    jump = None if laws.jump is None else tuple(u.xreplace(numbers) for u in laws.jump)
-    g, slides = laws.g.xreplace(numbers), checked_sliding(sliding)
-    if slides and independent:
+    slides = checked_sliding(sliding)
+    if independent and not laws.two_sided:
+        raise ValueError("independent = True: the external solver needs two sides of one surface; leave it out")
+    if independent and slides:
         raise ValueError('independent = True: the external solver does not slide; leave out sliding="continue"')
+    by_taylor = partial(TaylorSolution, system, start, t0, cancel, slides)
+    numbers = dict(zip(laws.p, system.parameter_array.tolist(), strict=True))
     try:
-        exact = exact_solution(fields[-1], fields[1], g, laws.x, t0, start, jump=jump, cancel=cancel)
-    except ValueError:  # it cannot leave the surface to one side
-        if not slides:
+        exact = exact_solution(laws_in_numbers(laws, numbers), t0, start, slides=slides, cancel=cancel)
+    except ValueError:  # the start has no region to enter, or slides where no closed form is known
+        if not slides and laws.two_sided:
             raise
         exact = None
     if exact is not None:
-        return ContinuedSolution(exact, partial(TaylorSolution, system, start, t0, cancel, True)) if slides else exact
+        return ContinuedSolution(exact, by_taylor) if slides else exact
     if not independent:
-        return TaylorSolution(system, start, t0, cancel, slides)
+        return by_taylor()
 
     def field(side: int, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         raise_if(cancel)

@@ -9,7 +9,7 @@ import sympy
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from core.reference import ExactSolution, ReferenceSolution, exact_solution, external_solution
+from core.reference import ExactSolution, ReferenceSolution, exact_solution, external_solution, two_sides
 from tests.levels import tries
 
 mp.mp.dps = 50
@@ -31,7 +31,7 @@ def exact(
     t0: float = 0.0,
 ) -> ExactSolution:
     fields = [tuple(map(sympy.sympify, f)) for f in (minus, plus)]
-    solution = exact_solution(fields[0], fields[1], sympy.sympify(g), VARIABLES[: len(x0)], t0, x0)
+    solution = exact_solution(two_sides(fields[0], fields[1], sympy.sympify(g), VARIABLES[: len(x0)]), t0, x0)
     assert solution is not None
     return solution
 
@@ -267,7 +267,7 @@ def test_start_on_the_surface_without_a_side_to_enter_is_refused(
 ) -> None:
     fields = [tuple(map(sympy.Integer, f)) for f in (minus, plus)]
     with pytest.raises(ValueError, match=words):
-        exact_solution(fields[0], fields[1], Y, (X, Y), 0.0, (0.0, 0.0))
+        exact_solution(two_sides(fields[0], fields[1], Y, (X, Y)), 0.0, (0.0, 0.0))
 
 
 def test_tangency_of_the_other_side_ends_the_solution() -> None:
@@ -320,7 +320,7 @@ def test_ballistic_arc_is_exact_from_metres_to_light_years() -> None:
 
 @pytest.mark.parametrize(("plus", "g"), [((Y, -sympy.tan(X)), Y), ((Y, -X), Y - Z), ((Y, -X + T), Y), ((Y, -Z * X), Y)])
 def test_no_exact_solution_without_a_closed_form(plus: tuple[sympy.Expr, ...], g: sympy.Expr) -> None:
-    assert exact_solution((Y, -X), plus, g, (X, Y), 0.0, (1.0, 1.0)) is None
+    assert exact_solution(two_sides((Y, -X), plus, g, (X, Y)), 0.0, (1.0, 1.0)) is None
 
 
 def test_names_tell_what_a_solution_rests_on() -> None:
