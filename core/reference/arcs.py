@@ -89,6 +89,7 @@ class ExactArc:
         self.decided_by_bounds = True  #: whether bounds decided where it ends; else more digits could change that
         self._level, self._motion, self._entry = level, level.motion(entry.mode), entry
         self._guide = guide if guide is not None and guide.mode == entry.mode else None
+        self._last_search: tuple[Any, list[_View]] | None = None  # part of the last step at which it ends, and heights
         self._largest_heights, self._largest_rates = np.zeros((2, len(self._motion.guards)))
         self._context = level.digits.context
         self._eps = zero_of(level.digits)
@@ -105,6 +106,9 @@ class ExactArc:
     def largest_height(self, guard: int) -> float:
         """Largest height of a guard seen on it."""
         here = float(self._largest_heights[guard])
+        if self._last_search is not None:
+            part, views = self._last_search
+            here = max(here, views[guard].largest_before(part))
         return max(here, self._guide.largest_height(guard)) if self._guide else here
 
     def largest_rate(self, guard: int) -> float:
@@ -165,33 +169,35 @@ class ExactArc:
         low, high = part - away, part + away
         if not view.evaluate(low)[0] > 0 >= view.evaluate(high)[0]:
             return False
-        self.found = Arrival(*view.place(newton(view.evaluate, low, high, part, self._eps)), near.guard)
+        found = Arrival(*view.place(newton(view.evaluate, low, high, part, self._eps)), near.guard)
+        others = (guard for k, guard in enumerate(self._motion.guards) if k != near.guard)
+        if any(guard.evaluate(self._level.digits, found.t, found.x)[0] <= 0 for guard in others):
+            return False  # more digits may show that another guard vanishes first
+        self.found = found
         return True
 
     def _search(self, step: Step) -> None:
         """Find the first zero of a guard on a step by bounds over all of it."""
-        states, first, begins = Polynomial(step), None, len(self._steps) == 1
-        divided = False
-        for k, guard in enumerate(self._motion.guards):
-            view = _View(self._level.digits, guard, self.t, step, states)
-            leaving = begins and k in self._entry.at
+        states, first, divided = Polynomial(step), None, False
+        views = [_View(self._level.digits, guard, self.t, step, states) for guard in self._motion.guards]
+        for k, view in enumerate(views):
+            leaving = len(self._steps) == 1 and k in self._entry.at
             search = FirstRoot(view, self._context.mpf, self._eps, leaving, leaving and self._entry.folded)
             part = search.find(1.0 if first is None else float(first[0]))
-            self._largest_heights[k] = max(self._largest_heights[k], view.largest_height)
             self._largest_rates[k] = max(self._largest_rates[k], view.largest_rate)
             self.decided_by_bounds = self.decided_by_bounds and not search.decided_by_digits
             divided = divided or search.divided
             if part is not None and (first is None or part < first[0]):
-                first = part, k, view
+                first = part, k
         if first is None:
+            self._largest_heights = np.maximum(self._largest_heights, [view.largest_height for view in views])
             self._unit = min(self._unit, step.unit) if divided else self._unit
             self._find_no_arrival(step, states)
-            return
-        part, k, view = first
-        if self._context.isfinite(view.evaluate(part)[0]):
-            self.found = Arrival(*view.place(part), k)
+        elif self._context.isfinite(views[first[1]].evaluate(first[0])[0]):
+            self.found = Arrival(*views[first[1]].place(first[0]), first[1])
+            self._last_search = first[0], views
         else:
-            self._no_arrival = f"g is not defined after t = {float(view.place(part)[0]):.17g}"
+            self._no_arrival = f"g is not defined after t = {float(views[first[1]].place(first[0])[0]):.17g}"
 
     def _find_no_arrival(self, step: Step, states: Polynomial) -> None:
         """Note if no guard can vanish: at a pole, or, where the surfaces do not move, at rest or on a closed orbit."""
@@ -229,7 +235,7 @@ class _View:
     def __init__(self, digits: Digits, guard: Guard, t: Any, step: Step, states: Polynomial) -> None:
         self.largest_height = self.largest_rate = 0.0
         self._digits, self._guard, self._t, self._step, self._states = digits, guard, t, step, states
-        self._begin, self._span = float(t + step.start), float(step.span)
+        self._begin, self.span = float(t + step.start), float(step.span)
 
     def part(self, elapsed: Any) -> Any:
         """Part of the step at an elapsed time of the arc."""
@@ -245,14 +251,18 @@ class _View:
         height, rate = self._guard.evaluate(self._digits, *self.place(part))
         return height, rate * self._step.span
 
+    def largest_before(self, part: Any) -> float:
+        """Size of the height up to a part of the step: at the start, and halfway."""
+        return max(float(np.nan_to_num(float(abs(self.evaluate(u)[0])))) for u in (part * 0, part / 2))
+
     def evaluate_in_doubles(self, part: float) -> tuple[float, float]:
         """In doubles."""
-        height, rate = self._guard.evaluate_in_doubles(self._begin + part * self._span, self._states.at(part))
-        return height, rate * self._span
+        height, rate = self._guard.evaluate_in_doubles(self._begin + part * self.span, self._states.at(part))
+        return height, rate * self.span
 
     def enclose(self, edges: NDArray[np.float64]) -> Enclosure:
         """Bounds over the equal pieces between the edges (m + 1,)."""
-        found = self._guard.enclose(self._begin, self._span, self._states, edges)
+        found = self._guard.enclose(self._begin, self.span, self._states, edges)
         self.largest_height = max(self.largest_height, found.largest_height)
         self.largest_rate = max(self.largest_rate, found.largest_rate)
         return found

@@ -32,6 +32,8 @@ __all__ = ["ExactSolution", "exact_solution"]
 _BITS = (60, 76, 114, 171, 256, 384, 576)
 #: (precision in bits, the solution at a lower one or None) -> the solution at that precision.
 Begin: TypeAlias = "Callable[[int, ReferenceSolution | None], ReferenceSolution]"
+#: Size of a state, as part of the initial one, below which it is zero: the highest precision tells no smaller one.
+_ZERO = 2.0**-340
 #: Relative rounding of an initial value that is meant to lie on a surface.
 _ROUNDED = 2.0**-51
 #: Relative difference of two precisions that agree: at most an eighth of half an ulp.
@@ -74,7 +76,7 @@ def exact_solution(
         level = Level(Digits.of(bits + GUARD), motions.motion, cancel)
         return _solution(level, motions, float(t0), start, max_crossings, slides, guide)
 
-    return ExactSolution(motions, float(t0), begin)
+    return ExactSolution(motions, float(t0), _ZERO * float(np.abs(start).max() or 1.0), begin)
 
 
 class Motions:
@@ -128,12 +130,14 @@ class ExactSolution:
     ----------
     motions : Motions
     t0 : float
+    zero : float
+        Size of a state that is zero.
     begin : callable
         (precision in bits, the solution at a lower one or None) -> the solution at that precision.
     """
 
-    def __init__(self, motions: Motions, t0: float, begin: Begin) -> None:
-        self._motions, self._t0, self._begin = motions, t0, begin
+    def __init__(self, motions: Motions, t0: float, zero: float, begin: Begin) -> None:
+        self._motions, self._t0, self._zero, self._begin = motions, t0, zero, begin
         self._level = 0
         self._coarse = begin(_BITS[0], None)
         self._fine = begin(_BITS[1], self._coarse)
@@ -207,7 +211,11 @@ class ExactSolution:
         absolute = relative = 0.0
         for a, b in zip(coarse, fine, strict=True):
             difference = float(np.max(np.abs(b - a)))
-            size = float(np.max(np.abs(b))) if isinstance(b, np.ndarray) else float(abs(b)) + abs(self._t0)
+            size = (
+                max(float(np.max(np.abs(b))), self._zero)
+                if isinstance(b, np.ndarray)
+                else float(abs(b)) + abs(self._t0)
+            )
             absolute = max(absolute, difference)
             relative = max(relative, (difference / size if size else np.inf) if difference else 0.0)
         return absolute, relative

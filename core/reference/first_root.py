@@ -35,6 +35,9 @@ _MAX_TRIALS = 4000
 class View(Protocol):
     """The height of a guard and its rate over a step, as functions of the part of it, from 0 to 1."""
 
+    span: float
+    """Length of the step in time."""
+
     def evaluate(self, part: Any) -> tuple[Any, Any]:
         """In many digits."""
 
@@ -66,6 +69,7 @@ class FirstRoot:
         self, view: View, number: Callable[[float], Any], eps: Any, leaving: bool, folded: bool = False
     ) -> None:
         self._evaluate, self._evaluate_in_doubles, self._enclose = view.evaluate, view.evaluate_in_doubles, view.enclose
+        self._span = view.span
         self._number, self._eps, self._leaving, self._folded = number, eps, leaving, folded
         self._largest_height, self._before = 0.0, 1.0
         self.divided = False  #: whether a piece was cut again
@@ -98,11 +102,18 @@ class FirstRoot:
             return self._root_if_falling(a, b)
         if not from_surface and found.second_rate.low[k] > 0:
             return self._root_if_convex(a, b)
+        if not from_surface and self._stays_above(found, k, a, b):
+            return None
         if b - a < _NARROWEST:
             self.decided_by_digits = True
             return self._number(a)  # the surface is touched, or left, tangentially
         self.divided = True
         return self._over(a, b)
+
+    def _stays_above(self, found: Enclosure, k: int, a: float, b: float) -> bool:
+        """Whether the height in the middle of a piece, in many digits, exceeds what the rate can take from it."""
+        fastest = max(abs(float(found.rate.low[k])), abs(float(found.rate.high[k])))
+        return bool(self._evaluate(self._number((a + b) / 2))[0] > fastest * self._span * (b - a))
 
     def _root_if_falling(self, a: float, b: float) -> Any | None:
         """The root in a piece where the height falls or is concave: there is one if it is not positive at the end."""

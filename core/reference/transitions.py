@@ -154,11 +154,10 @@ class Transitions:
 
     def onward(self, arc: Arc, met: Arrival) -> Arc | Ending:
         """The arc that follows another one, or why there is none."""
-        ways, way = self._ways[arc.mode], self._ways[arc.mode][met.guard]
+        way = self._ways[arc.mode][met.guard]
         turns = self._is_rate(arc.mode, met.guard)
-        for k, other in enumerate(ways):
-            if not self._is_rate(arc.mode, k):
-                self._heights[other.surface] = max(self._heights.get(other.surface, 0.0), arc.largest_height(k))
+        if self.dynamics.laws.jumps:
+            self._heights[way.surface] = max(self._heights.get(way.surface, 0.0), arc.largest_height(met.guard))
         tangent = TANGENT * arc.largest_rate(met.guard)
         if not met.at_once and -self._rate(arc.mode, met.guard, met.t, met.x) <= tangent:
             return _NO_END_OF_SLIDING if turns else Ending("it touches the surface tangentially")
@@ -229,13 +228,17 @@ class Transitions:
         """
         laws, surface = self.dynamics.laws, self._ways[arc.mode][met.guard].surface
         beyond = laws.sliding_beyond(arc.mode, surface)
-        if beyond is None or self.dynamics.obstacle(beyond):
-            return _NO_SLIDING_BEYOND if beyond is None else Ending(self.dynamics.obstacle(beyond), unknown=True)
-        attracts = all(self._height(beyond, k, met.t, met.x) > TANGENT * arc.largest_height(k) for k in (0, 1))
-        guard = self._guard_of(beyond, surface)
-        if not attracts or not self._rate(beyond, guard, met.t, met.x) > tangent:
+        if beyond is None:
             return _NO_SLIDING_BEYOND
-        return self._begin(met.t, met.x, beyond, (guard,))
+        low, high, along = laws.pairs[beyond - self._regions]
+        below, above = (self._rate_of(along, region, met.t, met.x) for region in (low, high))
+        if not below > TANGENT * arc.largest_height(0) or not -above > TANGENT * arc.largest_height(1):
+            return _NO_SLIDING_BEYOND
+        on_low, on_high = (self._rate_of(surface, region, met.t, met.x) for region in (low, high))
+        sign = -self._ways[arc.mode][met.guard].sign
+        if not sign * (below * on_high - above * on_low) > tangent * (below - above):
+            return _NO_SLIDING_BEYOND
+        return self._begin(met.t, met.x, beyond, (self._guard_of(beyond, surface),))
 
     def _through_corner(self, arc: Arc, met: Arrival, surfaces: list[int]) -> Arc | Ending:
         """The arc in the region into which all fields around a corner lead."""
@@ -253,8 +256,7 @@ class Transitions:
         laws = self.dynamics.laws
 
         def rate(region: int, surface: int) -> float:
-            guard = self._guard_of(region, surface)
-            value = self._ways[region][guard].sign * float(self._rate(region, guard, t, x))
+            value = float(self._rate_of(surface, region, t, x))
             return value if abs(value) > tangent(surface) else 0.0
 
         sides = laws.regions[mode].sides
@@ -306,6 +308,11 @@ class Transitions:
 
     def _rate(self, mode: int, guard: int, t: Time, x: State) -> Time:
         return self.dynamics.evaluate(mode, guard, t, x)[1]
+
+    def _rate_of(self, surface: int, region: int, t: Time, x: State) -> Time:
+        """Rate of a switching function with the field of a region."""
+        guard = self._guard_of(region, surface)
+        return self._ways[region][guard].sign * self._rate(region, guard, t, x)
 
     def _rate_beyond(self, way: Way, t: Time, x: State) -> Time:
         """Rate with which the field beyond a surface leads away from it; 0 where no law is declared."""
