@@ -155,8 +155,10 @@ def newton(evaluate: Evaluate, inside: Any, outside: Any, t: Any, eps: Any) -> A
         else:
             outside = t
         new = t - height / rate if rate != 0 else inside
-        new = new if inside < new < outside else (inside + outside) / 2
-        if height == 0 or new in (inside, outside):
+        if rate < 0 and abs(new - t) <= eps * t:  # even if round-off has led it out of the bracket
+            return new
+        new = new if inside < new <= outside else (inside + outside) / 2  # the root may be the end of the bracket
+        if height == 0 or new in (inside, t):
             return t
         if abs(new - t) <= eps * t:
             return new
