@@ -292,6 +292,8 @@ class Transitions:
                     return _UNDECLARED
                 on = {self._ways[mode][j].surface for j in at}
                 there = tuple(j for j, other in enumerate(self._ways[way.to]) if other.surface in on)
+                if not all(self._leads_in(way.to, j, t, x) for j in there):
+                    return Ending("after the reset, across another surface, the fields do not tell the side it enters")
                 return self._begin(t, x, way.to, there, folded, jumped)
             if rate == 0 and zero:
                 return Ending("it touches another surface tangentially")
@@ -317,6 +319,10 @@ class Transitions:
     def _rate_beyond(self, way: Way, t: Time, x: State) -> Time:
         """Rate with which the field beyond a surface leads away from it; 0 where no law is declared."""
         return 0 if way.to is None or way.back is None else self._rate(way.to, way.back, t, x)
+
+    def _leads_in(self, mode: int, guard: int, t: Time, x: State) -> bool:
+        """Whether the field of a region leads into it from the zero of a guard, and that beyond leads there, too."""
+        return bool(self._rate(mode, guard, t, x) > 0 >= self._rate_beyond(self._ways[mode][guard], t, x))
 
     def _is_rate(self, mode: int, guard: int) -> bool:
         """Whether a guard is a rate, which ends sliding, and not a switching function."""
