@@ -29,12 +29,13 @@ def reference_solution(
     cancel: Cancel | None = None,
     sliding: str = "stop",
 ) -> Solution:
-    """Exact solution where both fields have a known closed form, else the Taylor method at two tolerances.
+    """Exact solution where the fields of all regions have known closed forms, else the Taylor method at two tolerances.
 
     A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
-    curves, pendulums and free rigid bodies; one side may be of one kind and the other of another, and the surface may
-    move. Its `name` says which. The solution is computed in as many digits as two precisions need to agree to the
-    round-off of a double, and no crossing is missed: bounds on g between samples exclude further ones.
+    curves, pendulums and free rigid bodies; regions may be of different kinds, and surfaces may move. Its `name` says
+    which. The field of sliding is recognised likewise, as it is on the surface. The solution is computed in as many
+    digits as two precisions need to agree to the round-off of a double, and no crossing is missed: bounds on the guards
+    of a mode between samples exclude further ones.
 
     Parameters
     ----------
@@ -48,8 +49,8 @@ def reference_solution(
         Where there is no closed form, use SciPy's DOP853 at its tightest tolerance: slower and less accurate, but an
         external solver, independent of this package's methods.
     sliding
-        As in `integrate`. With "continue" the Taylor method takes over from where an exact solution would slide, and
-        no external solver can be asked for.
+        As in `integrate`. With "continue" the Taylor method takes over from where an exact solution slides by a field
+        without a known closed form, and no external solver can be asked for.
     cancel
         Called again and again; once it returns True, whatever is asked for raises `core.reference.Cancelled`.
 
@@ -64,7 +65,7 @@ def reference_solution(
     Raises
     ------
     ValueError
-        If the initial state is on the surface and cannot leave it to one side.
+        If the initial state is on a surface and cannot leave it to one side.
     """
     system, t0 = system_of(system), number(t0, "t0")
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
