@@ -108,7 +108,7 @@ class ExactArc:
         here = float(self._largest_heights[guard])
         if self._last_search is not None:
             part, views = self._last_search
-            here = max(here, views[guard].largest_before(part))
+            here = max(here, views[guard].height_before(part))
         return max(here, self._guide.largest_height(guard)) if self._guide else here
 
     def largest_rate(self, guard: int) -> float:
@@ -251,9 +251,9 @@ class _View:
         height, rate = self._guard.evaluate(self._digits, *self.place(part))
         return height, rate * self._step.span
 
-    def largest_before(self, part: Any) -> float:
-        """Size of the height up to a part of the step: at the start, and halfway."""
-        return max(float(np.nan_to_num(float(abs(self.evaluate(u)[0])))) for u in (part * 0, part / 2))
+    def height_before(self, part: Any) -> float:
+        """Size of the height halfway to a part of the step."""
+        return float(np.nan_to_num(float(abs(self.evaluate(part / 2)[0]))))
 
     def evaluate_in_doubles(self, part: float) -> tuple[float, float]:
         """In doubles."""

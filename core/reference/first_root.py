@@ -24,6 +24,8 @@ Evaluate: TypeAlias = Callable[[Any], tuple[Any, Any]]  # argument -> a function
 _PIECES = 12
 #: Least length of a piece, as part of the step: over a shorter one bounds in doubles tell no more.
 _NARROWEST = 2.0**-44
+#: Length of a piece, as part of the step, below which the height in its middle is worked out in many digits.
+_NARROW = 2.0**-6
 #: |minimum| of the height, as part of the largest, below which more digits could change its sign.
 _CLOSE = 2.0**-36
 #: Relative correction at which Newton's method in doubles ends; the root is then refined in many digits.
@@ -102,7 +104,7 @@ class FirstRoot:
             return self._root_if_falling(a, b)
         if not from_surface and found.second_rate.low[k] > 0:
             return self._root_if_convex(a, b)
-        if not from_surface and self._stays_above(found, k, a, b):
+        if b - a < _NARROW and not from_surface and self._stays_above(found, k, a, b):
             return None
         if b - a < _NARROWEST:
             self.decided_by_digits = True

@@ -196,7 +196,7 @@ class Transitions:
         """The arc after a jump; on the surface the fields decide its side."""
         way, mode, guard, t = self._ways[arc.mode][met.guard], arc.mode, met.guard, met.t
         x = self.dynamics.jump(mode, guard, t, met.x)
-        height = self._height(mode, guard, t, x)
+        height, rate = self.dynamics.evaluate(mode, guard, t, x)
         if not _finite(*x, height):
             return Ending(f"the reset map leads to {x.astype(float)}, where nothing is defined")
         if way.back is None and way.to is not None:  # a one-way transition
@@ -204,7 +204,7 @@ class Transitions:
         if np.abs(height) > OFF_SURFACE * self._heights[way.surface]:
             to = mode if height > 0 else way.to
             return _UNDECLARED if to is None else self._begin(t, x, to, jumped=True)
-        back, on = self._rate(mode, guard, t, x) > tangent, self._rate_beyond(way, t, x) > tangent
+        back, on = rate > tangent, self._rate_beyond(way, t, x) > tangent
         if back and on:
             return Ending("after the reset both fields lead away from the surface")
         if on and way.to is not None and way.back is not None:
