@@ -83,9 +83,13 @@ class Transitions:
     dynamics: Dynamics
     slides: bool = False
     """Whether the solution slides along a surface to which both fields point; else it ends there."""
-    _begun: float = 0.0
-    _heights: dict[int, float] = field(default_factory=dict)
-    _crossings: dict[int, list[float]] = field(default_factory=dict)
+    _begun: float = field(default=0.0, init=False)
+    _zero: float = field(default=0.0, init=False)
+    """`Dynamics.zero` once the solution has begun: an initial value is taken as it is given."""
+    _heights: dict[int, float] = field(default_factory=dict, init=False)
+    """Largest height of each surface so far, if states jump."""
+    _crossings: dict[int, list[float]] = field(default_factory=dict, init=False)
+    """Times of the crossings of each surface."""
 
     def __post_init__(self) -> None:
         laws = self.dynamics.laws
@@ -122,6 +126,7 @@ class Transitions:
             found = self._begin(t, x, mode, tuple(k for k in zeros if self._rate(mode, k, t, x) > 0))
         if isinstance(found, Ending):
             raise (UnknownFieldError if found.unknown else ValueError)(f"x0 = {place}: {found.reason}")
+        self._zero = self.dynamics.zero
         return found
 
     def _zeros_at_start(self, mode: int, t: Time, x: State) -> list[int] | None:
@@ -172,8 +177,6 @@ class Transitions:
             return self._through_corner(arc, met, [way.surface, *corner])
         if way.jump is not None:
             return self._after_jump(arc, met, tangent)
-        if way.to is None:
-            return _UNDECLARED
         return self._beyond(arc, met, tangent)
 
     def _beyond(self, arc: Arc, met: Arrival, tangent: float) -> Arc | Ending:
@@ -330,7 +333,7 @@ class Transitions:
 
     def _is_zero(self, mode: int, guard: int, t: Time, x: State) -> bool:
         """Whether a height is zero but for the rounding of this arithmetic."""
-        bound = self.dynamics.zero * self.dynamics.size(mode, guard, t, x)
+        bound = self._zero * self.dynamics.size(mode, guard, t, x)
         return bool(np.abs(self._height(mode, guard, t, x)) <= bound)
 
     def _guard_of(self, mode: int, surface: int) -> int:

@@ -180,7 +180,7 @@ def test_a_mode_that_begins_beyond_its_guard_ends_at_once():
     climb, fall = Region(f=("1",)), Region(f=("-1",))
     switches = (Transition("up", "1 - x", "over"), Transition("over", "1/2 - x", "down"),
                 Transition("down", "x + 1", "up"))  # fmt: skip
-    system = core.PiecewiseSystem("relay", ("x",), regions={"up": climb, "over": climb, "down": fall},
+    system = core.PiecewiseSystem("relay", ("x",), regions={"up": climb, "over": fall, "down": fall},
                                   transitions=switches, x0=(0.0,))  # fmt: skip
     solution = core.reference_solution(system)
     assert [solution.crossing(k)[0] for k in (1, 2, 3)] == [1.0, 1.0, 3.0]
@@ -189,6 +189,10 @@ def test_a_mode_that_begins_beyond_its_guard_ends_at_once():
 
 
 def test_motion_along_a_surface_nearer_than_round_off_of_doubles_is_no_tangency():
-    solution = core.reference_solution(all_round(**dict.fromkeys(FLOW, ("0", "1"))), (1e-17, -2.0))
-    assert solution.crossing(1)[0] == 2.0
-    assert np.array_equal(solution.state(5.0), [1e-17, 3.0])
+    regions = dict.fromkeys(FLOW, Region(f=("1", "1")))
+    system = core.PiecewiseSystem(
+        "along", ("x", "y"), surfaces=("x - y", "y"), regions=regions, x0=(2.0**-50 - 1, -1.0)
+    )
+    solution = core.reference_solution(system)
+    assert solution.crossing(1)[0] == 1.0
+    assert np.array_equal(solution.state(2.0), [1 + 2.0**-50, 1.0])

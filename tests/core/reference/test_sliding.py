@@ -121,6 +121,15 @@ def test_sliding_along_a_circle_is_exact_where_it_is_a_rotation():
     assert solution.exact
 
 
+def test_a_field_that_is_linear_only_on_the_surface_is_exact_along_it():
+    # (1 · (2 − y) + (1 + 3y)(1 + y))/(2 + 3y) is 3/2 where y = 0
+    system = core.PiecewiseSystem("half", ("x", "y"), ("1 + y", "1"), ("2 - y", "-1 - 3*y"), "y", x0=(0.0, -1.0))
+    solution = core.reference_solution(system, sliding="continue")
+    assert solution.crossing(1)[0] == 1.0
+    assert solution.state(3.0) == pytest.approx([3.5, 0.0], rel=4e-16, abs=1e-25)
+    assert solution.exact
+
+
 def test_the_taylor_method_goes_on_where_no_closed_form_of_sliding_is_known():
     # the circle is met at (0.8, 0.6); along it x' = 1 − x
     system = core.PiecewiseSystem("ring", ("x", "y"), ("1", "0"), ("-x", "-y"), "x**2 + y**2 - 1", x0=(0.0, 0.6))
