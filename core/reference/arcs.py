@@ -127,7 +127,7 @@ class ExactArc:
         return self.found
 
     def _never(self, reason: str) -> NoReturn:
-        raise ValueError(f"the solution never reaches the surface after t = {float(self.t):.17g}: {reason}")
+        raise ValueError(f"no crossing follows after t = {float(self.t):.17g}: {reason}")
 
     def state(self, t: float) -> State:
         """State (d,) at time t of this arc."""
