@@ -31,7 +31,7 @@ def guard_table(laws: Laws) -> GuardTable:
     Two regions that share a surface follow each other there. Sliding ends where a field turns, in the region of that
     field; where it reaches another surface, nothing follows.
     """
-    counts = [len(ways) for ways in laws.ways] + [2 + len(_others(laws, pair)) for pair in laws.pairs]
+    counts = [len(laws.ways_from(mode)) for mode in range(laws.count)]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     table = np.zeros(first[-1], dtype=GUARD)
     table["mode"], table["count"] = np.repeat(np.arange(len(counts)), counts), np.repeat(counts, counts)
@@ -39,8 +39,8 @@ def guard_table(laws: Laws) -> GuardTable:
     for region, ways in enumerate(laws.ways):
         for k, way in enumerate(ways):
             _write_way(laws, table[first[region] + k : first[region] + k + 1], way, first)
-    for k, pair in enumerate(laws.pairs):
-        _write_sliding(laws, table[first[len(laws.regions) + k] :], pair, first)
+    for mode in range(len(laws.regions), laws.count):
+        _write_sliding(table[first[mode] : first[mode + 1]], laws.ways_from(mode), first)
     return GuardTable(table, first[:-1])
 
 
@@ -57,19 +57,11 @@ def _write_way(laws: Laws, guard: NDArray[Any], way: Way, first: NDArray[np.int6
         guard["slide"] = first[way.sliding]
 
 
-def _write_sliding(laws: Laws, guards: NDArray[Any], pair: tuple[int, int, int], first: NDArray[np.int64]) -> None:
-    minus, plus, surface = pair
-    for k, (region, sign) in enumerate(((minus, 1), (plus, -1))):
-        back = next(n for n, way in enumerate(laws.ways[region]) if way.surface == surface)
-        guards[k]["sign"], guards[k]["turns"], guards[k]["to"], guards[k]["back"] = sign, 1, first[region], back
-    others = _others(laws, pair)
-    for k, (other, sign) in enumerate(others.items(), start=2):
-        guards[k]["sign"], guards[k]["surface"] = sign, other
-    guards["slides"][: 2 + len(others)] = 1
-
-
-def _others(laws: Laws, pair: tuple[int, int, int]) -> dict[int, int]:
-    """Number -> sign of the other surfaces that bound the regions of a pair, in the order of the guards of sliding."""
-    minus, plus, surface = pair
-    ways = (*laws.ways[minus], *laws.ways[plus])
-    return {way.surface: way.sign for way in ways if way.surface != surface}
+def _write_sliding(guards: NDArray[Any], ways: tuple[Way, ...], first: NDArray[np.int64]) -> None:
+    guards["slides"] = 1
+    for guard, way in zip(guards, ways, strict=True):
+        guard["sign"] = way.sign
+        if way.to is None:
+            guard["surface"] = way.surface
+        else:
+            guard["turns"], guard["to"], guard["back"] = 1, first[way.to], way.back

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -14,7 +15,7 @@ from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "way_along", "way_out"]
+__all__ = ["Leaning", "Place", "agreed_region", "first_place", "leaning", "regions_entered", "way_along", "way_out"]
 
 _EPS = 2.0**-52
 _MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
@@ -73,19 +74,45 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
     int or None
         None where the fields of the regions around do not all lead to the same declared region.
     """
-    laws = system.laws
-    heights, _ = _values(system, t, x)
-    value = np.array(heights)
+    value, _ = _values(system, t, x)
+    sides = np.sign(value).astype(int).tolist()
+
+    def rate(region: int, surface: int) -> float:
+        return direction * _rate(system, region, surface, t, x)
+
+    return agreed_region(system.laws, sides, surfaces, rate)
+
+
+def agreed_region(
+    laws: Laws, sides: Sequence[int], surfaces: Sequence[int], rate: Callable[[int, int], float]
+) -> int | None:
+    """Region into which the fields of all regions around a corner lead.
+
+    Parameters
+    ----------
+    sides
+        Signs of all switching functions near the corner; those of the surfaces that meet there do not matter.
+    surfaces
+        Numbers of the surfaces that meet there.
+    rate
+        (region, surface) -> rate of the switching function with the field of the region; 0 where it is not clear.
+
+    Returns
+    -------
+    int or None
+        As from `way_out`.
+    """
     found: set[tuple[int, ...]] = set()
-    numbers = laws.regions_by_sides
+    numbers, around = laws.regions_by_sides, list(sides)
     for signs in product((-1, 1), repeat=len(surfaces)):
-        sides = np.sign(value).astype(int)
-        sides[list(surfaces)] = signs
-        region = numbers.get(tuple(sides.tolist()))
+        for surface, sign in zip(surfaces, signs, strict=True):
+            around[surface] = sign
+        region = numbers.get(tuple(around))
         if region is not None:
-            rates = [_rate(system, region, surface, t, x) * direction for surface in surfaces]
-            sides[list(surfaces)] = np.sign(rates).astype(int)
-            found.add(tuple(sides.tolist()))
+            onward = list(around)
+            for surface in surfaces:
+                onward[surface] = int(np.sign(rate(region, surface)))
+            found.add(tuple(onward))
     return numbers.get(found.pop()) if len(found) == 1 else None
 
 
@@ -110,20 +137,11 @@ def way_along(system: PiecewiseSystem, mode: int, surface: int, t: float, x: Flo
         on; or where a region beyond is not declared.
     """
     laws = system.laws
-    low, high, along = laws.pairs[mode - len(laws.regions)]
-    beyond = []
-    for region in (low, high):
-        sides = list(laws.regions[region].sides)
-        if not sides:
-            return None
-        sides[surface] *= -1
-        beyond.append(laws.regions_by_sides.get(tuple(sides)))
-    pair = (*beyond, along)
-    if pair not in laws.pairs:
+    number = laws.sliding_beyond(mode, surface)
+    if number is None:
         return None
-    number = len(laws.regions) + laws.pairs.index(pair)
     sliding = laws.mode(number)
-    sign = laws.regions[pair[0] or 0].sides[surface]
+    sign = sliding.sides[surface]
     way = 1 if direction > 0 else -1
     rate = sign * sliding.rate_of(laws.surfaces[surface])
     heights = [way * u for u in (*sliding.heights[:2], rate)]

@@ -4,6 +4,7 @@ from core.interface.cancelling import Cancelled
 from core.reference.declared import reference_solution
 from core.reference.exact import ExactSolution, exact_solution
 from core.reference.external import external_solution
+from core.reference.laws_in_numbers import two_sides
 from core.reference.solution import ReferenceSolution, Solution
 
 __all__ = [
@@ -14,4 +15,5 @@ __all__ = [
     "exact_solution",
     "external_solution",
     "reference_solution",
+    "two_sides",
 ]

@@ -1,22 +1,24 @@
-"""Arcs of exact solutions: power series in many digits, from the surface until they next reach it."""
+"""Arcs of exact solutions: power series in many digits, from where a mode is entered to where a guard vanishes."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from core.interface.cancelling import Cancel, raise_if
 from core.reference.first_root import FirstRoot, newton, zero_between
+from core.reference.guard import Enclosure, Guard, Polynomial
 from core.reference.powers import GUARD, Field, Step
 from core.reference.program import Digits
-from core.reference.solution import State
-from core.reference.surface import Enclosure, Polynomial, Surface
+from core.reference.solution import Arrival, State
+from core.reference.transitions import Entry
 
-__all__ = ["ExactArc", "Level"]
+__all__ = ["ExactArc", "Level", "Motion", "zero_of"]
 
 #: Most steps of one arc, some 300 turns, before the search for a crossing is given up.
 _MAX_STEPS = 2000
@@ -36,70 +38,96 @@ _CLOSED = 0.5
 _EXPECTED = 2.0**-30
 
 
+class Motion:
+    """A mode in exact expressions: its field, and the heights that end it where they vanish.
+
+    Parameters
+    ----------
+    field : d expressions
+        In the variables.
+    heights : expressions
+        In the variables and time, positive inside the mode.
+    variables : d symbols
+    """
+
+    def __init__(
+        self, field: Sequence[sympy.Expr], heights: Sequence[sympy.Expr], variables: Sequence[sympy.Symbol]
+    ) -> None:
+        self.field = Field(field, variables)
+        self.guards = [Guard(height, field, variables) for height in heights]
+        self.moves = any(guard.moves for guard in self.guards)
+
+
 class Level(NamedTuple):
-    """A precision, with the fields and the surface to evaluate in it, and what tells whether to stop."""
+    """A precision, with the modes to evaluate in it, and what tells whether to stop."""
 
     digits: Digits
-    fields: Mapping[int, Field]
-    surface: Surface
+    motion: Callable[[int], Motion]
     cancel: Cancel | None = None
 
 
 class ExactArc:
     """An arc along an exact flow, expanded step by step as far as is asked for.
 
-    If the same arc is known in fewer digits, its crossing is sought near the one found there.
+    If the same arc is known in fewer digits, its end is sought near the one found there.
 
     Parameters
     ----------
     level
     t, x
         Time, and state (d,), in many digits.
-    side
-        −1 or +1.
-    on_surface
-        Whether the arc starts on the surface.
+    entry
+        The mode, and how it begins.
     guide
         The same arc in fewer digits.
     """
 
-    def __init__(
-        self, level: Level, t: Any, x: State, side: int, on_surface: bool, guide: ExactArc | None = None
-    ) -> None:
-        self.t, self.x, self.side = t, x, side
-        self._largest_height = self._largest_rate = 0.0
-        self.found: tuple[Any, State] | None = None  #: time and state of its arrival on the surface, once known
+    def __init__(self, level: Level, t: Any, x: State, entry: Entry, guide: ExactArc | None = None) -> None:
+        self.t, self.x, self.mode = t, x, entry.mode
+        self.found: Arrival | None = None if entry.past is None else Arrival(t, x, entry.past, at_once=True)
+        """Where it ends, once known."""
         self.decided_by_bounds = True  #: whether bounds decided where it ends; else more digits could change that
-        self._level, self._leaving, self._guide = level, on_surface, guide
+        self._level, self._motion, self._entry = level, level.motion(entry.mode), entry
+        self._guide = guide if guide is not None and guide.mode == entry.mode else None
+        self._last_search: tuple[Any, list[_View]] | None = None  # part of the last step at which it ends, and heights
+        self._largest_heights, self._largest_rates = np.zeros((2, len(self._motion.guards)))
         self._context = level.digits.context
-        self._eps = self._context.ldexp(1, -int(_TOUCH * (self._context.prec - GUARD)))
+        self._eps = zero_of(level.digits)
         self._round_off = self._context.ldexp(1, GUARD - self._context.prec)
         self._steps: list[Step] = []
         self._unchanged_steps = 0  # steps in a row that changed nothing
-        self._end, self._last, self._unit = self._context.mpf(0), x, level.fields[side].unit(level.digits, x)
-        self._no_arrival = ""  # why the arc never reaches the surface, once known
+        self._end, self._last = self._context.mpf(0), x
+        self._unit = self._motion.field.unit(level.digits, x)
+        self._no_arrival = ""  # why it never ends, once known
+        self._rests = False  # whether it never moves
         self._period: Any = None  # of a closed orbit, once known to be one
         self._origin: NDArray[np.float64] | None = None  # (2, d): the first step's coefficients of orders 0 and 1
 
-    @property
-    def largest_height(self) -> float:
-        """Largest |g| seen on it."""
-        return max(self._largest_height, self._guide.largest_height) if self._guide else self._largest_height
+    def largest_height(self, guard: int) -> float:
+        """Largest height of a guard seen on it."""
+        here = float(self._largest_heights[guard])
+        if self._last_search is not None:
+            part, views = self._last_search
+            here = max(here, views[guard].height_before(part))
+        return max(here, self._guide.largest_height(guard)) if self._guide else here
 
-    @property
-    def largest_rate(self) -> float:
-        """Largest |ġ| seen on it."""
-        return max(self._largest_rate, self._guide.largest_rate) if self._guide else self._largest_rate
+    def largest_rate(self, guard: int) -> float:
+        """Largest rate of a guard seen on it, in size."""
+        here = float(self._largest_rates[guard])
+        return max(here, self._guide.largest_rate(guard)) if self._guide else here
 
-    def arrival(self, until: float) -> tuple[Any, State] | None:
-        """First time and state on the surface; None if not before `until`."""
+    def arrival(self, until: float) -> Arrival | None:
+        """Where a guard vanishes first; None if not before `until`."""
         while self.found is None and not self._no_arrival and self.t + self._end < until:
+            if until == np.inf and self._unchanged_steps >= _RESTING and not self._motion.moves:
+                self._never(f"it comes to rest at {self._last.astype(float)}")
             self._extend()
         if self._no_arrival and until == np.inf:
-            raise ValueError(
-                f"the solution never reaches the surface after t = {float(self.t):.17g}: {self._no_arrival}"
-            )
+            self._never(self._no_arrival)
         return self.found
+
+    def _never(self, reason: str) -> NoReturn:
+        raise ValueError(f"no crossing follows after t = {float(self.t):.17g}: {reason}")
 
     def state(self, t: float) -> State:
         """State (d,) at time t of this arc."""
@@ -108,18 +136,18 @@ class ExactArc:
             elapsed -= self._period * self._context.floor(elapsed / self._period)
         if not self._steps:
             self._extend()
-        if self._no_arrival and not self._period and elapsed > self._end:
+        if self._no_arrival and not self._period and not self._rests and elapsed > self._end:
             raise ValueError(f"no state at t = {t}: {self._no_arrival}")
         number = bisect_right(self._steps, elapsed, key=lambda step: step.start)
         return self._steps[max(number - 1, 0)].at(elapsed)
 
     def _extend(self) -> None:
-        """Take a step, and find the first crossing on it."""
+        """Take a step, and find the first zero of a guard on it."""
         raise_if(self._level.cancel)
         if len(self._steps) == _MAX_STEPS:
             last = float(self._end)
             raise ValueError(f"no crossing found in {_MAX_STEPS} steps, up to {last:.6g} after the last one")
-        step = self._level.fields[self.side].step(self._level.digits, self._end, self._last, self._unit)
+        step = self._motion.field.step(self._level.digits, self._end, self._last, self._unit)
         self._steps.append(step)
         self._end += step.span
         before, self._last, self._unit = self._last, step.at(self._end), step.next_unit
@@ -127,51 +155,62 @@ class ExactArc:
         self._unchanged_steps = self._unchanged_steps + 1 if unchanged else 0
         if not self._search_near_guide(step):
             self._search(step)
-        self._leaving = False
 
     def _search_near_guide(self, step: Step) -> bool:
-        """Seek the crossing near that in fewer digits; True if found there, or known to lie on a later step."""
+        """Seek the end near that in fewer digits; True if found there, or known to lie on a later step."""
         if self._guide is None or self._guide.found is None or not self._guide.decided_by_bounds:
             return False
-        expected = self._context.mpf(self._guide.found[0]) - self.t
+        near = self._guide.found
+        expected = self._context.mpf(near.t) - self.t
         if expected > self._end:
             return True
-        view = _View(self._level, self.t, self.side, step)
+        view = _View(self._level.digits, self._motion.guards[near.guard], self.t, step, Polynomial(step))
         part, away = view.part(expected), view.part(expected * (1 + _EXPECTED)) - view.part(expected)
         low, high = part - away, part + away
         if not view.evaluate(low)[0] > 0 >= view.evaluate(high)[0]:
             return False
-        self.found = view.place(newton(view.evaluate, low, high, part, self._eps))
+        found = Arrival(*view.place(newton(view.evaluate, low, high, part, self._eps)), near.guard)
+        others = (guard for k, guard in enumerate(self._motion.guards) if k != near.guard)
+        if any(guard.evaluate(self._level.digits, found.t, found.x)[0] <= 0 for guard in others):
+            return False  # more digits may show that another guard vanishes first
+        self.found = found
         return True
 
     def _search(self, step: Step) -> None:
-        """Find the first crossing on a step by bounds over all of it."""
-        view = _View(self._level, self.t, self.side, step)
-        search = FirstRoot(view, self._context.mpf, self._eps, self._leaving)
-        part = search.find()
-        self._largest_height = max(self._largest_height, view.largest_height)
-        self._largest_rate = max(self._largest_rate, view.largest_rate)
-        self.decided_by_bounds = self.decided_by_bounds and not search.decided_by_digits
-        if part is None:
-            self._unit = min(self._unit, step.unit) if search.divided else self._unit
-            self._find_no_arrival(step, view.states)
-        elif self._context.isfinite(view.evaluate(part)[0]):
-            self.found = view.place(part)
+        """Find the first zero of a guard on a step by bounds over all of it."""
+        states, first, divided = Polynomial(step), None, False
+        views = [_View(self._level.digits, guard, self.t, step, states) for guard in self._motion.guards]
+        for k, view in enumerate(views):
+            leaving = len(self._steps) == 1 and k in self._entry.at
+            search = FirstRoot(view, self._context.mpf, self._eps, leaving, leaving and self._entry.folded)
+            part = search.find(1.0 if first is None else float(first[0]))
+            self._largest_rates[k] = max(self._largest_rates[k], view.largest_rate)
+            self.decided_by_bounds = self.decided_by_bounds and not search.decided_by_digits
+            divided = divided or search.divided
+            if part is not None and (first is None or part < first[0]):
+                first = part, k
+        if first is None:
+            self._largest_heights = np.maximum(self._largest_heights, [view.largest_height for view in views])
+            self._unit = min(self._unit, step.unit) if divided else self._unit
+            self._find_no_arrival(step, states)
+        elif self._context.isfinite(views[first[1]].evaluate(first[0])[0]):
+            self.found = Arrival(*views[first[1]].place(first[0]), first[1])
+            self._last_search = first[0], views
         else:
-            self._no_arrival = f"g is not defined after t = {float(view.place(part)[0]):.17g}"
+            self._no_arrival = f"g is not defined after t = {float(views[first[1]].place(first[0])[0]):.17g}"
 
     def _find_no_arrival(self, step: Step, states: Polynomial) -> None:
-        """Note if no crossing can follow: at a pole, or, where the surface is at rest, at rest or on a closed orbit."""
+        """Note if no guard can vanish: at a pole, or, where the surfaces do not move, at rest or on a closed orbit."""
         if self._origin is None:
             self._origin = self._steps[0].polynomial()[:2]
         if np.abs(self._last).max() > _LARGEST:
             self._no_arrival = f"it grows beyond {_LARGEST:g} by t = {float(self.t + self._end):.17g}"
         elif step.span < _POLE * self._end and np.abs(self._last).max() > _GROWN * np.abs(self.x).max():
             self._no_arrival = f"it escapes to infinity at t = {float(self.t + self._end):.17g}"
-        elif self._level.surface.moves:
+        elif self._motion.moves:
             return
-        elif not self._origin[1].any() or self._unchanged_steps == _RESTING:
-            self._no_arrival = f"it comes to rest at {self._last.astype(float)}"
+        elif not self._origin[1].any():
+            self._rests, self._no_arrival = True, f"it is at rest at {self._last.astype(float)}"
         elif (period := self._closing_time(self._origin, step, states)) is not None:
             self._period, self._no_arrival = period, f"its orbit closes after a period {float(period):.17g}"
 
@@ -191,13 +230,12 @@ class ExactArc:
 
 
 class _View:
-    """side·g (positive inside) and its rate over one step, as functions of the part of it, from 0 to 1."""
+    """The height of a guard and its rate over one step, as functions of the part of it, from 0 to 1."""
 
-    def __init__(self, level: Level, t: Any, side: int, step: Step) -> None:
-        self.states = Polynomial(step)
+    def __init__(self, digits: Digits, guard: Guard, t: Any, step: Step, states: Polynomial) -> None:
         self.largest_height = self.largest_rate = 0.0
-        self._level, self._t, self._side, self._step = level, t, side, step
-        self._begin, self._span = float(t + step.start), float(step.span)
+        self._digits, self._guard, self._t, self._step, self._states = digits, guard, t, step, states
+        self._begin, self.span = float(t + step.start), float(step.span)
 
     def part(self, elapsed: Any) -> Any:
         """Part of the step at an elapsed time of the arc."""
@@ -210,19 +248,26 @@ class _View:
 
     def evaluate(self, part: Any) -> tuple[Any, Any]:
         """In many digits."""
-        t, x = self.place(part)
-        height, rate = self._level.surface.evaluate(self._level.digits, self._side, t, x)
-        return self._side * height, self._side * rate * self._step.span
+        height, rate = self._guard.evaluate(self._digits, *self.place(part))
+        return height, rate * self._step.span
+
+    def height_before(self, part: Any) -> float:
+        """Size of the height halfway to a part of the step."""
+        return float(np.nan_to_num(float(abs(self.evaluate(part / 2)[0]))))
 
     def evaluate_in_doubles(self, part: float) -> tuple[float, float]:
         """In doubles."""
-        t, x = self._begin + part * self._span, self.states.at(part)
-        height, rate = self._level.surface.evaluate_in_doubles(self._side, t, x)
-        return self._side * height, self._side * rate * self._span
+        height, rate = self._guard.evaluate_in_doubles(self._begin + part * self.span, self._states.at(part))
+        return height, rate * self.span
 
     def enclose(self, edges: NDArray[np.float64]) -> Enclosure:
         """Bounds over the equal pieces between the edges (m + 1,)."""
-        found = self._level.surface.enclose(self._side, self._begin, self._span, self.states, edges)
+        found = self._guard.enclose(self._begin, self.span, self._states, edges)
         self.largest_height = max(self.largest_height, found.largest_height)
         self.largest_rate = max(self.largest_rate, found.largest_rate)
         return found
+
+
+def zero_of(digits: Digits) -> Any:
+    """Part of the size of a number that is zero but for the rounding of its computation."""
+    return digits.context.ldexp(1, -int(_TOUCH * (digits.context.prec - GUARD)))

@@ -1,4 +1,4 @@
-"""An exact solution, continued by the Taylor method from where it would slide along the surface."""
+"""An exact solution, continued by the Taylor method from where it slides by a field without a known closed form."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ T = TypeVar("T")
 
 
 class ContinuedSolution:
-    """The exact solution as long as it crosses the surface; what it cannot answer is asked of the Taylor method.
+    """The exact solution as long as closed forms are known; what lies beyond is asked of the Taylor method.
 
     Parameters
     ----------
     exact
-        The exact solution, which ends where it would slide.
-    slide
-        Makes the solution by the Taylor method, which slides; called when it is first needed.
+        The exact solution, which ends where no closed form is known.
+    go_on
+        Makes the solution by the Taylor method; called when it is first needed.
     """
 
-    def __init__(self, exact: ExactSolution, slide: Callable[[], TaylorSolution]) -> None:
+    def __init__(self, exact: ExactSolution, go_on: Callable[[], TaylorSolution]) -> None:
         self._used: Solution = exact
-        self._exact, self._slide = exact, slide
+        self._exact, self._go_on = exact, go_on
 
     @property
     def name(self) -> str:
@@ -44,7 +44,7 @@ class ContinuedSolution:
 
     @property
     def error(self) -> float:
-        """Bound on the error of the exact solution; once it slides, the estimate of the Taylor method."""
+        """Bound on the error of the exact solution; beyond it, the estimate of the Taylor method."""
         return self._used.error
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
@@ -56,7 +56,7 @@ class ContinuedSolution:
         return self._ask(lambda solution: solution.after(k))
 
     def entered(self, k: int) -> int:
-        """Side entered at crossing k; 0 where sliding begins."""
+        """Side entered at crossing k; 0 where sliding begins. Of several surfaces the number of the mode."""
         return self._ask(lambda solution: solution.entered(k))
 
     def state(self, t: float) -> NDArray[np.float64]:
@@ -64,15 +64,15 @@ class ContinuedSolution:
         return self._ask(lambda solution: solution.state(t))
 
     def side(self, t: float) -> int:
-        """Side occupied at time t; 0 while sliding."""
+        """Side occupied at time t; 0 while sliding. Of several surfaces the number of the mode."""
         return self._ask(lambda solution: solution.side(t))
 
     def _ask(self, question: Callable[[Solution], T]) -> T:
-        """The answer of the exact solution or, once that has ended on the surface, of the Taylor method."""
+        """The answer of the exact solution or, where that knows no closed form, of the Taylor method."""
         try:
             return question(self._used)
         except ValueError:
-            if self._used is not self._exact or self._exact.stop is None:
+            if self._used is not self._exact or self._exact.stop is None or not self._exact.stop.unknown:
                 raise
-            self._used = self._slide()
+            self._used = self._go_on()
             return question(self._used)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
 from core.interface.arguments import checked_sliding, number
@@ -13,6 +12,7 @@ from core.interface.cancelling import Cancel, raise_if
 from core.reference.continued import ContinuedSolution
 from core.reference.exact import exact_solution
 from core.reference.external import external_solution
+from core.reference.laws_in_numbers import laws_in_numbers
 from core.reference.solution import Solution
 from core.reference.taylor import TaylorSolution
 from core.system import Start
@@ -29,12 +29,13 @@ def reference_solution(
     cancel: Cancel | None = None,
     sliding: str = "stop",
 ) -> Solution:
-    """Exact solution where both fields have a known closed form, else the Taylor method at two tolerances.
+    """Exact solution where the fields of all regions have known closed forms, else the Taylor method at two tolerances.
 
     A closed form is recognised from the declaration: fields linear in the state, fields whose orbits are elliptic
-    curves, pendulums and free rigid bodies; one side may be of one kind and the other of another, and the surface may
-    move. Its `name` says which. The solution is computed in as many digits as two precisions need to agree to the
-    round-off of a double, and no crossing is missed: bounds on g between samples exclude further ones.
+    curves, pendulums and free rigid bodies; regions may be of different kinds, and surfaces may move. Its `name` says
+    which. The field of sliding is recognised likewise, as it is on the surface. The solution is computed in as many
+    digits as two precisions need to agree to the round-off of a double, and no crossing is missed: bounds on the guards
+    of a mode between samples exclude further ones.
 
     Parameters
     ----------
@@ -48,8 +49,8 @@ def reference_solution(
         Where there is no closed form, use SciPy's DOP853 at its tightest tolerance: slower and less accurate, but an
         external solver, independent of this package's methods.
     sliding
-        As in `integrate`. With "continue" the Taylor method takes over from where an exact solution would slide, and
-        no external solver can be asked for.
+        As in `integrate`. With "continue" the Taylor method takes over from where an exact solution slides by a field
+        without a known closed form, and no external solver can be asked for.
     cancel
         Called again and again; once it returns True, whatever is asked for raises `core.reference.Cancelled`.
 
@@ -64,32 +65,28 @@ def reference_solution(
     Raises
     ------
     ValueError
-        If the initial state is on the surface and cannot leave it to one side.
+        If the initial state is on a surface and cannot leave it to one side.
     """
     system, t0 = system_of(system), number(t0, "t0")
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
     laws = system.laws
-    if not laws.two_sided:
-        if independent:
-            raise ValueError("independent = True: the external solver needs two sides of one surface; leave it out")
-        return TaylorSolution(system, start, t0, cancel, checked_sliding(sliding))
-    # Exactly the numbers that the compiled functions use: every double is a ratio.
-    numbers = {symbol: sympy.Rational(float(v)) for symbol, v in zip(laws.p, system.parameter_array, strict=True)}
-    fields = {side: tuple(f.xreplace(numbers) for f in laws.modes[side].field) for side in (-1, 1)}
-    jump = None if laws.jump is None else tuple(u.xreplace(numbers) for u in laws.jump)
-    g, slides = laws.g.xreplace(numbers), checked_sliding(sliding)
-    if slides and independent:
+    slides = checked_sliding(sliding)
+    if independent and not laws.two_sided:
+        raise ValueError("independent = True: the external solver needs two sides of one surface; leave it out")
+    if independent and slides:
         raise ValueError('independent = True: the external solver does not slide; leave out sliding="continue"')
+    by_taylor = partial(TaylorSolution, system, start, t0, cancel, slides)
+    numbers = dict(zip(laws.p, system.parameter_array.tolist(), strict=True))
     try:
-        exact = exact_solution(fields[-1], fields[1], g, laws.x, t0, start, jump=jump, cancel=cancel)
-    except ValueError:  # it cannot leave the surface to one side
-        if not slides:
+        exact = exact_solution(laws_in_numbers(laws, numbers), t0, start, slides=slides, cancel=cancel)
+    except ValueError:  # the start has no region to enter, or slides where no closed form is known
+        if not slides and laws.two_sided:
             raise
         exact = None
     if exact is not None:
-        return ContinuedSolution(exact, partial(TaylorSolution, system, start, t0, cancel, True)) if slides else exact
+        return ContinuedSolution(exact, by_taylor) if slides else exact
     if not independent:
-        return TaylorSolution(system, start, t0, cancel, slides)
+        return by_taylor()
 
     def field(side: int, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         raise_if(cancel)

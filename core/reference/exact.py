@@ -1,8 +1,8 @@
 """Exact piecewise solutions of fields with closed forms, computed in as many digits as they need.
 
-Between crossings a solution is a power series of time in many digits; crossings are found by bounds that miss none. It
-is computed at two precisions, and at higher ones where these differ by more than the round-off of a double: so the
-digits suffice also where a saddle, or many crossings, magnify errors.
+Within a mode a solution is a power series of time in many digits; where its guards vanish, at surfaces or where sliding
+ends, is found by bounds that miss no zero. It is computed at two precisions, and at higher ones where these differ by
+more than the round-off of a double: so the digits suffice also where a saddle, or many crossings, magnify errors.
 """
 
 from __future__ import annotations
@@ -16,13 +16,15 @@ import sympy
 from numpy.typing import ArrayLike, NDArray
 
 from core.interface.cancelling import Cancel
-from core.reference.arcs import ExactArc, Level
-from core.reference.powers import GUARD, Field
+from core.reference.arcs import ExactArc, Level, Motion, zero_of
+from core.reference.laws_in_numbers import followed_field
+from core.reference.powers import GUARD
 from core.reference.program import Digits, Program
-from core.reference.recognition import closed_form, exact_numbers
-from core.reference.solution import MAX_CROSSINGS, Dynamics, ReferenceSolution, State, Stop, first_arc
-from core.reference.surface import Surface
+from core.reference.recognition import exact_numbers
+from core.reference.solution import MAX_CROSSINGS, ReferenceSolution, State, Stop
+from core.reference.transitions import Dynamics, Entry, Transitions
 from core.symbolic.expressions import TIME
+from core.symbolic.laws import Laws
 
 __all__ = ["ExactSolution", "exact_solution"]
 
@@ -30,54 +32,95 @@ __all__ = ["ExactSolution", "exact_solution"]
 _BITS = (60, 76, 114, 171, 256, 384, 576)
 #: (precision in bits, the solution at a lower one or None) -> the solution at that precision.
 Begin: TypeAlias = "Callable[[int, ReferenceSolution | None], ReferenceSolution]"
+#: Size of a state, as part of the initial one, below which it is zero: the highest precision tells no smaller one.
+_ZERO = 2.0**-340
+#: Relative rounding of an initial value that is meant to lie on a surface.
+_ROUNDED = 2.0**-51
 #: Relative difference of two precisions that agree: at most an eighth of half an ulp.
 _AGREEMENT = 2.0**-57
 
 
 def exact_solution(
-    field_minus: tuple[sympy.Expr, ...],
-    field_plus: tuple[sympy.Expr, ...],
-    g: sympy.Expr,
-    variables: tuple[sympy.Symbol, ...],
+    laws: Laws,
     t0: float,
     x0: ArrayLike,
     max_crossings: int = MAX_CROSSINGS,
-    jump: tuple[sympy.Expr, ...] | None = None,
+    slides: bool = False,
     cancel: Cancel | None = None,
 ) -> ExactSolution | None:
-    """Exact solution of x' = field_± (x), or None if no closed form of one of the fields is known.
+    """Exact solution of laws in numbers, or None if no closed form of the field of a region is known.
 
     Parameters
     ----------
-    field_minus, field_plus : tuple of d expressions
-        In the variables only.
-    g : expression
-        In the variables and time.
-    variables : tuple of d symbols
+    laws : Laws
+        Without parameters: see `laws_in_numbers`.
     t0 : float
     x0 : (d,)
-        ValueError if it lies on the surface and the two fields do not say which side it enters.
+        ValueError if it lies on a surface and the fields do not say which side it enters.
     max_crossings : int
-    jump : tuple of d expressions, or None
-        In the variables and time: the state after reaching the surface.
+    slides : bool
+        Whether it slides along a surface to which both fields point, if a closed form of sliding is known; else it
+        ends there.
     cancel : callable () -> bool, or None
         Called at each step; once it returns True, what is asked for raises `Cancelled`.
     """
-    below, above = closed_form(field_minus, variables), closed_form(field_plus, variables)
-    names = {TIME, *variables}
-    if below is None or above is None or any(e.free_symbols - names for e in (g, *(jump or ()))):
+    motions, names = Motions(laws), {TIME, *laws.x}
+    jumps = [u for ways in laws.ways for way in ways for u in way.jump or ()]
+    if any(e.free_symbols - names for e in (*laws.surfaces, *jumps)):
         return None
-    fields = {side: tuple(map(exact_numbers, f)) for side, f in ((-1, field_minus), (1, field_plus))}
-    surface = Surface(exact_numbers(g), fields, variables)
-    flows = {side: Field(f, variables) for side, f in fields.items()}
-    jumps = None if jump is None else Program([exact_numbers(u) for u in jump], (TIME, *variables))
+    if any(motions.form(region) is None for region in range(len(laws.regions))):
+        return None
     start = np.asarray(x0, dtype=float)
 
     def begin(bits: int, guide: ReferenceSolution | None) -> ReferenceSolution:
-        level = Level(Digits.of(bits + GUARD), flows, surface, cancel)
-        return _solution(level, jumps, float(t0), start, max_crossings, guide)
+        level = Level(Digits.of(bits + GUARD), motions.motion, cancel)
+        return _solution(level, motions, float(t0), start, max_crossings, slides, guide)
 
-    return ExactSolution(", ".join(sorted({below, above})), float(t0), begin)
+    return ExactSolution(motions, float(t0), _ZERO * float(np.abs(start).max() or 1.0), begin)
+
+
+class Motions:
+    """The modes of laws in numbers, derived when they are entered.
+
+    Parameters
+    ----------
+    laws : Laws
+        Without parameters.
+    """
+
+    def __init__(self, laws: Laws) -> None:
+        self.laws = laws
+        self._forms: dict[int, tuple[str | None, tuple[sympy.Expr, ...]]] = {}
+        self._motions: dict[int, Motion] = {}
+        self._jumps: dict[tuple[int, int], Program] = {}
+
+    @property
+    def basis(self) -> str:
+        """The closed forms of the regions, and of sliding as far as it was entered, for display."""
+        return ", ".join(sorted({name for name, _ in self._forms.values() if name is not None}))
+
+    def form(self, mode: int) -> str | None:
+        """Name of the closed form of a mode; None if none is known."""
+        return self._form(mode)[0]
+
+    def motion(self, mode: int) -> Motion:
+        """A mode whose closed form is known."""
+        if mode not in self._motions:
+            heights = [exact_numbers(u) for u in self.laws.mode(mode).heights]
+            self._motions[mode] = Motion(self._form(mode)[1], heights, self.laws.x)
+        return self._motions[mode]
+
+    def jump(self, region: int, guard: int) -> Program:
+        """The state after reaching a guard, of time and state."""
+        if (region, guard) not in self._jumps:
+            after = self.laws.ways[region][guard].jump or self.laws.x
+            self._jumps[region, guard] = Program(after, (TIME, *self.laws.x))
+        return self._jumps[region, guard]
+
+    def _form(self, mode: int) -> tuple[str | None, tuple[sympy.Expr, ...]]:
+        if mode not in self._forms:
+            self._forms[mode] = followed_field(self.laws.mode(mode))
+        return self._forms[mode]
 
 
 class ExactSolution:
@@ -85,15 +128,16 @@ class ExactSolution:
 
     Parameters
     ----------
-    basis : str
-        The closed forms of its fields, for display.
+    motions : Motions
     t0 : float
+    zero : float
+        Size of a state that is zero.
     begin : callable
         (precision in bits, the solution at a lower one or None) -> the solution at that precision.
     """
 
-    def __init__(self, basis: str, t0: float, begin: Begin) -> None:
-        self._basis, self._t0, self._begin = basis, t0, begin
+    def __init__(self, motions: Motions, t0: float, zero: float, begin: Begin) -> None:
+        self._motions, self._t0, self._zero, self._begin = motions, t0, zero, begin
         self._level = 0
         self._coarse = begin(_BITS[0], None)
         self._fine = begin(_BITS[1], self._coarse)
@@ -103,7 +147,8 @@ class ExactSolution:
     @property
     def name(self) -> str:
         """The closed forms on which it rests; where the highest precision was not enough, also a bound on its error."""
-        return f"exact ({self._basis})" if self.exact else f"power series ({self._basis}), error {self._error:.1e}"
+        basis = self._motions.basis
+        return f"exact ({basis})" if self.exact else f"power series ({basis}), error {self._error:.1e}"
 
     @property
     def error(self) -> float:
@@ -129,7 +174,7 @@ class ExactSolution:
         return as_doubles(self._agreed(lambda solution: solution.crossing_in_digits(k))[2])
 
     def entered(self, k: int) -> int:
-        """Side entered at crossing k, −1 or +1."""
+        """Side entered at crossing k, −1 or +1; 0 where sliding begins. Of several surfaces the number of the mode."""
         return int(self._agreed(lambda solution: (solution.entered(k),))[0])
 
     def state(self, t: float) -> NDArray[np.float64]:
@@ -137,7 +182,10 @@ class ExactSolution:
         return as_doubles(self._agreed(lambda solution: (solution.state_in_digits(t),))[0])
 
     def side(self, t: float) -> int:
-        """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
+        """Side, −1 or +1, occupied at time t ≥ t0, at a crossing the side entered; 0 while sliding.
+
+        Of several surfaces the number of the mode.
+        """
         return int(self._agreed(lambda solution: (solution.side(t),))[0])
 
     def _agreed(self, ask: Callable[[ReferenceSolution], tuple[Any, ...]]) -> tuple[Any, ...]:
@@ -163,9 +211,13 @@ class ExactSolution:
         absolute = relative = 0.0
         for a, b in zip(coarse, fine, strict=True):
             difference = float(np.max(np.abs(b - a)))
-            size = float(np.max(np.abs(b))) if isinstance(b, np.ndarray) else float(abs(b)) + abs(self._t0)
+            size = (
+                max(float(np.max(np.abs(b))), self._zero)
+                if isinstance(b, np.ndarray)
+                else float(abs(b)) + abs(self._t0)
+            )
             absolute = max(absolute, difference)
-            relative = max(relative, difference / size if difference else 0.0)
+            relative = max(relative, (difference / size if size else np.inf) if difference else 0.0)
         return absolute, relative
 
 
@@ -182,24 +234,34 @@ def _outcome(ask: Callable[[ReferenceSolution], tuple[Any, ...]], solution: Refe
 
 
 def _solution(
-    level: Level, jumps: Program | None, t0: float, x0: NDArray[np.float64], most: int, guide: ReferenceSolution | None
+    level: Level,
+    motions: Motions,
+    t0: float,
+    x0: NDArray[np.float64],
+    most: int,
+    slides: bool,
+    guide: ReferenceSolution | None,
 ) -> ReferenceSolution:
     """The solution at one precision, guided by that at a lower one if there is one."""
-    digits, surface, numbers = level.digits, level.surface, count()
+    digits, numbers = level.digits, count()
 
-    def start(t: Any, x: State, side: int, on_surface: bool) -> ExactArc:
+    def start(t: Any, x: State, entry: Entry) -> ExactArc:
         along = guide.arc(next(numbers)) if guide is not None else None
-        return ExactArc(level, t, x, side, on_surface, along if isinstance(along, ExactArc) else None)
+        return ExactArc(level, t, x, entry, along if isinstance(along, ExactArc) else None)
 
-    def height(t: Any, x: State) -> Any:
-        return surface.evaluate(digits, 1, t, x)[0]
+    def evaluate(mode: int, guard: int, t: Any, x: State) -> tuple[Any, Any]:
+        return motions.motion(mode).guards[guard].evaluate(digits, t, x)
 
-    def rate(side: int, t: Any, x: State) -> Any:
-        return surface.evaluate(digits, side, t, x)[1]
+    def size(mode: int, guard: int, t: Any, x: State) -> float:
+        return motions.motion(mode).guards[guard].size(digits, t, x)
 
-    def land(t: Any, x: State) -> State:
-        return np.array(jumps.run(digits, [t, *x]) if jumps else x, dtype=object)
+    def jump(region: int, guard: int, t: Any, x: State) -> State:
+        return np.array(motions.jump(region, guard).run(digits, [t, *x]), dtype=object)
 
-    dynamics = Dynamics(start, height, rate, land if jumps else None)
+    def obstacle(mode: int) -> str:
+        return "" if motions.form(mode) else "it slides along the surface, where no closed form of its field is known"
+
+    zero = float(zero_of(digits))
+    dynamics = Dynamics(motions.laws, start, evaluate, jump, size, _ROUNDED, zero, obstacle)
     t, x = digits.context.mpf(t0), np.array([digits.context.mpf(float(u)) for u in x0], dtype=object)
-    return ReferenceSolution("", dynamics, first_arc(dynamics, t, x, surface.round_off(digits, t, x)), most)
+    return ReferenceSolution("", Transitions(dynamics, slides), t, x, most)

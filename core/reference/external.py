@@ -6,10 +6,13 @@ from itertools import pairwise
 
 import numpy as np
 import scipy  # loads a subpackage when it is first used
+import sympy
 from numpy.typing import ArrayLike, NDArray
 
+from core.reference.laws_in_numbers import two_sides
 from core.reference.search import Sample, Time, first_zero
-from core.reference.solution import MAX_CROSSINGS, Arc, Dynamics, ReferenceSolution, State, first_arc
+from core.reference.solution import MAX_CROSSINGS, Arc, Arrival, ReferenceSolution, State
+from core.reference.transitions import Dynamics, Entry, Transitions
 
 __all__ = ["external_solution"]
 
@@ -19,6 +22,8 @@ _INNER = (0.25, 0.5, 0.75)
 _MAX_STEPS = 200_000
 #: Relative tolerance of one step: some 500 eps, where DOP853 still keeps it.
 _RTOL = 1e-13
+#: Side of each mode.
+_SIDES = (-1, 1)
 #: Estimate of the error of a solution, in units of the tolerance of one step.
 _STEPS_OF_ERROR = 10
 
@@ -53,48 +58,55 @@ def external_solution(
         Its `error`, ten times the tolerance of one step, holds for some tens of units of time; later the error grows.
     """
 
-    def start(t: Time, x: State, side: int, on_surface: bool) -> Arc:
-        return _ExternalArc(float(t), x.astype(float), side, on_surface, f, g, gdot)
+    def start(t: Time, x: State, entry: Entry) -> Arc:
+        return _ExternalArc(float(t), x.astype(float), entry, f, g, gdot)
 
-    def rate(side: int, t: Time, x: State) -> Time:
-        return float(gdot(side, float(t), x.astype(float)))
+    def evaluate(mode: int, guard: int, t: Time, x: State) -> tuple[Time, Time]:
+        side, y = _SIDES[mode], x.astype(float)
+        return side * float(g(float(t), y)), side * float(gdot(side, float(t), y))
 
-    def height(t: Time, x: State) -> Time:
-        return float(g(float(t), x.astype(float)))
-
-    def land(t: Time, x: State) -> State:
+    def land(mode: int, guard: int, t: Time, x: State) -> State:
         return np.asarray(jump(float(t), x.astype(float)) if jump else x, dtype=float)
 
-    dynamics = Dynamics(start, height, rate, land if jump else None)
     x = np.asarray(x0, dtype=float)
-    first = first_arc(dynamics, float(t0), x, 0.0)
+    laws = two_sides((), (), sympy.Symbol("g"), (), () if jump else None)
+    rules = Transitions(Dynamics(laws, start, evaluate, land))
     error = _STEPS_OF_ERROR * _RTOL * float(np.abs(x).max() or 1.0)
-    return ReferenceSolution(f"SciPy DOP853, rtol {_RTOL:g}", dynamics, first, max_crossings, error)
+    return ReferenceSolution(f"SciPy DOP853, rtol {_RTOL:g}", rules, float(t0), x, max_crossings, error)
 
 
 class _ExternalArc:
     """An arc by DOP853, with the time and state at the end of every step."""
 
     def __init__(
-        self, t: float, x: NDArray[np.float64], side: int, on_surface: bool,
+        self, t: float, x: NDArray[np.float64], entry: Entry,
         f: Callable[[int, float, NDArray[np.float64]], ArrayLike],
         g: Callable[[float, NDArray[np.float64]], float],
         gdot: Callable[[int, float, NDArray[np.float64]], float],
     ) -> None:  # fmt: skip
         self.t: Time = t
         self.x: State = x
-        self.side = side
+        self.mode = entry.mode
+        self._side = side = _SIDES[entry.mode]
         self._g, self._gdot = g, gdot
         self._f = lambda u, y: np.asarray(f(side, u, y), dtype=float)
         self._atol = _RTOL / 10 * (np.abs(x).max() or 1.0)
         self._solver = scipy.integrate.DOP853(self._f, t, x, np.inf, rtol=_RTOL, atol=self._atol)
         self._times, self._states = [t], [x]
         height, rate = self._height_and_rate(t, x)
-        self.largest_rate, self.largest_height = abs(rate), abs(height)
-        self._last = Sample(t, 0.0 if on_surface else height, rate)
-        self._found: tuple[Time, State] | None = None
+        self._largest_rate, self._largest_height = abs(rate), abs(height)
+        self._last = Sample(t, 0.0 if entry.at else height, rate)
+        self._found = None if entry.past is None else Arrival(t, x, entry.past, at_once=True)
 
-    def arrival(self, until: float) -> tuple[Time, State] | None:
+    def largest_height(self, guard: int) -> float:
+        """Largest |g| found on it."""
+        return self._largest_height
+
+    def largest_rate(self, guard: int) -> float:
+        """Largest |ġ| found on it."""
+        return self._largest_rate
+
+    def arrival(self, until: float) -> Arrival | None:
         """First time and state on the surface; None if not before `until`."""
         while self._found is None and self._last.t < until:
             if len(self._times) > _MAX_STEPS:
@@ -118,11 +130,11 @@ class _ExternalArc:
             Sample(t, *self._height_and_rate(t, x)),
         ]
         for a, b in pairwise(samples):
-            self.largest_rate = max(self.largest_rate, abs(float(a.rate)))
-            self.largest_height = max(self.largest_height, abs(float(a.height)))
+            self._largest_rate = max(self._largest_rate, abs(float(a.rate)))
+            self._largest_height = max(self._largest_height, abs(float(a.height)))
             when = first_zero(self._evaluate, a, b)
             if when is not None:
-                self._found = float(when), self.state(float(when))
+                self._found = Arrival(float(when), self.state(float(when)))
                 return
         self._last = samples[-1]
 
@@ -142,4 +154,4 @@ class _ExternalArc:
 
     def _height_and_rate(self, t: float, x: NDArray[np.float64] | State) -> tuple[float, float]:
         y = x.astype(float)
-        return self.side * float(self._g(t, y)), self.side * float(self._gdot(self.side, t, y))
+        return self._side * float(self._g(t, y)), self._side * float(self._gdot(self._side, t, y))

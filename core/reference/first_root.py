@@ -1,8 +1,9 @@
-"""The first time at which a solution reaches the surface, by bounds that leave no root unseen.
+"""The first time at which a guard of the mode vanishes, by bounds that leave no root unseen.
 
-A step is cut into pieces. Bounds on g, ġ and g̈ over a piece decide whether it has a root: g is positive throughout; or
-it is monotonic, or convex, and its signs at both ends or at its minimum tell. A piece that they do not decide is cut
-again. Signs are those of the solution in many digits. Source: Moore, Kearfott, Cloud (2009), ch. 8.
+A step is cut into pieces. Bounds on the height and its first two rates over a piece decide whether it has a root: the
+height is positive throughout; or it is monotonic, or convex, and its signs at both ends or at its minimum tell. A piece
+that they do not decide is cut again. Signs are those of the solution in many digits. Source: Moore, Kearfott, Cloud
+(2009), ch. 8.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from core.reference.surface import Enclosure
+from core.reference.guard import Enclosure
 
 __all__ = ["FirstRoot", "newton", "zero_between"]
 
@@ -23,7 +24,9 @@ Evaluate: TypeAlias = Callable[[Any], tuple[Any, Any]]  # argument -> a function
 _PIECES = 12
 #: Least length of a piece, as part of the step: over a shorter one bounds in doubles tell no more.
 _NARROWEST = 2.0**-44
-#: |minimum| of g, as part of the largest |g|, below which more digits could change its sign.
+#: Length of a piece, as part of the step, below which the height in its middle is worked out in many digits.
+_NARROW = 2.0**-6
+#: |minimum| of the height, as part of the largest, below which more digits could change its sign.
 _CLOSE = 2.0**-36
 #: Relative correction at which Newton's method in doubles ends; the root is then refined in many digits.
 _DOUBLE = 1e-9
@@ -32,7 +35,10 @@ _MAX_TRIALS = 4000
 
 
 class View(Protocol):
-    """side·g (positive inside) and its rate over a step, as functions of the part of it, from 0 to 1."""
+    """The height of a guard and its rate over a step, as functions of the part of it, from 0 to 1."""
+
+    span: float
+    """Length of the step in time."""
 
     def evaluate(self, part: Any) -> tuple[Any, Any]:
         """In many digits."""
@@ -45,29 +51,35 @@ class View(Protocol):
 
 
 class FirstRoot:
-    """Search for the first root of side·g on one step, as the part of the step from 0 to 1.
+    """Search for the first root of a height on one step, as the part of the step from 0 to 1.
 
     Parameters
     ----------
     view
-        side·g on the step.
+        The height on the step.
     number
         float -> the same number in many digits.
     eps
-        Relative correction at which Newton's method ends; a minimum of side·g below it, relative to the largest, is 0.
+        Relative correction at which Newton's method ends; a minimum below it, relative to the largest height, is 0.
     leaving
-        Whether the step begins on the surface; otherwise side·g is positive there.
+        Whether the step begins where the height vanishes; otherwise it is positive there.
+    folded
+        Whether its rate vanishes there, too.
     """
 
-    def __init__(self, view: View, number: Callable[[float], Any], eps: Any, leaving: bool) -> None:
+    def __init__(
+        self, view: View, number: Callable[[float], Any], eps: Any, leaving: bool, folded: bool = False
+    ) -> None:
         self._evaluate, self._evaluate_in_doubles, self._enclose = view.evaluate, view.evaluate_in_doubles, view.enclose
-        self._number, self._eps, self._leaving = number, eps, leaving
-        self._largest_height = 0.0
+        self._span = view.span
+        self._number, self._eps, self._leaving, self._folded = number, eps, leaving, folded
+        self._largest_height, self._before = 0.0, 1.0
         self.divided = False  #: whether a piece was cut again
         self.decided_by_digits = False  #: whether the result hangs on round-off: more digits could change it
 
-    def find(self) -> Any | None:
-        """The first root, or None; where bounds in doubles cannot tell, the start of that piece."""
+    def find(self, before: float = 1.0) -> Any | None:
+        """The first root up to `before`, or None; where bounds in doubles cannot tell, the start of that piece."""
+        self._before = before
         return self._over(0.0, 1.0)
 
     def _over(self, low: float, high: float) -> Any | None:
@@ -76,9 +88,11 @@ class FirstRoot:
         with np.errstate(all="ignore"):
             found = self._enclose(edges)
         self._largest_height = max(self._largest_height, found.largest_height)
-        safe = (found.rate.low > 0) | ((found.height.low > 0) & ~(self._leaving & (edges[:-1] == 0)))
+        first = edges[:-1] == 0
+        safe = (found.rate.low > 0) | ((found.height.low > 0) & ~(self._leaving & first))
+        safe |= self._folded & first & (found.second_rate.low > 0)
         for k in range(_PIECES):
-            if not safe[k]:
+            if not safe[k] and edges[k] <= self._before:
                 root = self._piece(found, k, edges[k], edges[k + 1])
                 if root is not None:
                     return root
@@ -90,19 +104,26 @@ class FirstRoot:
             return self._root_if_falling(a, b)
         if not from_surface and found.second_rate.low[k] > 0:
             return self._root_if_convex(a, b)
+        if b - a < _NARROW and not from_surface and self._stays_above(found, k, a, b):
+            return None
         if b - a < _NARROWEST:
             self.decided_by_digits = True
             return self._number(a)  # the surface is touched, or left, tangentially
         self.divided = True
         return self._over(a, b)
 
+    def _stays_above(self, found: Enclosure, k: int, a: float, b: float) -> bool:
+        """Whether the height in the middle of a piece, in many digits, exceeds what the rate can take from it."""
+        fastest = max(abs(float(found.rate.low[k])), abs(float(found.rate.high[k])))
+        return bool(self._evaluate(self._number((a + b) / 2))[0] > fastest * self._span * (b - a))
+
     def _root_if_falling(self, a: float, b: float) -> Any | None:
-        """The root in a piece where side·g falls or is concave: there is one if it is not positive at the end."""
+        """The root in a piece where the height falls or is concave: there is one if it is not positive at the end."""
         inside, outside = self._number(a), self._number(b)
         return self._root(inside, outside) if self._evaluate(outside)[0] <= 0 else None
 
     def _root_if_convex(self, a: float, b: float) -> Any | None:
-        """The root in a piece where side·g is convex."""
+        """The root in a piece where the height is convex."""
         inside, outside = self._number(a), self._number(b)
         if self._evaluate(inside)[1] >= 0:
             return None
@@ -136,8 +157,10 @@ def newton(evaluate: Evaluate, inside: Any, outside: Any, t: Any, eps: Any) -> A
         else:
             outside = t
         new = t - height / rate if rate != 0 else inside
-        new = new if inside < new < outside else (inside + outside) / 2
-        if height == 0 or new in (inside, outside):
+        if rate < 0 and abs(new - t) <= eps * t:  # even if round-off has led it out of the bracket
+            return new
+        new = new if inside < new <= outside else (inside + outside) / 2  # the root may be the end of the bracket
+        if height == 0 or new in (inside, t):
             return t
         if abs(new - t) <= eps * t:
             return new

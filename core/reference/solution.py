@@ -1,13 +1,12 @@
 """A piecewise smooth solution, extended from crossing to crossing as it is asked for.
 
-The side is carried, never read from the sign of g near the surface. The solution ends, with a reason in words, where
-it cannot be continued: at a sliding or repelling point of the surface, at a tangency, where its crossings accumulate.
+The mode is carried, never read from the sign of g near a surface. The solution ends, with a reason in words, where it
+cannot be continued: see `transitions`.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
@@ -15,23 +14,22 @@ from numpy.typing import NDArray
 
 from core.reference.search import Time
 
-__all__ = ["MAX_CROSSINGS", "Arc", "Dynamics", "ReferenceSolution", "Solution", "State", "Stop", "first_arc"]
+__all__ = [
+    "MAX_CROSSINGS", "Arc", "Arrival", "Ending", "ReferenceSolution", "Rules", "Solution", "State", "Stop",
+]  # fmt: skip
 
 State: TypeAlias = NDArray[Any]  # (d,) of numbers of the same kind as time
 
-#: |ġ| at the surface, as part of its largest value on the arc, below which the surface is touched, not crossed.
-TANGENT = 1e-8
-#: |g| after a jump, as part of its largest value so far, above which the jump leads off the surface.
-OFF_SURFACE = 1e-9
 #: Most crossings of a solution, where not given.
 MAX_CROSSINGS = 100_000
-#: Number of successive crossings that are tested for accumulation.
-ACCUMULATED = 10
-#: They accumulate if they take less than this part of the time since the start.
-ACCUMULATION = 1e-9
-#: Crossings accumulate, too, if two successive gaps together are at most this many ulps of the time. If each impact
-#: leaves half the speed, the last gap is then 1e-12 of the time.
-GAP_ULPS = 1000
+
+
+class Ending(NamedTuple):
+    """Why no arc follows a crossing."""
+
+    reason: str
+    unknown: bool = False
+    """Whether the solution does continue, in a mode whose field has no known closed form."""
 
 
 class Stop(NamedTuple):
@@ -40,47 +38,58 @@ class Stop(NamedTuple):
     t: float
     x: NDArray[np.float64]
     reason: str
+    unknown: bool = False
+    """As in `Ending`."""
+
+
+class Arrival(NamedTuple):
+    """Where an arc ends."""
+
+    t: Time
+    x: State
+    guard: int = 0
+    """Number of the guard of its mode that vanishes."""
+    at_once: bool = False
+    """Whether the arc began beyond that guard, or at its zero with a field that leads out of the mode."""
 
 
 class Arc(Protocol):
-    """A piece of the solution on one side, from (t, x) until it next reaches the surface."""
+    """A piece of the solution in one mode, from (t, x) until the first of its guards vanishes."""
 
-    side: int
+    mode: int
     t: Time
     x: State
 
-    @property
-    def largest_rate(self) -> float:
-        """Largest |ġ| found on it."""
+    def largest_height(self, guard: int) -> float:
+        """Largest height of a guard found on it."""
 
-    @property
-    def largest_height(self) -> float:
-        """Largest |g| found on it."""
+    def largest_rate(self, guard: int) -> float:
+        """Largest rate of a guard found on it, in size."""
 
-    def arrival(self, until: float) -> tuple[Time, State] | None:
-        """First time and state on the surface; None if not before `until`.
+    def arrival(self, until: float) -> Arrival | None:
+        """Where a guard vanishes first; None if not before `until`.
 
         Raises
         ------
         ValueError
-            If `until` is inf and the surface is never reached, or is not reached within the limit on steps.
+            If `until` is inf and no guard ever vanishes, or none does within the limit on steps.
         """
 
     def state(self, t: float) -> State:
         """State (d,) at time t of this arc."""
 
 
-class Dynamics(NamedTuple):
-    """The functions from which a piecewise solution is put together."""
+class Rules(Protocol):
+    """What begins a solution, and what follows where an arc ends."""
 
-    start: Callable[[Time, State, int, bool], Arc]
-    """(t, x, side, on_surface) -> the arc from there."""
-    height: Callable[[Time, State], Time]
-    """(t, x) -> g."""
-    rate: Callable[[int, Time, State], Time]
-    """(side, t, x) -> ġ = g_t + ∇g·f with the field of that side."""
-    jump: Callable[[Time, State], State] | None = None
-    """(t, x) -> the state (d,) after reaching the surface; None where it is continuous."""
+    def first(self, t: Time, x: State) -> Arc:
+        """The arc from an initial value; ValueError if there is none."""
+
+    def onward(self, arc: Arc, met: Arrival) -> Arc | Ending:
+        """The arc that follows another one, or why there is none."""
+
+    def label(self, mode: int) -> int:
+        """What tells a mode apart for the user: see `Laws.label`."""
 
 
 class Solution(Protocol):
@@ -105,24 +114,25 @@ class Solution(Protocol):
         """State (d,) from which the solution continues after crossing k."""
 
     def entered(self, k: int) -> int:
-        """Side entered at crossing k, −1 or +1; 0 where sliding begins."""
+        """Side entered at crossing k, −1 or +1; 0 where sliding begins. Of several surfaces the number of the mode."""
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t."""
 
     def side(self, t: float) -> int:
-        """Side occupied at time t."""
+        """Side occupied at time t; 0 while sliding. Of several surfaces the number of the mode."""
 
 
 class ReferenceSolution:
-    """Piecewise smooth solution from (t0, x0), extended lazily from crossing to crossing.
+    """Piecewise smooth solution from (t, x), extended lazily from crossing to crossing.
 
     Parameters
     ----------
     name : str
         What it rests on, for display.
-    dynamics : Dynamics
-    first : Arc
+    rules : Rules
+    t, x
+        Initial time and state (d,).
     max_crossings : int
     error : float
         Its own estimate of its error in the state.
@@ -131,16 +141,15 @@ class ReferenceSolution:
     exact = False
 
     def __init__(
-        self, name: str, dynamics: Dynamics, first: Arc, max_crossings: int = MAX_CROSSINGS, error: float = np.inf
+        self, name: str, rules: Rules, t: Time, x: State, max_crossings: int = MAX_CROSSINGS, error: float = np.inf
     ) -> None:
         self.name = name
         self.error = error
         self.stop: Stop | None = None  #: set once the solution is known to end
-        self._dynamics, self._max_crossings = dynamics, max_crossings
-        self._arcs = [first]
-        self._times = [float(first.t)]
-        self._arrivals = [first.x]  # where each arc was begun, before the jump
-        self._largest_height = 0.0
+        self._rules, self._max_crossings = rules, max_crossings
+        self._arcs = [rules.first(t, x)]
+        self._times = [float(t)]
+        self._arrivals = [x]  # where each arc was begun, before the jump
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
@@ -152,17 +161,20 @@ class ReferenceSolution:
         return self.crossing_in_digits(k)[2].astype(float)
 
     def entered(self, k: int) -> int:
-        """Side entered at crossing k, −1 or +1."""
+        """Side entered at crossing k, −1 or +1; 0 where sliding begins. Of several surfaces the number of the mode."""
         self._extend_to(k)
-        return self._arcs[k].side
+        return self._rules.label(self._arcs[k].mode)
 
     def state(self, t: float) -> NDArray[np.float64]:
         """State (d,) at time t ≥ t0, at a crossing the one after its jump; ValueError past the end of the solution."""
         return self.state_in_digits(t).astype(float)
 
     def side(self, t: float) -> int:
-        """Side, −1 or +1, occupied at time t ≥ t0; at a crossing the side entered."""
-        return self._arc(t).side
+        """Side, −1 or +1, occupied at time t ≥ t0, at a crossing the side entered; 0 while sliding.
+
+        Of several surfaces the number of the mode.
+        """
+        return self._rules.label(self._arc(t).mode)
 
     def crossing_in_digits(self, k: int) -> tuple[Time, State, State]:
         """Time of crossing k, and the states (d,) before and after its jump, unrounded."""
@@ -195,75 +207,16 @@ class ReferenceSolution:
         """Append the next arc; False if there is no crossing up to `until`."""
         arc = self._arcs[-1]
         if self.stop is None or self.stop.t > until:
-            arrived = arc.arrival(until)
-            if arrived is None or arrived[0] > until:
+            met = arc.arrival(until)
+            if met is None or met.t > until:
                 return False
-            t, x = arrived
-            self._largest_height = max(self._largest_height, arc.largest_height)
-            onward = self._next_arc(arc, t, x)
-            if not isinstance(onward, str):
+            onward = self._rules.onward(arc, met)
+            if not isinstance(onward, Ending):
                 self._arcs.append(onward)
-                self._times.append(float(t))
-                self._arrivals.append(x)
+                self._times.append(float(met.t))
+                self._arrivals.append(met.x)
                 return True
-            self.stop = Stop(float(t), x.astype(float), onward)
+            self.stop = Stop(float(met.t), met.x.astype(float), *onward)
         if self.stop.t >= until:
             return False
         raise ValueError(f"the solution ends at t = {self.stop.t:.16g}, x = {self.stop.x}: {self.stop.reason}")
-
-    def _next_arc(self, arc: Arc, t: Time, x: State) -> Arc | str:
-        """The arc after the crossing at (t, x), or the reason why there is none."""
-        tangent = TANGENT * arc.largest_rate
-        if -arc.side * self._dynamics.rate(arc.side, t, x) <= tangent:
-            return "it touches the surface tangentially"
-        if self._accumulates(float(t)):
-            return "its crossings accumulate: infinitely many follow in a finite time (Zeno)"
-        if self._dynamics.jump is not None:
-            return self._arc_after_jump(t, self._dynamics.jump(t, x), tangent)
-        onward = -arc.side * self._dynamics.rate(-arc.side, t, x)
-        if onward < -tangent:
-            return "the field of the other side points back, so it slides along the surface"
-        if onward <= tangent:
-            return "the field of the other side is tangent to the surface"
-        return self._dynamics.start(t, x, -arc.side, True)
-
-    def _arc_after_jump(self, t: Time, x: State, tangent: float) -> Arc | str:
-        """The arc after a jump to (t, x), or why there is none; on the surface the fields decide its side."""
-        height = self._dynamics.height(t, x)
-        if not _finite(*x, height):
-            return f"the reset map leads to {x.astype(float)}, where nothing is defined"
-        if np.abs(height) > OFF_SURFACE * self._largest_height:
-            return self._dynamics.start(t, x, 1 if height > 0 else -1, False)
-        below, above = -self._dynamics.rate(-1, t, x) > tangent, self._dynamics.rate(1, t, x) > tangent
-        if below and above:
-            return "after the reset both fields lead away from the surface"
-        if not (below or above):
-            return "after the reset neither field leads away from the surface, so it stays there"
-        return self._dynamics.start(t, x, 1 if above else -1, True)
-
-    def _accumulates(self, t: float) -> bool:
-        """Whether crossings accumulate at t (Zeno): it follows too soon on those before it."""
-        crossings = self._times[max(1, len(self._times) - ACCUMULATED) :]
-        if len(crossings) == ACCUMULATED and t - crossings[0] < ACCUMULATION * (t - self._times[0]):
-            return True
-        return len(crossings) >= 2 and t - crossings[-2] <= GAP_ULPS * np.spacing(abs(t))
-
-
-def first_arc(dynamics: Dynamics, t: Time, x: State, round_off: Time) -> Arc:
-    """The arc from (t, x): its side is the sign of g or, where |g| ≤ `round_off`, that to which both fields point."""
-    height = dynamics.height(t, x)
-    if not _finite(t, *x, height):
-        raise ValueError(f"the start t0 = {float(t)}, x0 = {x.astype(float)}, with g = {float(height)}, must be finite")
-    if np.abs(height) > round_off:
-        return dynamics.start(t, x, 1 if height > 0 else -1, False)
-    below, above = dynamics.rate(-1, t, x), dynamics.rate(1, t, x)
-    if below < 0 and above < 0:
-        return dynamics.start(t, x, -1, True)
-    if below > 0 and above > 0:
-        return dynamics.start(t, x, 1, True)
-    kind = "attracts both fields (sliding)" if below > 0 > above else "repels both, or is tangent to one"
-    raise ValueError(f"x0 = {x.astype(float)} is on the surface, which there {kind}: no side to start on")
-
-
-def _finite(*numbers: Time) -> bool:
-    return bool(np.isfinite([float(u) for u in numbers]).all())

@@ -129,6 +129,36 @@ class Laws:
         name = self.regions[low].name
         return f"{name[:surface]}0{name[surface + 1 :]}" if self.regions[low].sides else f"{name}|{self.name(high)}"
 
+    def ways_from(self, number: int) -> tuple[Way, ...]:
+        """What follows at each guard of a mode, in the order of its guards.
+
+        Sliding ends where a field turns, in the region of that field; where it reaches another surface, nothing
+        follows by itself: see `sliding_beyond`.
+        """
+        if number < len(self.regions):
+            return self.ways[number]
+        low, high, surface = self.pairs[number - len(self.regions)]
+        turning = []
+        for region, sign in ((low, 1), (high, -1)):
+            back = next(k for k, way in enumerate(self.ways[region]) if way.surface == surface)
+            turning.append(Way(surface, sign, region, back))
+        ways = (*self.ways[low], *self.ways[high])
+        others = {way.surface: way.sign for way in ways if way.surface != surface}
+        return (*turning, *(Way(other, sign, None) for other, sign in others.items()))
+
+    def sliding_beyond(self, number: int, surface: int) -> int | None:
+        """Number of the mode of sliding along the same surface beyond another one; None where there is none."""
+        low, high, along = self.pairs[number - len(self.regions)]
+        beyond = []
+        for region in (low, high):
+            sides = list(self.regions[region].sides)
+            if not sides:
+                return None
+            sides[surface] *= -1
+            beyond.append(self.regions_by_sides.get(tuple(sides)))
+        pair = (*beyond, along)
+        return len(self.regions) + self.pairs.index(pair) if pair in self.pairs else None
+
     @cached_property
     def regions_by_sides(self) -> Mapping[tuple[int, ...], int]:
         """Signs of the surfaces' switching functions -> number of the region."""

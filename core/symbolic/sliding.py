@@ -13,16 +13,16 @@ Reference: Filippov, Differential Equations with Discontinuous Righthand Sides (
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import sympy
-from sympy import Expr
+from sympy import Expr, Symbol
 
 from core.symbolic.mode import Mode
 from core.symbolic.zero_testing import Domain, independent, is_larger, is_zero
 
-__all__ = ["sliding_mode"]
+__all__ = ["eliminated", "sliding_mode"]
 
 #: Most nodes of the tree of a quotient whose common factors are cancelled, as sympy takes long for more.
 _CANCELLED_NODES = 200
@@ -63,11 +63,16 @@ def _kept(sliding: Mode, minus: Mode, plus: Mode) -> Iterator[Expr]:
 
 def _is_zero_on(g: Expr, sliding: Mode, u: Expr) -> bool:
     """Whether u vanishes where g does; if g is not linear in any variable, only a u that vanishes everywhere counts."""
-    for v in sliding.variables:
+    return is_zero(eliminated(u, g, sliding.variables), _attracting(sliding))
+
+
+def eliminated(u: Expr, g: Expr, variables: Sequence[Symbol]) -> Expr:
+    """u with a variable expressed by the others where g = 0; u itself if g is not linear in any variable."""
+    for v in variables:
         slope = g.diff(v)
-        if slope != 0 and not slope.free_symbols & set(sliding.variables):
-            return is_zero(u.xreplace({v: v - g / slope}), _attracting(sliding))
-    return is_zero(u, _attracting(sliding))
+        if slope != 0 and not slope.free_symbols & set(variables):
+            return u.xreplace({v: v - g / slope})
+    return u
 
 
 def _attracting(sliding: Mode) -> Domain:

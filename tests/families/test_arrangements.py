@@ -12,6 +12,7 @@ import pytest
 
 import core
 from core import Status
+from core.reference import Solution
 from tests.levels import deep_but
 
 KEYS = tuple("".join(signs) for signs in product("-+", repeat=3))
@@ -224,4 +225,37 @@ def test_paths_cross_the_lines_of_an_arrangement_as_in_ratios(method, sliding, d
             run = core.integrate(lines, (0.0, float(T_END)), x0, method=method, sliding=sliding, **METHODS[method])
             ends[run.status.name] += 1
             assert agrees(run, path), (near, values, x0, run.status.name, path.status, run.message)
+    assert len(ends) > 1
+
+
+#: What a reference solution says where a path ends.
+WORDS = {"SLIDING": "slides along", "GRAZING": "tangent", "CORNER": "surface"}
+
+
+def follows(solution: Solution, path: Path) -> bool:
+    """Whether a reference solution is the path to the last digit, and ends where and as that does."""
+    for k, name in enumerate(path.entered, start=1):
+        t, _ = solution.crossing(k)
+        if LINES.laws.name(solution.entered(k)) != name or abs(Fraction(t) - path.times[k - 1]) > np.spacing(t):
+            return False
+    if path.status == "COMPLETED":
+        end = np.array(path.end, dtype=float)
+        return bool(np.abs(solution.state(float(T_END)) - end).max() <= 4e-16 * np.abs(end).max()) and solution.exact
+    with pytest.raises(ValueError, match=f"ends at t = .*{WORDS[path.status]}"):
+        solution.state(float(T_END))
+    return solution.exact
+
+
+@pytest.mark.parametrize("sliding", ["stop", "continue"])
+def test_reference_solutions_are_these_paths_to_the_last_digit(sliding, draws):
+    ends: Counter[str] = Counter()
+    for rng in draws(9):
+        for near in (None, 0.0, 1e-7, 1e-12, 1e-15):
+            values, x0 = drawn(rng, near)
+            if on_a_line(values, x0):
+                continue
+            path = exact(values, x0, sliding == "continue")
+            solution = core.reference_solution(LINES.with_parameters(**values), x0, sliding=sliding)
+            assert follows(solution, path), (near, values, x0, path)
+            ends[path.status] += 1
     assert len(ends) > 1

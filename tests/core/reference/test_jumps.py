@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy
 
-from core.reference import ReferenceSolution, exact_solution, external_solution
+from core.reference import ReferenceSolution, exact_solution, external_solution, two_sides
 
 mp.mp.dps = 40
 X, Y = VARIABLES = sympy.symbols("x y")
@@ -21,7 +21,7 @@ def exact(
 ) -> ReferenceSolution:
     """The same field on both sides."""
     same, after = tuple(map(sympy.sympify, field)), tuple(map(sympy.sympify, jump))
-    solution = exact_solution(same, same, sympy.sympify(g), VARIABLES, t0, x0, jump=after)
+    solution = exact_solution(two_sides(same, same, sympy.sympify(g), VARIABLES, after), t0, x0)
     assert solution is not None
     return solution
 
@@ -171,7 +171,7 @@ def test_jump_from_which_nothing_leads_on_ends_the_solution(
     words: str,
 ) -> None:
     below, above, jump = (tuple(map(sympy.sympify, f)) for f in (minus, plus, after))
-    solution = exact_solution(below, above, X, VARIABLES, 0.0, start, jump=jump)
+    solution = exact_solution(two_sides(below, above, X, VARIABLES, jump), 0.0, start)
     assert solution is not None
     with pytest.raises(ValueError, match=words):
         solution.crossing(1)

@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import core
-from core.reference import ReferenceSolution, exact_solution, external_solution
+from core.reference import ReferenceSolution, exact_solution, external_solution, two_sides
 
 mp.mp.dps = 40
 X, Y, Z = VARIABLES = sympy.symbols("x y z")
@@ -22,7 +22,7 @@ def both(
     """The exact solution and the external one."""
     d = len(x0)
     names, fields = VARIABLES[:d], {-1: minus, 1: plus}
-    solution = exact_solution(tuple(minus), tuple(plus), g, names, 0.0, x0)
+    solution = exact_solution(two_sides(tuple(minus), tuple(plus), g, names), 0.0, x0)
     assert solution is not None
     rates = {s: sum((g.diff(v) * u for v, u in zip(names, f, strict=True)), g.diff(T)) for s, f in fields.items()}
     field = {s: sympy.lambdify([T, *names], list(f), "math") for s, f in fields.items()}
@@ -69,7 +69,7 @@ def test_exact_pieces_agree_with_the_peer(name: str) -> None:
 
 def test_pendulum_crossings_are_exact() -> None:
     # ω² = 1 above the bottom, 4 below: half periods 2K(k) and K(k') with sin(a/2) halved by ω: v is kept
-    solution = exact_solution((Y, -4 * sympy.sin(X)), (Y, -sympy.sin(X)), X, (X, Y), 0.0, (2.0, 0.0))
+    solution = exact_solution(two_sides((Y, -4 * sympy.sin(X)), (Y, -sympy.sin(X)), X, (X, Y)), 0.0, (2.0, 0.0))
     assert solution is not None
     k = mp.sin(1)
     above, below = 2 * mp.ellipk(k**2), mp.ellipk((k / 2) ** 2)
@@ -82,7 +82,7 @@ def test_pendulum_crossings_are_exact() -> None:
 def test_rigid_body_crossings_are_exact() -> None:
     # x = sn on both sides of x = 0: y = cn and z = dn are ±1 and 1 there, the half periods 2K(m)
     body = [(Y * Z, -X * Z, -sympy.Float(m) * X * Y) for m in (0.51, 0.9)]
-    solution = exact_solution(body[0], body[1], X, VARIABLES, 0.0, (0.0, 1.0, 1.0))
+    solution = exact_solution(two_sides(body[0], body[1], X, VARIABLES), 0.0, (0.0, 1.0, 1.0))
     assert solution is not None
     below, above = (2 * mp.ellipk(mp.mpf(m)) for m in (0.51, 0.9))
     for n in (1, 2, 3, 30):
@@ -93,7 +93,7 @@ def test_rigid_body_crossings_are_exact() -> None:
 
 def test_moving_surface_is_met_where_it_is() -> None:
     # x = cos t meets the line x = sin(3t) where 3t = π/2 ± t + 2πn: at π/8, π/4, 5π/8, 9π/8, 5π/4, …; fields alike
-    solution = exact_solution((Y, -X), (Y, -X), X - sympy.sin(3 * T), (X, Y), 0.0, (1.0, 0.0))
+    solution = exact_solution(two_sides((Y, -X), (Y, -X), X - sympy.sin(3 * T), (X, Y)), 0.0, (1.0, 0.0))
     assert solution is not None
     meetings = sorted([mp.pi / 8 + n * mp.pi / 2 for n in range(8)] + [mp.pi / 4 + n * mp.pi for n in range(4)])
     for k, exact in enumerate(meetings, start=1):
@@ -103,7 +103,7 @@ def test_moving_surface_is_met_where_it_is() -> None:
 def test_fast_surface_is_watched_at_its_own_pace() -> None:
     # y sinks evenly, without a rate of its own, and the surface swings: 3 − t = sin 50t in the 17th swing first
     fall = (sympy.Integer(0), sympy.Integer(-1))
-    solution = exact_solution(fall, fall, Y - sympy.sin(50 * T), (X, Y), 0.0, (0.0, 3.0))
+    solution = exact_solution(two_sides(fall, fall, Y - sympy.sin(50 * T), (X, Y)), 0.0, (0.0, 3.0))
     assert solution is not None
     crest = (mp.pi / 2 + 32 * mp.pi) / 50
     exact = mp.findroot(lambda t: 3 - t - mp.sin(50 * t), (crest - mp.mpf("0.02"), crest), solver="anderson")
@@ -112,7 +112,7 @@ def test_fast_surface_is_watched_at_its_own_pace() -> None:
 
 def test_surface_that_comes_down_on_a_closed_orbit_meets_it_after_many_periods() -> None:
     # cos t = 5 − t/10, before the crest at 14π, where the surface stands at 0.6; at 12π it stood at 1.23
-    solution = exact_solution((Y, -X), (Y, -X), X - 5 + T / 10, (X, Y), 0.0, (1.0, 0.0))
+    solution = exact_solution(two_sides((Y, -X), (Y, -X), X - 5 + T / 10, (X, Y)), 0.0, (1.0, 0.0))
     assert solution is not None
     exact = mp.findroot(lambda t: mp.cos(t) - 5 + t / 10, (42, 14 * mp.pi), solver="anderson")
     assert abs(solution.crossing(1)[0] - exact) <= np.spacing(float(exact))
@@ -122,7 +122,7 @@ def test_clock_that_switches_a_field_is_exact() -> None:
     # reference values: y'' = 0.2y' − (π² + 0.01)y ± 1, + while ⌊t⌋ is even
     square = sympy.pi**2 + sympy.Rational(1, 100)
     fields = [(Y, Y / 5 - square * X + sign) for sign in (-1, 1)]
-    solution = exact_solution(fields[0], fields[1], sympy.sin(sympy.pi * T) + 0 * X, (X, Y), 0.0, (0.0, 0.0))
+    solution = exact_solution(two_sides(fields[0], fields[1], sympy.sin(sympy.pi * T) + 0 * X, (X, Y)), 0.0, (0.0, 0.0))
     assert solution is not None
     assert solution.state(20.0) == pytest.approx([-12.94460621213470, 0], abs=1e-13)
     assert [solution.crossing(k)[0] for k in (1, 7, 19)] == [1, 7, 19]

@@ -9,7 +9,7 @@ import sympy
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from core.reference import ExactSolution, ReferenceSolution, exact_solution, external_solution
+from core.reference import ExactSolution, ReferenceSolution, exact_solution, external_solution, two_sides
 from tests.levels import tries
 
 mp.mp.dps = 50
@@ -31,7 +31,7 @@ def exact(
     t0: float = 0.0,
 ) -> ExactSolution:
     fields = [tuple(map(sympy.sympify, f)) for f in (minus, plus)]
-    solution = exact_solution(fields[0], fields[1], sympy.sympify(g), VARIABLES[: len(x0)], t0, x0)
+    solution = exact_solution(two_sides(fields[0], fields[1], sympy.sympify(g), VARIABLES[: len(x0)]), t0, x0)
     assert solution is not None
     return solution
 
@@ -267,7 +267,7 @@ def test_start_on_the_surface_without_a_side_to_enter_is_refused(
 ) -> None:
     fields = [tuple(map(sympy.Integer, f)) for f in (minus, plus)]
     with pytest.raises(ValueError, match=words):
-        exact_solution(fields[0], fields[1], Y, (X, Y), 0.0, (0.0, 0.0))
+        exact_solution(two_sides(fields[0], fields[1], Y, (X, Y)), 0.0, (0.0, 0.0))
 
 
 def test_tangency_of_the_other_side_ends_the_solution() -> None:
@@ -285,7 +285,7 @@ def test_touching_the_surface_from_inside_is_no_crossing() -> None:
 
 def test_escape_to_infinity_is_reported_with_its_time() -> None:
     solution = exact((2 * Y, 3 * X**2 + 1), (2 * Y, 3 * X**2 + 1), X + 5, (1, 1))
-    with pytest.raises(ValueError, match=r"never reaches the surface.*escapes to infinity at t = 0\.97"):
+    with pytest.raises(ValueError, match=r"no crossing follows.*escapes to infinity at t = 0\.97"):
         solution.crossing(1)
     with pytest.raises(ValueError, match="escapes to infinity"):
         solution.state(5.0)
@@ -301,7 +301,7 @@ def test_closed_orbit_inside_one_side_is_reported_and_known_at_all_times() -> No
 
 def test_search_without_end_is_cut_off() -> None:
     solution = exact((-X, -2 * Y), (-X, -2 * Y), X + 1, (1, 1))  # decays towards 0, never to x = −1
-    with pytest.raises(ValueError, match=r"never reaches the surface.*comes to rest"):
+    with pytest.raises(ValueError, match=r"no crossing follows.*comes to rest"):
         solution.crossing(1)
     solution = exact((-X, -2 * Y), (-X, -2 * Y), X + 1 + T, (1, 1))  # and a surface that leaves it behind
     with pytest.raises(ValueError, match="no crossing found in 2000 steps"):
@@ -320,7 +320,7 @@ def test_ballistic_arc_is_exact_from_metres_to_light_years() -> None:
 
 @pytest.mark.parametrize(("plus", "g"), [((Y, -sympy.tan(X)), Y), ((Y, -X), Y - Z), ((Y, -X + T), Y), ((Y, -Z * X), Y)])
 def test_no_exact_solution_without_a_closed_form(plus: tuple[sympy.Expr, ...], g: sympy.Expr) -> None:
-    assert exact_solution((Y, -X), plus, g, (X, Y), 0.0, (1.0, 1.0)) is None
+    assert exact_solution(two_sides((Y, -X), plus, g, (X, Y)), 0.0, (1.0, 1.0)) is None
 
 
 def test_names_tell_what_a_solution_rests_on() -> None:

@@ -1,9 +1,9 @@
-"""The switching function and its rates: at a point in many digits, and bounds on them over short times."""
+"""A guard of a mode and its rates: at a point in many digits, and bounds on them over short times."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Sequence
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,55 +14,61 @@ from core.reference.intervals import Interval, Intervals, around
 from core.reference.powers import Step
 from core.reference.program import Digits, Doubles, Program
 from core.symbolic.expressions import TIME
+from core.symbolic.mode import rate_along
 
-__all__ = ["Enclosure", "Polynomial", "Surface"]
+__all__ = ["Enclosure", "Guard", "Polynomial"]
 
 #: Number of derivatives in the Taylor bound on the state around the middle of a piece.
 _DERIVATIVES = 6
 
 
-class Surface:
-    """g with the fields on both sides of it.
+class Guard:
+    """A height that is positive in a mode and ends it where it vanishes, with its rates along the field of the mode.
 
     Parameters
     ----------
-    g : expression
+    height : expression
         In the variables and time.
-    fields : mapping of side, −1 or +1, to d expressions
+    field : d expressions
+        In the variables.
     variables : d symbols
     """
 
-    def __init__(
-        self, g: sympy.Expr, fields: Mapping[int, Sequence[sympy.Expr]], variables: Sequence[sympy.Symbol]
-    ) -> None:
-        symbols, gradient = (TIME, *variables), [g.diff(v) for v in variables]
-        self.moves = TIME in g.free_symbols
+    def __init__(self, height: sympy.Expr, field: Sequence[sympy.Expr], variables: Sequence[sympy.Symbol]) -> None:
+        self.moves = TIME in height.free_symbols
+        self._height, self._field, self._variables = height, field, variables
+        self._rate = rate_along(field, variables, height)
         self._intervals, self._doubles = Intervals(), Doubles()
-        rates = {side: _rate(g, f, variables) for side, f in fields.items()}
-        self._point = {side: Program([g, rate], symbols) for side, rate in rates.items()}
-        self._bounds = {
-            side: Program([g, rate, _rate(rate, fields[side], variables)], symbols) for side, rate in rates.items()
-        }
-        self._slopes = Program([sum(u**2 for u in gradient), g.diff(TIME)], symbols)
+        self._symbols = (TIME, *variables)
+        self._point = Program([height, self._rate], self._symbols)
 
-    def evaluate(self, digits: Digits, side: int, t: Any, x: NDArray[np.object_]) -> tuple[Any, Any]:
-        """g and its rate ġ = g_t + ∇g·f, with the field of a side, at time t and state x (d,), in many digits."""
-        height, rate = self._point[side].run(digits, [t, *x])
+    @cached_property
+    def _bounds(self) -> Program:
+        second = rate_along(self._field, self._variables, self._rate)
+        return Program([self._height, self._rate, second], self._symbols)
+
+    @cached_property
+    def _slopes(self) -> Program:
+        slope = sympy.Add(*(self._height.diff(v) ** 2 for v in self._variables))
+        return Program([slope, self._height.diff(TIME)], self._symbols)
+
+    def evaluate(self, digits: Digits, t: Any, x: NDArray[np.object_]) -> tuple[Any, Any]:
+        """The height and its rate at time t and state x (d,), in many digits."""
+        height, rate = self._point.run(digits, [t, *x])
         return height, rate
 
-    def evaluate_in_doubles(self, side: int, t: float, x: NDArray[np.float64]) -> tuple[float, float]:
+    def evaluate_in_doubles(self, t: float, x: NDArray[np.float64]) -> tuple[float, float]:
         """The same in doubles."""
-        height, rate = self._point[side].run(self._doubles, [np.float64(t), *x])
+        height, rate = self._point.run(self._doubles, [np.float64(t), *x])
         return height, rate
 
-    def round_off(self, digits: Digits, t: Any, x: NDArray[np.object_]) -> float:
-        """Bound on |g| at a point of the surface whose t and x (d,) are rounded to double."""
+    def size(self, digits: Digits, t: Any, x: NDArray[np.object_]) -> float:
+        """By how much t and x (d,) together change the height: rounding them changes it by eps times this."""
         square, drift = self._slopes.run(digits, [t, *x])
-        slope = np.sqrt(float(square))
-        return float(2 * np.finfo(float).eps * (slope * float(np.abs(x).max()) + abs(float(drift * t))))
+        return float(np.sqrt(float(square)) * float(np.abs(x).max()) + abs(float(drift * t)))
 
-    def enclose(self, side: int, t: float, span: float, states: Polynomial, edges: NDArray[np.float64]) -> Enclosure:
-        """Bounds on side·g and its first two rates over equal pieces of a step.
+    def enclose(self, t: float, span: float, states: Polynomial, edges: NDArray[np.float64]) -> Enclosure:
+        """Bounds on the height and its first two rates over equal pieces of a step.
 
         Parameters
         ----------
@@ -83,13 +89,8 @@ class Surface:
         clock = t + span * np.tile(middle, 2)
         slack = np.spacing(np.abs(clock)) + np.concatenate([np.zeros(m), span * radius])
         inputs = [around(clock, slack), *map(around, centers.T, radii.T)]
-        bounds = [u.spread(2 * m) for u in self._bounds[side].run(self._intervals, inputs)]
-        height, rate, second_rate = (u if side > 0 else -u for u in bounds)
+        height, rate, second_rate = (u.spread(2 * m) for u in self._bounds.run(self._intervals, inputs))
         return Enclosure.of(height, rate, second_rate, span * radius)
-
-
-def _rate(g: sympy.Expr, field: Sequence[sympy.Expr], variables: Sequence[sympy.Symbol]) -> sympy.Expr:
-    return sum((g.diff(v) * f for v, f in zip(variables, field, strict=True)), g.diff(TIME))
 
 
 class Polynomial:
@@ -150,7 +151,7 @@ def _basis(low: float, high: float, count: int, n: int) -> NDArray[np.float64]:
 
 
 class Enclosure(NamedTuple):
-    """Bounds on side·g (positive inside) and its first two rates over m pieces of an arc."""
+    """Bounds on a height and its first two rates over m pieces of an arc."""
 
     height: Interval
     rate: Interval
