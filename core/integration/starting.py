@@ -74,8 +74,8 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
     int or None
         None where the fields of the regions around do not all lead to the same declared region.
     """
-    value, _ = _values(system, t, x)
-    sides = np.sign(value).astype(int).tolist()
+    heights, _ = _values(system, t, x)
+    sides = [int(np.sign(height)) for height in heights]
 
     def rate(region: int, surface: int) -> float:
         return direction * _rate(system, region, surface, t, x)
