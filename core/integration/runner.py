@@ -17,6 +17,7 @@ from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.integration.crossings import Crossings
 from core.integration.outcome import cause_of_failure
+from core.integration.run_record import copied_record, new_record
 from core.integration.starting import first_place, leaning, regions_entered, way_along, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import LAST, MAX_VISITS, ORDER, TOLERANCE, VISIT, VISITS, Frame
@@ -28,7 +29,7 @@ from core.methods.taylor_step import coefficient_rows
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 from core.transition.event_location import MAX_NODES
-from core.transition.records import HIT, NO_MODE, ROW, RUN
+from core.transition.records import HIT, NO_MODE, ROW
 from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Rows", "Runner", "Settings", "no_crossings"]
@@ -120,7 +121,7 @@ class Runner:
         self.rows = Rows([], [], [], [])
         self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
         self.status, self.seconds = Status.RUNNING, 0.0
-        self._run = _record(system.laws, method, settings.transition, settings.slides, m if columns else 0)
+        self._run = new_record(system.laws, method, settings.transition, settings.slides, m if columns else 0)
         self._run["t"] = self._run["last_hit"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
         self._samples = np.empty((_SAMPLES, 3 + d))
@@ -324,7 +325,7 @@ class Runner:
     def copy(self) -> Runner:
         """An independent copy."""
         other = copy.copy(self)
-        other._run = np.frombuffer(bytearray(self._run.tobytes()), dtype=RUN)
+        other._run = copied_record(self._run)
         other._w = self._w.copy()
         frame = Frame(self.system.dimension, 0)
         other._x = other._w[frame.x : frame.carry]
@@ -386,21 +387,6 @@ class Runner:
             self.rows.x.append(rows_x[:n])
             self.rows.mode.append(rows["mode"][:n])
             self.rows.segment.append(rows["segment"][:n])
-
-
-def _record(laws: Laws, method: Method, follow: bool, slides: bool, monitored: int) -> NDArray[Any]:
-    """A record of a run that has not begun. Numpy takes 4 µs to make one with so many fields, and 20 µs to copy it."""
-    return np.frombuffer(bytearray(_record_bytes(laws, method, follow, slides, monitored)), dtype=RUN)
-
-
-@lru_cache(maxsize=256)
-def _record_bytes(laws: Laws, method: Method, follow: bool, slides: bool, monitored: int) -> bytes:
-    run = np.zeros(1, dtype=RUN)
-    run["follow"], run["slides"], run["partly_defined"] = follow, slides, laws.edged
-    run["mode"] = run["first_mode"] = NO_MODE
-    run["conservative"], run["adaptive"], run["monitored"] = method.conservative, method.adaptive, monitored
-    run["stride"] = 1
-    return run.tobytes()
 
 
 def _crossings(hits: NDArray[Any], places: Floats, laws: Laws) -> Crossings:
