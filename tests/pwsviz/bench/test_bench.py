@@ -83,7 +83,8 @@ def test_without_heyoka_its_columns_are_empty_and_nothing_is_drawn(without_heyok
 
 @pytest.mark.parametrize("name", ENDS)
 def test_the_end_is_after_some_500_crossings(name):
-    run = core.integrate(core.CATALOGUE[name], (0.0, ENDS[name]), method="taylor", record="end")
+    problem = named_problem(name)
+    run = core.integrate(problem.system, (0.0, problem.end), method="taylor", record="end")
     assert run.status is core.Status.COMPLETED
     assert 480 <= run.crossing_count <= 520
 
