@@ -14,7 +14,7 @@ from core.transition.status import Status
 if TYPE_CHECKING:
     from core.integration.runner import Runner
 
-__all__ = ["cause_of_failure", "outcome"]
+__all__ = ["cause_of_failure", "outcome", "reason"]
 
 #: A pole is searched beyond the end of the run by this part of the time since the mode was entered.
 _MARGIN = 0.1
@@ -53,8 +53,12 @@ def outcome(runner: Runner) -> str:
         return f"{where}: {status.reason}. {status.advice}".strip()
     places = zip(runner.system.variables, runner.x, strict=True)
     where += ", " + ", ".join(f"{name} = {v:.6g}" for name, v in places)
-    reason = status.reason_while_sliding if runner.slides else status.reason
-    return f"{where}: {reason}. {_advice(runner)}".strip()
+    return f"{where}: {reason(runner)}. {_advice(runner)}".strip()
+
+
+def reason(runner: Runner) -> str:
+    """Why a run ended."""
+    return runner.status.reason_while_sliding if runner.slides else runner.status.reason
 
 
 def _advice(runner: Runner) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.crossings import Crossings
+from core.integration.outcome import reason
 from core.integration.runner import Runner, Settings
 from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel, Cancelled
@@ -154,8 +155,8 @@ class _Path:
         runner, before = self._runner, self._runner.steps
         if self._ended or _advance(runner, runner.t + self._stride) is not Status.COMPLETED:
             self._ended = True
-            reason = runner.status.reason
-            raise ValueError(f"the solution ends at t = {runner.t:.16g}, x = {runner.x}, before {wanted}: {reason}")
+            where = f"t = {runner.t:.16g}, x = {runner.x}"
+            raise ValueError(f"the solution ends at {where}, before {wanted}: {reason(runner)}")
         self._kept.append(_Snapshot(runner.t, runner.copy()))
         self._stride *= 2.0 if runner.steps - before < _STRIDE else 1.0
 
