@@ -7,6 +7,7 @@ more than the round-off of a double: so the digits suffice also where a saddle, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from itertools import count
 from typing import Any, TypeAlias
@@ -30,6 +31,8 @@ __all__ = ["ExactSolution", "exact_solution"]
 
 #: Precisions in bits, tried two at a time; each includes none of the guard bits.
 _BITS = (60, 76, 114, 171, 256, 384, 576)
+#: Bits by which a number may be smaller than the others without further digits.
+_USUAL = 20
 #: (precision in bits, the solution at a lower one or None) -> the solution at that precision.
 Begin: TypeAlias = "Callable[[int, ReferenceSolution | None], ReferenceSolution]"
 #: Size of a state, as part of the initial one, below which it is zero: the highest precision tells no smaller one.
@@ -71,12 +74,24 @@ def exact_solution(
     if any(motions.form(region) is None for region in range(len(laws.regions))):
         return None
     start = np.asarray(x0, dtype=float)
+    more = _bits_to_tell_from_zero(laws, start)
 
     def begin(bits: int, guide: ReferenceSolution | None) -> ReferenceSolution:
-        level = Level(Digits.of(bits + GUARD), motions.motion, cancel)
+        level = Level(Digits.of(bits + more + GUARD), motions.motion, cancel)
         return _solution(level, motions, float(t0), start, max_crossings, slides, guide)
 
     return ExactSolution(motions, float(t0), _ZERO * float(np.abs(start).max() or 1.0), begin)
+
+
+def _bits_to_tell_from_zero(laws: Laws, start: NDArray[np.float64]) -> int:
+    """Bits by which small coordinates and constants lie below the others: in fewer bits, they would be zero.
+
+    Two precisions that both take them for zero agree, and are wrong where the solution magnifies them.
+    """
+    sizes = np.log2(np.abs(start[start != 0.0]))
+    numbers = {abs(q) for mode in laws.regions for u in mode.field for q in u.atoms(sympy.Rational) if q}
+    small: list[float] = [float(-sympy.log(q, 2)) for q in numbers] + (sizes.max(initial=0.0) - sizes).tolist()
+    return math.ceil(sum(bits - _USUAL for bits in small if bits > _USUAL))
 
 
 class Motions:

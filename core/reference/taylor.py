@@ -125,8 +125,12 @@ class _Path:
 
     def crossings(self, k: int) -> Crossings:
         """Crossings, the first k of them at least."""
-        while self._runner.crossing_count < k:
-            self._extend(f"crossing {k}")
+        while self._runner.segment < k:  # a crossing at which the run ends does not count: nothing follows it
+            try:
+                self._extend(f"crossing {k}")
+            except ValueError:
+                if self._runner.segment < k:
+                    raise
         return self._runner.crossings()
 
     def state(self, t: float) -> NDArray[np.float64]:

@@ -269,7 +269,7 @@ def _verdict(outcome: Checked) -> str:
     if "system" in outcome.complaints:
         return as_text(outcome.complaints["system"], "error")
     titles = "; ".join(FIELDS[name] for name in FIELDS if name in outcome.complaints)
-    return as_text(f"The system is not complete. Please check: {titles}.", "error")
+    return as_text(f"This is not yet a system. Please check: {titles}.", "error")
 
 
 def _without_icons(words: str) -> str:

@@ -18,7 +18,7 @@ from core.symbolic import OPERATORS, SIDES, Declaration, Problem, Verdict, misco
 from pwsviz.editor.one_field import OneField, called_by_variables, one_field_of, where
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
 from pwsviz.text.mathml import TOO_LONG, markup, too_long
-from pwsviz.text.typed import as_python
+from pwsviz.text.typed import as_python, rates, split
 from pwsviz.text.words import listed
 
 __all__ = ["FIELDS", "Checked", "Draft", "Finding", "check", "split"]
@@ -144,18 +144,6 @@ def check(draft: Draft) -> Checked:
     return _Check(draft).run()
 
 
-def split(text: str) -> list[str]:
-    """Split a list at commas, semicolons and new lines outside brackets, and drop empty entries."""
-    items, depth = [""], 0
-    for character in re.sub(r"\r\n?|\n", "\n", text):
-        depth = max(0, depth + (character in "([") - (character in ")]"))
-        if depth == 0 and character in ",;\n":
-            items.append("")
-        else:
-            items[-1] += character
-    return [item.strip().replace("\n", " ") for item in items if item.strip()]
-
-
 class _LeftSide(NamedTuple):
     """The left-hand side of an equation, in plain characters and as markup."""
 
@@ -174,6 +162,8 @@ class _Check:
         self.complaints: dict[str, list[str]] = {}
         self.refuse_long_texts()
         self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name != "name"}
+        for name in ("f_minus", "f_plus", "f"):
+            self.items[name] = tuple(rates(self.texts[name], self.items["variables"]))
         self.items |= {name: tuple(map(as_python, self.items[name])) for name in _EXPRESSIONS}
         self.require_names()
         self.variables = self.each("variables", str, MAX_VARIABLES)

@@ -220,7 +220,7 @@ def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = N
     told = [words for curve in curves for words in (_drift(curve, round_off), _off_surface(curve)) if words]
     many = len(curves[0].crossings)
     missing = f" {many:,} crossings are too many to mark them or to shade the sides." * (many > MOST_BANDS)
-    whose = f" Sides and crossings are those of {curves[0].method}." * (len(curves) > 1)
+    whose = f" Shades and marks are those of {curves[0].method}." * (len(curves) > 1)
     return "; ".join(told) + "." + missing + whose if told else ""
 
 
@@ -234,6 +234,8 @@ def _drift(curve: ErrorCurve, round_off: float) -> str:
     if worst > CEILING:
         left = f"leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}"
         return f"{curve.method} {left}: {_largest(error)}"
+    if math.isnan(round_off):  # of a run that runs off, ψ has no size
+        return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {t[-1]:.4g}, where it runs off"
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if worst == 0:
         return f"{curve.method} conserves ψ exactly"

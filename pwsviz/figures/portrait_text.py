@@ -5,11 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import core
+from core.symbolic import to_text
 from pwsviz.figures.marks import ENDS
+from pwsviz.geometry.projection import (
+    PLANE,
+    Axes,
+    forced,
+    is_divided,
+    moves,
+    psi_names_time,
+    shows_surface,
+    surfaces_shown,
+)
 from pwsviz.results.results import Pictures
+from pwsviz.scene.names import readable
 from pwsviz.text.words import listed
 
-__all__ = ["SUMMARY", "figures_of", "portrait_text"]
+__all__ = ["SUMMARY", "figures_of", "portrait_note", "portrait_text"]
 
 SUMMARY = "Phase portrait"
 
@@ -37,3 +49,29 @@ def figures_of(pictures: Pictures) -> str:
             stops.setdefault(ENDS[orbit.end.status].word, set()).add(number)
     told = "; ".join(f"{listed([str(k) for k in sorted(who)])}: {word}" for word, who in stops.items())
     return f"Start {index + 1} of {count}." + (f" Others that stop early: {told}." if told else "")
+
+
+def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
+    """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
+    sentences = []
+    if system.dimension > PLANE:
+        plane = ", ".join(system.variables[k] for k in axes)
+        sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
+        shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
+        if hidden := [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]:
+            several, names = len(hidden) > 1, ", ".join(hidden)
+            sentences.append(
+                f"Nor can the surfaces {names}, which are not curves there." if several
+                else f"Nor can the surface {names}, which is not a curve there."
+            )  # fmt: skip
+    elif not system.laws.sides.shape[1]:
+        sentences.append("Regions overlap, as a state may lie in more than one: their fields are not drawn.")
+    elif not is_divided(system):
+        sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
+    if moves(system) and shows_surface(system, axes):
+        sentences.append("The surface moves with time: it is drawn at t = 0, and while animated at the time shown.")
+    elif forced(system) and system.dimension == PLANE:
+        sentences.append("The field depends on time: it is drawn at t = 0.")
+    if system.dimension == PLANE and psi_names_time(system):
+        sentences.append("ψ depends on time, so its level sets move and are not drawn.")
+    return " ".join(sentences)

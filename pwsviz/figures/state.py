@@ -220,4 +220,4 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves]) -> str:
 
 def _whose(runs: Sequence[StateCurves]) -> str:
     """Say whose sides and crossings are marked, where there are several runs."""
-    return f" Sides and crossings are those of {runs[0].method}." if len(runs) > 1 else ""
+    return f" Shades and marks are those of {runs[0].method}." if len(runs) > 1 else ""

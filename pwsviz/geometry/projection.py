@@ -14,7 +14,7 @@ import sympy
 
 import core
 from core.kernels import Floats
-from core.symbolic import TIME, to_text
+from core.symbolic import TIME
 from pwsviz.geometry.shades import region_name
 
 Name = TypeVar("Name")
@@ -55,17 +55,17 @@ def shows_regions(system: core.PiecewiseSystem, axes: Axes) -> bool:
 
 def shows_field(system: core.PiecewiseSystem) -> bool:
     """Whether the field can be drawn as arrows in the plane."""
-    return system.dimension == PLANE and _is_divided(system)
+    return system.dimension == PLANE and is_divided(system)
 
 
-def _is_divided(system: core.PiecewiseSystem) -> bool:
+def is_divided(system: core.PiecewiseSystem) -> bool:
     """Whether a point of the plane tells the region; of several surfaces, if they do not move."""
     return system.two_sided or (shows_regions(system, (0, 1)) and not moves(system))
 
 
 def shows_levels(system: core.PiecewiseSystem) -> bool:
     """Whether trajectories follow level sets in the plane: ψ does not depend on time."""
-    return system.dimension == PLANE and not _psi_names_time(system) and _is_divided(system)
+    return system.dimension == PLANE and not psi_names_time(system) and is_divided(system)
 
 
 def shows_sliding(system: core.PiecewiseSystem) -> bool:
@@ -85,30 +85,6 @@ def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
     if system.dimension == PLANE:
         return across, up
     return f"{across} ({', '.join(_others(system.variables, axes))} not shown)", up
-
-
-def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
-    """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
-    sentences = []
-    if system.dimension > PLANE:
-        plane = ", ".join(system.variables[k] for k in axes)
-        sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
-        shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
-        if hidden := [f"{g} = 0" for k, g in enumerate(texts) if k not in shown]:
-            several, names = len(hidden) > 1, ", ".join(hidden)
-            sentences.append(
-                f"Nor can the surfaces {names}, which are not curves there." if several
-                else f"Nor can the surface {names}, which is not a curve there."
-            )  # fmt: skip
-    elif not system.laws.sides.shape[1]:
-        sentences.append("Regions are told by their names, not by the place: their fields are not drawn.")
-    elif not _is_divided(system):
-        sentences.append("The surfaces move, and the regions between them: their fields and level sets are not drawn.")
-    if moves(system) and shows_surface(system, axes):
-        sentences.append("The surface moves with time: it is drawn at t = 0, and while animated at the time shown.")
-    if system.dimension == PLANE and _psi_names_time(system):
-        sentences.append("ψ depends on time, so its level sets move and are not drawn.")
-    return " ".join(sentences)
 
 
 def conserved_note(system: core.PiecewiseSystem) -> str:
@@ -142,7 +118,8 @@ def forced(system: core.PiecewiseSystem) -> bool:
     return any(TIME in _symbols(f) for mode in system.laws.regions for f in mode.field)
 
 
-def _psi_names_time(system: core.PiecewiseSystem) -> bool:
+def psi_names_time(system: core.PiecewiseSystem) -> bool:
+    """Whether a conserved quantity names time."""
     return any(TIME in _symbols(psi) for mode in system.laws.regions for psi in mode.conserved)
 
 

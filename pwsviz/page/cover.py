@@ -38,18 +38,25 @@ MARKUP = """
 #cover p { margin: 12px 12px 0 76px; text-align: center; font: 16px Roboto, Helvetica, Arial, sans-serif; }
 #cover ~ #loader .spinner { display: none; }
 @container (max-width: 480px) { #cover figure { height: calc(HEIGHT - 213px); } }
-@media (max-width: NARROWpx) { #cover main { margin-left: 16px; } #cover header { padding-left: 60px; } }
+@media (width < NARROWpx) { #cover main { margin-left: 16px; } #cover header { padding-left: 60px; } }
 </style>
 <div id="cover" aria-hidden="true">
 <header>pwsviz</header>
 <main><div><figure>PICTURE</figure><p>Loading …</p></div><div></div></main>
 </div>
 <script>{
-  const cover = document.getElementById("cover"), begun = performance.now()
-  cover.classList.toggle("dark", (IS_DARK)())
+  const cover = document.getElementById("cover"), begun = performance.now(), dark = (IS_DARK)()
+  cover.classList.toggle("dark", dark)
   if (location.search.length > 1) { cover.querySelector("svg").remove() }  // a link shows another scene
   const painted = () => window.Bokeh?.index?.query_one?.(view => view.model.type == "Figure" && view.is_idle) != null
-  const lift = () => painted() || performance.now() - begun > 30000 ? cover.remove() : requestAnimationFrame(lift)
+  const told = () => Bokeh.documents[0]?.roots().find(root => "sidebar_open" in (root.data ?? {}))?.data
+  // The page learns from the browser that it is dark or narrow, and takes a moment to change its colours or controls.
+  const fits = page => page?.dark_theme == dark && page.sidebar_open == innerWidth >= NARROW
+  const lift = () => {
+    if (performance.now() - begun > 30000) { cover.remove() }
+    else if (painted() && fits(told())) { setTimeout(() => cover.remove(), dark || innerWidth < NARROW ? 400 : 0) }
+    else { requestAnimationFrame(lift) }
+  }
   lift()
 }</script>
 """
@@ -87,7 +94,7 @@ class Cover:
 
 MARKUP_OF_THE_PAGE = (
     MARKUP.replace("COLUMNS", COLUMNS).replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
-    .replace("NARROW", str(NARROW - 1)).replace("IS_DARK", IS_DARK)
+    .replace("NARROW", str(NARROW)).replace("IS_DARK", IS_DARK)
 )  # fmt: skip
 
 

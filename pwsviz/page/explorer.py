@@ -53,10 +53,11 @@ SOON = 200
 AHEAD = 0.05
 """Seconds after a successful check of a user's own system until it is compiled, in case the user applies it."""
 
-GRID_CSS = f":host {{ {COLUMNS} height: auto !important; max-height: none !important; }}"
-
-IN_SIGHT = {"position": "sticky", "top": "0"}
-"""The portrait stays in sight while a long view beside it scrolls."""
+GRID_CSS = f"""
+:host {{ {COLUMNS} height: auto !important; max-height: none !important; container-type: inline-size; }}
+@container (min-width: 880px) {{ .portrait {{ position: sticky; top: 0; }} }}
+"""
+"""Beside a long view that scrolls, the portrait stays in sight; above one it does not."""
 
 HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 """Of a button in the header, whose theme assumes a coloured bar and sets white text."""
@@ -293,7 +294,7 @@ class Explorer(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
-        left = pn.Column(self.portrait_panel, styles=IN_SIGHT, margin=0, sizing_mode="stretch_width")
+        left = pn.Column(self.portrait_panel, css_classes=["portrait"], margin=0, sizing_mode="stretch_width")
         right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
         views = pn.Column(left, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(

@@ -10,10 +10,10 @@ from typing import Any
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.portrait_text import figures_of
+from pwsviz.figures.portrait_text import figures_of, portrait_note
 from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
-from pwsviz.geometry.projection import Axes, portrait_note
+from pwsviz.geometry.projection import Axes
 from pwsviz.page.player import Player
 from pwsviz.page.window_fields import Ends, WindowFields
 from pwsviz.results.orbits import Levels

@@ -113,6 +113,8 @@ def _text(scene: Scene, key: str) -> str:
 def _shown_text(scene: Scene, key: str) -> str:
     """Return a setting as the page shows it."""
     value = getattr(scene, key)
+    if key == "own" and not value:
+        return str(scene.declaration.name)
     if isinstance(value, str):
         return choice_name(key, value)
     if isinstance(value, list):

@@ -1,10 +1,11 @@
-"""Formulas as people type them, written as `core` reads them."""
+"""Formulas and lists of them as people type them, written as `core` reads them."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
-__all__ = ["as_python"]
+__all__ = ["as_python", "rates", "split"]
 
 #: Signs that people type or paste, and what Python writes for them.
 _SIGNS = {"−": "-", "·": "*", "×": "*", "^": "**"}
@@ -19,6 +20,9 @@ _NUMBER = r"(?<![\w.])(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
 #: A number, or a closing bracket, before what it multiplies: a name or a bracket; after a bracket also a number.
 _PRODUCT = re.compile(rf"({_NUMBER}) *(?=[^\W\d]|\()|(\)) *(?=[\w(])")
 
+#: What stands before the field of a variable where it is typed as an equation: x' = or dx/dt =.
+_RATE = re.compile(r"(?:^|(?<=[,;\n]))\s*(?:([^\W\d]\w*)\s*['′’]|d\s*([^\W\d]\w*)\s*/\s*dt)\s*=(?!=)")
+
 
 def as_python(text: str) -> str:
     """Write a formula with ``**`` for ``^`` and with the signs of products: ``2q^2`` and ``2q²`` become ``2*q**2``.
@@ -30,3 +34,25 @@ def as_python(text: str) -> str:
         text = text.replace(sign, plain)
     text = _RAISED.sub(lambda found: f"**{found[0].translate(_LOWERED)}", text)
     return _PRODUCT.sub(lambda found: f"{found[1] or found[2]}*", text)
+
+
+def rates(text: str, variables: Sequence[str]) -> list[str]:
+    """Split the text of a field, an expression for each variable; in any order where each is typed as an equation."""
+    pieces = _RATE.split(text)
+    names = [a or b for a, b in zip(pieces[1::3], pieces[2::3], strict=True)]
+    if pieces[0].strip() or sorted(names) != sorted(variables):
+        return split(text)
+    laws = dict(zip(names, (split(piece) for piece in pieces[3::3]), strict=True))
+    return [law for name in variables for law in laws[name]]
+
+
+def split(text: str) -> list[str]:
+    """Split a list at commas, semicolons and new lines outside brackets, and drop empty entries."""
+    items, depth = [""], 0
+    for character in re.sub(r"\r\n?|\n", "\n", text):
+        depth = max(0, depth + (character in "([") - (character in ")]"))
+        if depth == 0 and character in ",;\n":
+            items.append("")
+        else:
+            items[-1] += character
+    return [item.strip().replace("\n", " ") for item in items if item.strip()]

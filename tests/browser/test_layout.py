@@ -31,6 +31,17 @@ def test_portrait_and_view_share_a_wide_screen(visit):
 
 
 @pytest.mark.deep
+def test_on_a_narrow_screen_the_portrait_makes_way_for_the_view_below(visit):
+    page = visit(420, 800)
+    portrait = await_painted(page, "Phase portrait")
+    before = portrait.bounding_box()["y"]
+    page.mouse.move(210, 560)
+    page.mouse.wheel(0, 400)
+    page.wait_for_timeout(300)
+    assert portrait.bounding_box()["y"] < before - 350
+
+
+@pytest.mark.deep
 def test_the_portrait_stays_in_sight_beside_a_long_view(visit):
     page = visit()
     await_painted(page, "Phase portrait")

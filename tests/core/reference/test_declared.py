@@ -78,3 +78,34 @@ def test_a_system_that_jumps_is_exact_where_its_fields_are_and_else_an_estimate(
     t, x = solution.crossing(1)
     assert t == pytest.approx(np.arccosh(np.e) / np.sqrt(9.8), rel=1e-12)
     assert solution.after(1) == pytest.approx([0, -x[1] / 2], rel=1e-12)
+
+
+@pytest.mark.parametrize("power", [90, 120, 1000, 1074])
+def test_a_coordinate_far_below_the_others_grows_from_what_it_is(power):
+    laws = {"f_minus": ("a", "-b"), "f_plus": ("0", "-1"), "g": "a - b - 1"}
+    system = core.PiecewiseSystem("Saddle", ("a", "b"), **laws, x0=(2.0**-power, 1.0))
+    solution, t = core.reference_solution(system), power * np.log(2.0) - 1.0
+    assert solution.state(t)[0] == pytest.approx(np.exp(-1.0), rel=4e-16 * t)
+    assert solution.exact
+    assert solution.crossing(1)[0] == pytest.approx(t + 1.0, rel=1e-15)
+
+
+def test_a_constant_far_below_the_others_counts():
+    laws = {"f_minus": ("a + 1e-36*b", "-b"), "f_plus": ("0", "-1"), "g": "a - b - 1"}
+    solution = core.reference_solution(core.PiecewiseSystem("Saddle", ("a", "b"), **laws, x0=(0.0, 1.0)))
+    t = 83.0
+    assert solution.state(t)[0] == pytest.approx(1e-36 * np.sinh(t), rel=1e-13)
+    assert solution.exact
+
+
+def test_a_solution_has_the_crossings_it_passes_before_it_ends():
+    """It slides along y = 0 into the corner, where sliding ends; the field is linear up to a small forcing."""
+    signs = {"--": ("1", "1"), "+-": ("-1", "1"), "-+": ("1", "-1"), "++": ("-1", "-1")}
+    regions = {key: core.Region(f=(f[0], f"{f[1]} + 0.01*x*sin(t)")) for key, f in signs.items()}
+    system = core.PiecewiseSystem("Cross", ("x", "y"), surfaces=("x", "y"), regions=regions, x0=(-2.0, -1.0))
+    solution = core.reference_solution(system, sliding="continue")
+    run = core.integrate(system, (0.0, 3.0), method="taylor", sliding="continue")
+    assert run.crossings.kind.tolist() == ["sliding", "corner"]
+    assert solution.crossing(1)[0] == pytest.approx(run.crossings.t[0], rel=1e-12)
+    with pytest.raises(ValueError, match="before crossing 2: sliding along one surface reaches another"):
+        solution.crossing(2)

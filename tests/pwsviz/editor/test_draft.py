@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import core
 from pwsviz.editor.examples import EXAMPLES
-from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check, split
+from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check
 from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene, can_use
 
@@ -32,23 +32,6 @@ TAGS = {
 }
 #: Of processor time; on an idle machine no text below takes 0.9 s.
 SECONDS = 5.0
-
-
-@pytest.mark.parametrize(
-    ("text", "items"),
-    [
-        ("", []),
-        ("x", ["x"]),
-        ("x, y; z\nw", ["x", "y", "z", "w"]),
-        ("y,\n-x,\n", ["y", "-x"]),
-        ("f(x, y), [0.1, 10]; (a; b)", ["f(x, y)", "[0.1, 10]", "(a; b)"]),
-        ("(x +\ny), z", ["(x + y)", "z"]),
-        ("x)), y", ["x))", "y"]),
-        ("x\r\ny\rz", ["x", "y", "z"]),
-    ],
-)
-def test_lists_are_split_where_no_brackets_are_open(text, items):
-    assert split(text) == items
 
 
 def test_fields_are_those_of_a_draft():

@@ -109,7 +109,7 @@ def test_the_sentence_tells_round_off_from_drift():
     drifting = curve(np.linspace(0, 6.4e-7, 300), "rk2")
     noise = curve(1e-16 * np.arange(9))
     words = "dmm2 conserves ψ to accumulated round-off, |Δψ| ≤ 8×10⁻¹⁶; rk2 drifts to 7×10⁻⁷ by t = 20."
-    words += " Sides and crossings are those of dmm2."
+    words += " Shades and marks are those of dmm2."
     assert conserved_text([noise, drifting]) == words
 
 

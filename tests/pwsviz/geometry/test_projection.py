@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import core
+from pwsviz.figures.portrait_text import portrait_note
 from pwsviz.geometry.phase_plane import Window, backdrop, closed_surface
 from pwsviz.geometry.projection import (
     axis_labels,
     conserved_note,
     in_plane,
     planes,
-    portrait_note,
     shows_field,
     shows_levels,
     shows_regions,
@@ -71,17 +71,17 @@ def test_a_surface_that_is_no_curve_in_the_plane_is_left_out_and_named():
     gene = core.CATALOGUE["gene_switch"]
     assert not shows_surface(gene, XY)
     assert len(closed_surface(gene, WINDOW)) == 0
-    assert "z - threshold" in portrait_note(gene, XY)
+    assert "z − θ" in portrait_note(gene, XY)
     assert axis_labels(gene, XY) == ("x (z not shown)", "y")
 
 
 def test_of_several_surfaces_those_that_are_no_curves_in_the_plane_are_named():
     ring, chua, bridge = (core.CATALOGUE[name] for name in ("gene_ring", "chua", "diode_bridge"))
     assert surfaces_shown(ring, XY) == [0, 1]
-    assert "Nor can the surface z - threshold = 0, which is not a curve" in portrait_note(ring, XY)
+    assert "Nor can the surface z − θ = 0, which is not a curve" in portrait_note(ring, XY)
     assert "Nor can" not in portrait_note(chua, XY)
-    assert "Nor can the surfaces x + 1 = 0, x - 1 = 0, which are not curves" in portrait_note(chua, (1, 2))
-    assert "Nor can the surfaces v - u = 0, v + u = 0" in portrait_note(bridge, (0, 2))
+    assert "Nor can the surfaces x + 1 = 0, x − 1 = 0, which are not curves" in portrait_note(chua, (1, 2))
+    assert "Nor can the surfaces v − u = 0, v + u = 0" in portrait_note(bridge, (0, 2))
     assert "Nor can" not in portrait_note(bridge, XY)
     assert [shows_regions(ring, XY), shows_regions(chua, XY), shows_regions(bridge, XY)] == [False, True, True]
 
@@ -94,7 +94,7 @@ def test_a_system_of_several_surfaces_opens_in_the_plane_of_as_many_of_them_as_i
 
 
 def test_what_is_not_drawn_of_regions_without_a_place_of_their_own_is_named():
-    assert "told by their names" in portrait_note(RELAY, XY)
+    assert "Regions overlap" in portrait_note(RELAY, XY)
     assert "told by their names" in portrait_note(core.CATALOGUE["thermostat"], XY)
     assert "fields and level sets are not drawn" in portrait_note(GATE, XY)
     assert portrait_note(STRIPS, XY) == portrait_note(WEDGE, XY) == ""

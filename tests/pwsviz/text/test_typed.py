@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.symbolic import parse
-from pwsviz.text.typed import as_python
+from pwsviz.text.typed import as_python, rates, split
 
 
 @pytest.mark.parametrize(
@@ -30,3 +30,36 @@ def test_what_could_be_read_is_read_as_before(text):
     except ValueError:
         return
     assert parse(as_python(text), ("x", "y", "q")) == before
+
+
+@pytest.mark.parametrize(
+    ("text", "items"),
+    [
+        ("", []),
+        ("x", ["x"]),
+        ("x, y; z\nw", ["x", "y", "z", "w"]),
+        ("y,\n-x,\n", ["y", "-x"]),
+        ("f(x, y), [0.1, 10]; (a; b)", ["f(x, y)", "[0.1, 10]", "(a; b)"]),
+        ("(x +\ny), z", ["(x + y)", "z"]),
+        ("x)), y", ["x))", "y"]),
+        ("x\r\ny\rz", ["x", "y", "z"]),
+    ],
+)
+def test_lists_are_split_where_no_brackets_are_open(text, items):
+    assert split(text) == items
+
+
+@pytest.mark.parametrize(
+    ("text", "laws"),
+    [
+        ("x' = v, v' = -x - mu*sign(v - 1)", ["v", "-x - mu*sign(v - 1)"]),
+        ("v′ = -x\nx’=v", ["v", "-x"]),
+        ("dx/dt = v; dv/dt = -max(x, 0)", ["v", "-max(x, 0)"]),
+        ("v, -x", ["v", "-x"]),
+        ("x' = v", ["x' = v"]),
+        ("y' = v, v' = 2", ["y' = v", "v' = 2"]),
+        ("x' = v, x' = 2", ["x' = v", "x' = 2"]),
+    ],
+)
+def test_a_field_may_be_typed_as_equations_in_any_order(text, laws):
+    assert rates(text, ("x", "v")) == laws
