@@ -98,18 +98,17 @@ def swipe(page, fingers, by):
 
 @pytest.mark.deep
 def test_one_finger_scrolls_the_page_and_two_move_the_portrait(phone):
-    seen = phone.evaluate(PORTRAIT)
-    x, y = inside(seen, 0.5, 0.5)
-    swipe(phone, [(x, y)], (0, -200))
-    phone.wait_for_function(f"() => ({SCROLLED})() > 100")
-    assert phone.evaluate(PORTRAIT)["range"] == pytest.approx(seen["range"])
-    phone.wait_for_timeout(500)
     before = phone.evaluate(PORTRAIT)
     x, y = inside(before, 0.5, 0.5)
     swipe(phone, [(x - 40, y), (x + 40, y)], (60, 30))
     await_that(
         phone, PORTRAIT, lambda now: now["range"][0] < before["range"][0] and now["range"][2] > before["range"][2]
     )
+    phone.wait_for_timeout(500)
+    seen = phone.evaluate(PORTRAIT)
+    swipe(phone, [(x, y)], (0, -200))
+    phone.wait_for_function(f"() => ({SCROLLED})() > 100")
+    assert phone.evaluate(PORTRAIT)["range"] == pytest.approx(seen["range"])
 
 
 @pytest.mark.deep

@@ -95,7 +95,7 @@ def test_a_system_of_several_surfaces_opens_in_the_plane_of_as_many_of_them_as_i
 
 def test_what_is_not_drawn_of_regions_without_a_place_of_their_own_is_named():
     assert "Regions overlap" in portrait_note(RELAY, XY)
-    assert "told by their names" in portrait_note(core.CATALOGUE["thermostat"], XY)
+    assert "Regions overlap" in portrait_note(core.CATALOGUE["thermostat"], XY)
     assert "fields and level sets are not drawn" in portrait_note(GATE, XY)
     assert portrait_note(STRIPS, XY) == portrait_note(WEDGE, XY) == ""
 

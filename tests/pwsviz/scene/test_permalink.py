@@ -321,7 +321,9 @@ def test_whatever_goes_wrong_with_the_mathematics_is_told_and_logged(monkeypatch
     monkeypatch.setattr(core, "PiecewiseSystem", fail)
     found, complaints = read(link + "&view=order")
     assert (found["own"], found["view"]) == (None, "order")
-    assert complaints == ["Your own system in the link: this system cannot be used (TypeError). Used instead: none."]
+    assert complaints == [
+        "Your own system in the link: this system cannot be used (TypeError). Used instead: Elliptic curve."
+    ]
     assert "no such ufunc" in caplog.text
 
 
