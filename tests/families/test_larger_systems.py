@@ -143,8 +143,9 @@ def test_circular_orbits_keep_energy_and_angular_momentum(method, draws):
         run = core.integrate(system, (0.0, 500 * tau), tuple(map(float, x0)), method=method, **settings)
         told = f"{method}, tau = {tau}, x0 = {x0}: {run.message}"
         assert run.status is core.Status.COMPLETED, told
-        # Beside a circle a step may leave 64 eps of ψ, until it is given back.
-        assert np.nanmax(np.abs(run.conserved_error())) <= 4 * 64 * EPS * max(1.0, radius), told
+        # Beside a circle a step may leave 64 eps of ψ, until it is given back; dmm4 is composed of five.
+        left = 64 * EPS * (5 if method == "dmm4" else 1)
+        assert np.nanmax(np.abs(run.conserved_error())) <= 4 * left * max(1.0, radius), told
         rate = radius**-1.5
         error = {"dmm2": (rate * tau) ** 2 / 4, "dmm4": (rate * tau) ** 4}.get(method, 0.0) * rate * 500 * tau
         apart = np.abs(np.hypot(*run.x[-1][:2]) / radius - 1.0)
