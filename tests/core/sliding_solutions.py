@@ -61,12 +61,20 @@ class Exact:
         while t + h < self.end:
             y, h = step * y, h + SPACING
             if self.guard(side, y) < 0:
-                between = (h - SPACING, h)
-                h = mp.findroot(
-                    lambda s: self.guard(side, self._flow(side, z, s)), between, solver="anderson", tol=1e-50
-                )
+                h = self._zero(side, z, h - SPACING, h)
                 return (t + h, self._flow(side, z, h)) if t + h < self.end else None
         return None
+
+    def _zero(self, side, z, low, high):
+        """Zero of the guard between two times; by bisection where a faster method does not come to an end."""
+
+        def guard(s):
+            return self.guard(side, self._flow(side, z, s))
+
+        try:
+            return mp.findroot(guard, (low, high), solver="anderson", tol=1e-50)
+        except ValueError:
+            return mp.findroot(guard, (low, high), solver="bisect", maxsteps=110, verify=False)
 
     def _flow(self, side, z, h):
         return mp.expm(self.m[side] * h) * z
