@@ -37,6 +37,9 @@ def reference_solution(
     digits as two precisions need to agree to the round-off of a double, and no crossing is missed: bounds on the guards
     of a mode between samples exclude further ones.
 
+    Numbers in the text of a law are the decimals that they are written as, 0.1 one tenth; values of parameters and
+    initial values are doubles.
+
     Parameters
     ----------
     system
