@@ -79,7 +79,8 @@ SURFACES: dict[str, Surface] = {
     ),
     "exponential": (
         "exp(k*(y - b)) - 1 - c*sin(w*t)",
-        lambda rng: {"k": rng.normal() * 10, "b": rng.normal(), "c": rng.uniform(0, 0.8), "w": rng.uniform(0.1, 20)},
+        # Beyond |k| = 10 g overflows where the motion goes, and a run rightly stops.
+        lambda rng: {"k": rng.uniform(-10, 10), "b": rng.normal(), "c": rng.uniform(0, 0.8), "w": rng.uniform(0.1, 20)},
         lambda t, x, k, b, c, w: np.exp(k * (x[:, 0] - b)) - 1 - c * np.sin(w * t),
         lambda speed, k, b, c, w: max(w, abs(k) * speed),
     ),
