@@ -81,12 +81,13 @@ class Trajectory:
 
     @property
     def tally(self) -> Tally:
-        """How often it crossed, jumped and slid, of the crossings that are kept."""
+        """How often it crossed, jumped and slid; ValueError with ``record="end"``, which does not keep crossings."""
         return Tally.of(self.kinds_met)
 
     @property
     def kinds_met(self) -> Integers:
         """(k,) what happened at each of ``crossings.passed``: indices into the fields of `Tally`."""
+        self._require_crossings("what happened at crossings")
         return kinds_of(np.append(self.mode[:1], self.crossings.passed.mode), len(self.system.laws.regions))
 
     @property
@@ -160,7 +161,13 @@ class Trajectory:
         Returns
         -------
         (s, m) for the entries of `entered_t`; the first row is 0.
+
+        Raises
+        ------
+        ValueError
+            If there were crossings that ``record="end"`` has not kept.
         """
+        self._require_crossings("the error made before a segment")
         met = self.crossings
         off_surface = self._level_residual(met.t, met.x_after, met.mode, np.arange(len(met)), met.t, met.surface)
         off_surface[(met.kind == "jump") | (self._is_sliding(met.mode))] = 0.0
@@ -171,6 +178,13 @@ class Trajectory:
         if len(errors):
             total[1:] = np.cumsum(errors, axis=0)[: len(total) - 1]
         return total
+
+    def _require_crossings(self, wanted: str) -> None:
+        if len(self.crossings) != self.crossing_count:
+            raise ValueError(
+                f"{wanted} is not known of a run that has kept {len(self.crossings)} of its {self.crossing_count} "
+                "crossings: integrate with record='crossings' or record='steps'"
+            )
 
     def _level_residual(
         self, t: Floats, x: Floats, mode: Integers, segment: Integers, entered_t: Floats, entered_x: Floats

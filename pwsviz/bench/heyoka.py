@@ -86,6 +86,9 @@ class HeyokaByRegion:
     """
 
     def __init__(self, problem: Problem, tolerance: float, fast_math: bool = False) -> None:
+        import heyoka as hy
+
+        hy.set_logger_level_error()  # it warns of each step from a state that is not finite; the error tells of those
         system = problem.system
         self._end, self._start = problem.end, np.array(system.x0)
         self._beyond = [[way.to for way in ways] for ways in system.laws.ways]
