@@ -22,7 +22,7 @@ from core.reference import reference_solution
 from core.studies.external_solvers import EXTERNAL_SOLVERS
 from core.studies.measure import Measured, Problem, measure
 from core.studies.target import Target, target_of
-from core.studies.tasks import GivenUp, as_completed
+from core.interface.tasks import GivenUp, as_completed
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
@@ -165,7 +165,7 @@ def work_precision(
     budget
         Seconds that one run may take; a longer one is given up, and its results are nan.
     executor
-        Where to measure (see `core.studies.tasks.as_completed`); None: on threads of its own.
+        Where to measure (see `core.interface.tasks.as_completed`); None: on threads of its own.
     progress
         Called as ``progress(done, total, partial)`` after every setting of every integrator.
     cancel

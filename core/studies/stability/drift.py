@@ -17,7 +17,7 @@ from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import Plan
-from core.studies.tasks import GivenUp, as_completed
+from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["Drift", "count", "run"]
 

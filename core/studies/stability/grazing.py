@@ -19,7 +19,7 @@ from core.studies.sequence import CrossingSequence
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
 from core.studies.stability.verdict import start_at, worst_error
-from core.studies.tasks import GivenUp, as_completed
+from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
 

@@ -18,7 +18,7 @@ from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
-from core.studies.tasks import GivenUp, as_completed
+from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["LargestTau", "count", "run"]
 

@@ -15,7 +15,7 @@ from core.interface.summary import Brief
 from core.kernels.arrays import Floats
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, NO_START, Verdict, expected_of, judge, start_at
-from core.studies.tasks import GivenUp, as_completed
+from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["OutcomeMap", "count", "run"]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import core
-from core.studies.tasks import as_completed
+from core.interface.tasks import as_completed
 
 distributed = pytest.importorskip("distributed", reason="the extra 'cluster' (dask.distributed) is not installed")
 

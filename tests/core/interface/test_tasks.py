@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import pytest
 
-from core.studies.tasks import as_completed
+from core.interface.tasks import as_completed
 
 
 def test_every_task_is_done_once_and_told_with_its_number():
