@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from core.compilation.compiled import compile_beside
+from core.ensemble import Ensemble, EnsembleCrossings, ensemble
 from core.integrate import integrate
 from core.integration.crossings import Crossing, Crossings
 from core.integration.tally import Tally
@@ -26,6 +27,8 @@ __all__ = [
     "Crossing",
     "Crossings",
     "Diagnosis",
+    "Ensemble",
+    "EnsembleCrossings",
     "Method",
     "OrderStudy",
     "Parameter",
@@ -39,6 +42,7 @@ __all__ = [
     "WorkPrecision",
     "compile_beside",
     "diagnose",
+    "ensemble",
     "integrate",
     "order_study",
     "reference_solution",

@@ -21,7 +21,7 @@ from core.methods import METHODS, Method, method_named
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
-__all__ = ["checked_method", "checked_settings", "checked_start", "integrate"]
+__all__ = ["checked_method", "checked_settings", "checked_span", "checked_start", "integrate"]
 
 _TRANSITIONS = ("mannshardt", "none")
 _RECORDS = ("steps", "crossings", "end")
@@ -122,7 +122,7 @@ def integrate(
     system = system_of(system)
     chosen = checked_method(system, method)
     choice(record, "record", _RECORDS)
-    t0, t1 = _span(t_span)
+    t0, t1 = checked_span(t_span)
     start = checked_start(system, t0, x0)
     times = None if t_eval is None else _checked_times(t_eval, t0, t1)
     if max_steps is None and record == "steps" and times is None:
@@ -261,7 +261,8 @@ def _accuracy(method: Method, tolerance: float | None) -> float:
     return accuracy
 
 
-def _span(t_span: tuple[float, float]) -> tuple[float, float]:
+def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
+    """Return start and end time; ValueError if they are none."""
     try:
         t0, t1 = t_span
     except (TypeError, ValueError):

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ from core.transition.event_location import MAX_NODES
 from core.transition.records import HIT, NO_MODE, ROW
 from core.transition.status import CROSSING_KINDS, Status
 
-__all__ = ["Rows", "Runner", "Settings", "no_crossings"]
+__all__ = ["Blank", "Rows", "Runner", "Settings", "no_crossings"]
 
 #: Steps between two readings of the cancel flag: they take milliseconds, a call of the loop a quarter of one.
 _CHUNK = 131072
@@ -68,6 +68,22 @@ class Settings:
     slides: bool = False
     """Whether the run slides along the surface where both fields point to it; else it stops there."""
     cancel: Callable[[], bool] | None = None
+
+
+class Blank(NamedTuple):
+    """Arguments of the loop for a run that has not begun."""
+
+    functions: NDArray[np.int64]
+    guards: NDArray[Any]
+    record: NDArray[Any]
+    frame: Floats
+    coefficients: Floats
+    nodes: Floats
+    pieces: Floats
+    envelope: Floats
+    samples: Floats
+    budget: int
+    """Most steps of one call."""
 
 
 @dataclass
@@ -216,10 +232,7 @@ class Runner:
         self, t_end: float, record: bool = False, keep_hits: bool = True, after: Callable[[], object] | None = None
     ) -> Status:
         """Integrate to `t_end`, or to where the run stops before; `after` is called after each call of the loop."""
-        run = self._run
-        sign = 1.0 if t_end >= self.t else -1.0
-        run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
-        run["shift"] = sign * self.settings.shift
+        sign = self._aim(t_end, record)
         self.status = Status.COMPLETED if t_end == self.t else Status.RUNNING
         if self._corner and self.first_mode == NO_MODE and self.status is Status.RUNNING:
             self._pass_corner(sign)
@@ -243,6 +256,13 @@ class Runner:
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
             self.status = cause_of_failure(self)
         return self.status
+
+    def _aim(self, t_end: float, record: bool) -> float:
+        """Take a time to integrate to; returns the sign of the way there."""
+        run, sign = self._run, 1.0 if t_end >= self.t else -1.0
+        run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
+        run["shift"] = sign * self.settings.shift
+        return sign
 
     def _make_ready(self, direction: float) -> bool:
         """Make the pending mode ready to begin: compile it, or tell where it leads; returns whether that is known."""
@@ -322,6 +342,23 @@ class Runner:
             if self.crossing_count:
                 self._hit_chunks[-1][0]["mode"][-1] = mode
 
+    def blank(self, t_end: float) -> Blank:
+        """What other runs to `t_end` begin from, of the same method and settings; before this one has begun."""
+        self._aim(t_end, record=False)
+        budget = min(_CHUNK, self.settings.max_steps)
+        nodes, pieces = self._workspace
+        return Blank(
+            self._compiled.addresses, self._table.guards, self._run, self._w, self._coefficients, nodes, pieces,
+            self.envelope, self._samples, budget,
+        )  # fmt: skip
+
+    def hits(self) -> tuple[NDArray[Any], Floats]:
+        """Every crossing kept so far, as the loop has written it: (k,) of `records.HIT`, and its states (k, 3, d)."""
+        if not self._hit_chunks:
+            return np.empty(0, dtype=HIT), np.empty((0, 3, self.system.dimension))
+        hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
+        return hits, places
+
     def copy(self) -> Runner:
         """An independent copy."""
         other = copy.copy(self)
@@ -351,10 +388,7 @@ class Runner:
 
     def crossings(self) -> Crossings:
         """Every crossing kept so far."""
-        if not self._hit_chunks:
-            return no_crossings(self.system.laws)
-        hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
-        return _crossings(hits, places, self.system.laws)
+        return _crossings(*self.hits(), self.system.laws) if self._hit_chunks else no_crossings(self.system.laws)
 
     def latest(self, count: int) -> Crossings:
         """The last `count` crossings, at most those of the last call of the loop."""

@@ -24,7 +24,7 @@ from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 from core.transition.surface import Log, guards_contradict, widen_envelope
 
-__all__ = ["compiled_march"]
+__all__ = ["compiled_march", "march_signature"]
 
 _COMPLETED, _CONTRADICTION = int(Status.COMPLETED), int(Status.CONTRADICTION)
 
@@ -84,7 +84,8 @@ def finish_step(run, x, rows, rows_x, samples):
         write_row(run, x, rows, rows_x)
 
 
-def _signature() -> Any:
+def march_signature() -> Any:
+    """Types of the arguments and of the result of the loop, see `compiled_march`."""
     guards, run, row, hit = (numba.from_dtype(d)[::1] for d in (GUARD, RUN, ROW, HIT))
     vector, matrix, places = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
     whole = types.int64
@@ -108,7 +109,7 @@ def compiled_march() -> Callable[..., int]:
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
-    @njit(_signature(), cache=True, nogil=True, **OPTIONS)
+    @njit(march_signature(), cache=True, nogil=True, **OPTIONS)
     def march(
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
         rows, rows_x, hits, places, envelope, samples,

@@ -16,13 +16,13 @@ from core.integration.tally import Tally, crossed
 from core.interface.arguments import count, listed, number
 from core.interface.cancelling import Cancel, Cancelled
 from core.interface.summary import Brief
+from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method
 from core.reference import reference_solution
 from core.studies.external_solvers import EXTERNAL_SOLVERS
 from core.studies.measure import Measured, Problem, measure
 from core.studies.target import Target, target_of
-from core.interface.tasks import GivenUp, as_completed
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 

@@ -14,10 +14,10 @@ from core.integrate import integrate
 from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel, raise_if
 from core.interface.summary import Brief
+from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import Plan
-from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["Drift", "count", "run"]
 

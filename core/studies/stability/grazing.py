@@ -13,13 +13,13 @@ from core.integrate import integrate
 from core.integration.tally import KINDS, Tally, crossed
 from core.interface.cancelling import Cancel, Cancelled, raise_if
 from core.interface.summary import Brief
+from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.reference import Solution
 from core.studies.sequence import CrossingSequence
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
 from core.studies.stability.verdict import start_at, worst_error
-from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
 

@@ -14,11 +14,11 @@ from core.integration.tally import Tally, crossed
 from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel
 from core.interface.summary import Brief
+from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
-from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["LargestTau", "count", "run"]
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from core.integration.tally import KINDS, Tally, crossed
 from core.interface.cancelling import Cancel
 from core.interface.summary import Brief
+from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.verdict import ENDINGS, NO_START, Verdict, expected_of, judge, start_at
-from core.interface.tasks import GivenUp, as_completed
 
 __all__ = ["OutcomeMap", "count", "run"]
 

@@ -45,6 +45,16 @@ def test_run_time_against_error_is_the_same_on_threads_and_on_a_cluster(executor
     assert all(np.isfinite(curve.seconds).all() for curve in there.curves)
 
 
+def test_an_ensemble_is_the_same_on_threads_and_on_a_cluster_bit_by_bit(executor):
+    x0 = np.random.default_rng(5).uniform(-1.2, -0.8, (100, 2))
+    settings = {"tau": 0.05, "record": "crossings", "max_crossings": 40}
+    here, there = (core.ensemble("elliptic_curve", (0.0, 20.0), x0, executor=e, **settings) for e in (None, executor))
+    for name in ("t", "x", "status", "steps", "evaluations"):
+        assert np.array_equal(getattr(here, name), getattr(there, name))
+    for name in ("t", "x", "mode", "kind", "offsets"):
+        assert np.array_equal(getattr(here.crossings, name), getattr(there.crossings, name))
+
+
 def _work_precision(executor, **options):
     settings = {"dmm2": (0.1, 0.01), "taylor": (1e-6, 1e-12), "scipy": (1e-4, 1e-8)}
     methods = ("dmm2", "taylor")

@@ -1,0 +1,278 @@
+"""ensemble(): integrate many members of one system in the compiled loop, on all processors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.integrate import checked_method, checked_settings, checked_span, checked_start
+from core.integration.crossings import Integers
+from core.integration.members import Block, Members, Told, integrate_members, not_begun
+from core.integration.members_loop import END
+from core.integration.starts import first_places
+from core.interface.arguments import choice, number, numbers
+from core.interface.tasks import as_completed
+from core.kernels.arrays import Floats
+from core.methods import Method
+from core.system import PiecewiseSystem
+from core.systems import System, system_of
+from core.transition.records import HIT
+from core.transition.status import CROSSING_KINDS, Status
+
+__all__ = ["Ensemble", "EnsembleCrossings", "ensemble"]
+
+#: Most parts into which the members are divided, for progress and for the threads to end together.
+_PARTS = 128
+#: Least members of a part: a part takes some 0.1 ms of Python.
+_LEAST = 16
+_RECORDS = ("end", "crossings")
+_KINDS = np.array(CROSSING_KINDS)
+
+
+@dataclass(frozen=True, eq=False)
+class EnsembleCrossings:
+    """Crossings, member after member; those of member k are ``offsets[k]`` to ``offsets[k + 1]``."""
+
+    t: Floats
+    """(c,) times."""
+    x: Floats
+    """(c, d) states on the surface (off it, if displaced by a perturbation)."""
+    x_after: Floats
+    """(c, d) states from which the members continued: x, or the states after jumps."""
+    mode: NDArray[np.int16]
+    """(c,) index into `PiecewiseSystem.modes` of the mode entered; −1 if the member stopped there."""
+    kind_code: NDArray[np.int8]
+    """(c,) index into `core.transition.status.CROSSING_KINDS`."""
+    surface_met: NDArray[np.int8]
+    """(c,) index into `PiecewiseSystem.surfaces` of the surface met; −1 where sliding ended by itself."""
+    offsets: Integers
+    """(n + 1,) where the crossings of each member begin, and where the last end."""
+    sides: Integers
+    """(modes + 1, surfaces) sides of each mode; of those of one that has stopped, the last row."""
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def side(self) -> Integers:
+        """(c,) side entered, −1 or +1, or 0 where a member slides or stops; (c, surfaces) of several surfaces."""
+        side: Integers = self.sides[self.mode]
+        return side[:, 0] if side.shape[1] == 1 else side
+
+    @property
+    def kind(self) -> NDArray[np.str_]:
+        """(c,) kinds in words, as in `Crossings`."""
+        kinds: NDArray[np.str_] = _KINDS[self.kind_code]
+        return kinds
+
+    @property
+    def member(self) -> Integers:
+        """(c,) number of the member."""
+        return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble:
+    """Where many members have come to; each as `integrate` would have brought it there, to the last bit."""
+
+    system: PiecewiseSystem
+    method: str
+    t: Floats
+    """(n,) times reached."""
+    x: Floats
+    """(n, d) states there."""
+    status: Integers
+    """(n,) `core.Status` of each."""
+    mode: Integers
+    """(n,) index into `PiecewiseSystem.modes` of the mode occupied; −1 where a member has not begun."""
+    steps: Integers
+    """(n,) steps taken."""
+    evaluations: Integers
+    """(n,) evaluations of the (discrete) field."""
+    crossing_count: Integers
+    """(n,) crossings of each, kept or not."""
+    crossings: EnsembleCrossings
+    """Those that are kept: none with ``record="end"``."""
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        ends = ", ".join(f"{count} {status.name}" for status, count in self.outcomes.items())
+        return f"<Ensemble of {len(self)} members of {self.system.name!r} by {self.method}: {ends}>"
+
+    @cached_property
+    def outcomes(self) -> dict[Status, int]:
+        """How many members ended in which status."""
+        found, counts = np.unique(self.status, return_counts=True)
+        return {Status(status): int(count) for status, count in zip(found, counts, strict=True)}
+
+
+def ensemble(
+    system: System,
+    t_span: tuple[float, float],
+    x0: ArrayLike | None = None,
+    parameters: Mapping[str, ArrayLike] | None = None,
+    tau: float | None = None,
+    method: str | Method = "dmm2",
+    *,
+    tolerance: float | None = None,
+    transition: str = "mannshardt",
+    perturbation_order: int | None = None,
+    perturbation_scale: float = 1.0,
+    record: str = "end",
+    max_crossings: int | None = None,
+    discard: int = 0,
+    max_steps: int | None = None,
+    sliding: str = "stop",
+    executor: Executor | None = None,
+    cancel: Callable[[], bool] | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Ensemble:
+    """Integrate many members of one system, which differ in initial states and parameters.
+
+    The loop over the members is compiled, and runs on all processors. Each member comes out as `integrate` brings it
+    there, bit by bit.
+
+    Parameters
+    ----------
+    system, t_span, tau, method, tolerance, transition, perturbation_order, perturbation_scale, max_steps, sliding
+        As of `integrate`.
+    x0
+        (n, d) initial states, or (d,) for all; the system's own where not given.
+    parameters
+        Name of a parameter -> (n,) values, or a number for all.
+    record
+        "end": the last state of each member. "crossings": also its crossings, of which there are at most
+        n·(max_crossings − discard), each of 12 + 8·d bytes (12 + 16·d where the system has jumps), and of 56 more while
+        they are computed.
+    max_crossings
+        Number of crossings after which a member stops (CROSSING_LIMIT). Needed with record="crossings", as a bound on
+        the memory; else 10⁹ where not given.
+    discard
+        Number of the first crossings of each member that are not kept: a transient.
+    executor
+        Any of `concurrent.futures`, to integrate parts of the members elsewhere: see `core.interface.tasks`. None: on
+        a thread a processor.
+    cancel
+        Called twenty times a second; once it returns True, the members that are not done are given up: CANCELLED, with
+        the time and state in which they began.
+    progress
+        Called with the part of the members done, from 0 to 1, as they are.
+
+    Returns
+    -------
+    Ensemble
+
+    Raises
+    ------
+    ValueError
+        On arguments that make no sense; of a member that cannot begin, the message tells the number.
+    """
+    system = system_of(system)
+    chosen = checked_method(system, method)
+    span, keeps = checked_span(t_span), choice(record, "record", _RECORDS) == "crossings"
+    if keeps and max_crossings is None:
+        raise ValueError(
+            'record="crossings" needs max_crossings, the most crossings of a member: they bound the memory'
+        )
+    settings = checked_settings(
+        chosen, tau, tolerance, transition, perturbation_order, perturbation_scale,
+        10**9 if max_crossings is None else max_crossings, max_steps, None, sliding,
+    )  # fmt: skip
+    first = number(discard, "discard")
+    if first < 0 or first != int(first):
+        raise ValueError(f"discard = {discard!r}: a whole number of at least 0 is needed")
+    told = Told()
+    members = Members(
+        system, chosen, settings, span, *_checked_members(system, x0, parameters), keeps, int(first), told
+    )
+    _require_starts(members)
+    blocks: dict[int, Block] = {}
+    parts = list(_parts(len(members)))
+    done = 0
+    try:
+        for k, block in as_completed(integrate_members, (members.part(part) for part in parts), executor, cancel):
+            blocks[k] = block
+            done += len(block.ends)
+            if progress is not None:
+                progress(done / len(members))
+    finally:
+        told.set()  # threads that still run do so for nobody
+    return _joined(
+        members, [blocks[k] if k in blocks else not_begun(members.part(part)) for k, part in enumerate(parts)]
+    )
+
+
+def _checked_members(
+    system: PiecewiseSystem, x0: ArrayLike | None, parameters: Mapping[str, ArrayLike] | None
+) -> tuple[Floats, Floats]:
+    """Initial states (n, d) and parameter values (n, parameters); ValueError if they make no sense."""
+    d, names = system.dimension, [q.name for q in system.parameters]
+    states = numbers(system.x0 if x0 is None else x0, "x0")
+    if states.ndim not in (1, 2) or states.shape[-1] != d:
+        raise ValueError(f"x0 has shape {states.shape}: (n, {d}), or ({d},) for all members, is needed")
+    columns = {}
+    if not isinstance(given := {} if parameters is None else parameters, Mapping):
+        raise ValueError(f"parameters = {parameters!r}: a mapping from names to values is needed")
+    for name, values in given.items():
+        if name not in names:
+            raise ValueError(f"unknown parameter {name!r}; known are {', '.join(names) or 'none'}")
+        columns[name] = numbers(values, f"parameter {name}")
+        if columns[name].ndim > 1:
+            raise ValueError(f"parameter {name} has shape {columns[name].shape}: (n,), or a number for all, is needed")
+        for extreme in (columns[name].min(initial=np.inf), columns[name].max(initial=-np.inf)):
+            if columns[name].size:
+                system.parameters[names.index(name)].check(float(extreme))
+    lengths = {len(states)} if states.ndim == 2 else set()
+    lengths |= {len(column) for column in columns.values() if column.ndim}
+    if len(lengths) > 1:
+        raise ValueError(
+            f"x0 and parameters are of {' and '.join(map(str, sorted(lengths)))} members: give as many of each"
+        )
+    n = lengths.pop() if lengths else 1
+    p = np.empty((n, len(names)))
+    p[:] = system.parameter_array
+    for name, column in columns.items():
+        p[:, names.index(name)] = column
+    return np.array(np.broadcast_to(states, (n, d)), order="C"), p
+
+
+def _require_starts(members: Members) -> None:
+    """Check that each member can begin; the doubtful ones as `integrate` does."""
+    t0 = members.t_span[0]
+    for k in np.flatnonzero(~first_places(members.system.laws, t0, members.x, members.p).plain).tolist():
+        try:
+            checked_start(members.one(k), t0, tuple(members.x[k].tolist()))
+        except ValueError as reason:
+            raise ValueError(f"member {k}: {reason}") from None
+
+
+def _parts(count: int) -> Iterator[slice]:
+    """Divide the members."""
+    size = max(_LEAST, -(-count // _PARTS))
+    yield from (slice(begin, min(begin + size, count)) for begin in range(0, count, size))
+
+
+def _joined(members: Members, blocks: list[Block]) -> Ensemble:
+    """Put the parts together."""
+    d, laws = members.system.dimension, members.system.laws
+    ends = np.concatenate([np.empty(0, dtype=END), *(block.ends for block in blocks)])
+    hits = np.concatenate([np.empty(0, dtype=HIT), *(block.hits for block in blocks)])
+    columns = 2 if laws.jumps else 1
+    places = np.concatenate([np.empty((0, columns, d)), *(block.places for block in blocks)])
+    x = np.ascontiguousarray(places[:, 0])
+    crossings = EnsembleCrossings(
+        np.ascontiguousarray(hits["t"]), x, np.ascontiguousarray(places[:, 1]) if laws.jumps else x,
+        hits["mode"].astype(np.int16), hits["kind"].astype(np.int8), hits["surface"].astype(np.int8),
+        np.concatenate([[0], np.cumsum(ends["kept"])]), laws.sides,
+    )  # fmt: skip
+    own = {name: np.ascontiguousarray(ends[name]) for name in ("t", "status", "mode", "steps", "evaluations")}
+    last = np.concatenate([np.empty((0, d)), *(block.x for block in blocks)])
+    counts = np.ascontiguousarray(ends["crossings"])
+    return Ensemble(members.system, members.method.name, x=last, crossing_count=counts, crossings=crossings, **own)

@@ -1,0 +1,180 @@
+"""Members of an ensemble: many runs of one system and method, that differ in initial states and parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.integration.members_loop import ABANDONED, DONE, END, NEXT, ROOM, USED, compiled_members
+from core.integration.runner import Runner, Settings
+from core.integration.starts import first_places
+from core.integration.time_loop import compiled_march
+from core.kernels.arrays import Floats
+from core.methods import Method
+from core.system import PiecewiseSystem
+from core.transition.records import HIT, NO_MODE, ROW
+from core.transition.status import Status
+
+__all__ = ["Block", "Members", "Told", "integrate_members", "not_begun"]
+
+#: Crossings that one call of the time loop can record: few enough to stay in the processor's cache.
+_HITS = 64
+#: Crossings for which a block has room at first; where they are used up they are put aside.
+_ROOM = 4096
+
+
+class Told:
+    """Tells the loops in threads of this process to stop; those of another process never hear of it."""
+
+    def __init__(self) -> None:
+        self.flag = np.zeros(1, dtype=np.int64)
+
+    def set(self) -> None:
+        """Let them stop."""
+        self.flag[0] = 1
+
+    def __call__(self) -> bool:
+        """Return whether they were told to stop."""
+        return bool(self.flag[0])
+
+    def __reduce__(self) -> tuple[type[Told], tuple[()]]:
+        """Pickle without the flag, which does not leave its process."""
+        return Told, ()
+
+
+@dataclass(frozen=True)
+class Members:
+    """Some members of an ensemble, and what they have in common."""
+
+    system: PiecewiseSystem
+    method: Method
+    settings: Settings
+    t_span: tuple[float, float]
+    x: Floats
+    """(n, d) initial states."""
+    p: Floats
+    """(n, parameters) parameter values, in the order of `PiecewiseSystem.parameters`."""
+    keeps: bool
+    """Whether crossings are kept."""
+    discard: int
+    """Number of the first crossings of each that are not kept."""
+    told: Told
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def part(self, which: slice) -> Members:
+        """Some of the members."""
+        return replace(self, x=self.x[which], p=self.p[which])
+
+    def one(self, k: int) -> PiecewiseSystem:
+        """The system of a member, given by its number."""
+        names = (q.name for q in self.system.parameters)
+        return self.system.with_parameters(**dict(zip(names, self.p[k].tolist(), strict=True)))
+
+
+class Block(NamedTuple):
+    """What members have come to."""
+
+    ends: NDArray[Any]
+    """(n,) of `members_loop.END`."""
+    x: Floats
+    """(n, d) last states."""
+    hits: NDArray[Any]
+    """(k,) of `records.HIT`: the crossings that are kept, member by member."""
+    places: Floats
+    """(k, 1, d) states there; (k, 2, d) with those after jumps, if the system has any."""
+
+
+def integrate_members(members: Members) -> Block:
+    """Integrate members one after another in the compiled loop; those that it does not settle, by a `Runner`."""
+    return _Run(members).block()
+
+
+def not_begun(members: Members) -> Block:
+    """Members that were given up before they had begun."""
+    run = _Run(members)
+    return Block(run.ends, run.x, run.kept[:0], run.kept_places[:0])
+
+
+class _Run:
+    """Members under way."""
+
+    def __init__(self, members: Members) -> None:
+        self.members = members
+        n, d = members.x.shape
+        self.ends, self.x = np.zeros(n, dtype=END), members.x.copy()
+        self.ends["t"], self.ends["status"] = members.t_span[0], Status.CANCELLED
+        self.ends["mode"] = NO_MODE
+        self.counters = np.zeros(2, dtype=np.int64)
+        self.aside: list[tuple[NDArray[Any], Floats]] = []
+        self._make_room(_ROOM if members.keeps else 1)
+        self.settings = replace(members.settings, cancel=members.told)
+        t0, t1 = members.t_span
+        self.first_rows = np.full(n, NO_MODE)
+        if t0 != t1:
+            self.first_rows[:] = first_places(members.system.laws, t0, members.x, members.p).rows
+        self.rows, self.rows_x = np.empty(1, dtype=ROW), np.empty((1, d))
+        self.hits, self.places = np.empty(_HITS, dtype=HIT), np.empty((_HITS, 3, d))
+
+    def block(self) -> Block:
+        """Integrate all."""
+        while (code := self._advance()) != DONE and code != ABANDONED:
+            if code == ROOM:
+                self._put_aside()
+            else:
+                self._integrate_one(int(self.counters[NEXT]))
+        self._put_aside()
+        hits, places = (np.concatenate(parts) for parts in zip(*self.aside, strict=True))
+        return Block(self.ends, self.x, hits, places)
+
+    def _advance(self) -> int:
+        """Call the loop."""
+        members = self.members
+        runner = Runner(members.one(0), members.method, members.t_span[0], tuple(members.x[0].tolist()), self.settings)
+        blank = runner.blank(members.t_span[1])
+        discard = members.discard if members.keeps else 2**62
+        return compiled_members()(
+            compiled_march(), blank.functions, blank.guards, blank.record, blank.frame, members.system.dimension,
+            blank.coefficients, blank.nodes, blank.pieces, blank.record.copy(), blank.frame.copy(), self.rows,
+            self.rows_x, self.hits, self.places, blank.envelope, blank.samples, blank.budget,
+            self.settings.max_steps, self.first_rows, members.p, members.x, self.ends, self.x, discard,
+            self.kept, self.kept_places, self.counters, members.told.flag,
+        )  # fmt: skip
+
+    def _integrate_one(self, k: int) -> None:
+        """Integrate the next member by a `Runner`."""
+        members = self.members
+        start = tuple(members.x[k].tolist())
+        runner = Runner(members.one(k), members.method, members.t_span[0], start, self.settings)
+        status = runner.advance(members.t_span[1], keep_hits=members.keeps)
+        if status is Status.CANCELLED:
+            return
+        self._put_aside()
+        hits, places = runner.hits() if members.keeps else (self.hits[:0], self.places[:0])
+        self.aside.append((hits[members.discard :], places[members.discard :, self._columns]))
+        kept = len(self.aside[-1][0])
+        self.ends[k] = (
+            runner.t, status, runner.mode, runner.steps, runner.evaluations, runner.crossing_count, kept
+        )  # fmt: skip
+        self.x[k] = runner.x
+        self.counters[NEXT] = k + 1
+
+    @property
+    def _columns(self) -> list[int]:
+        """Which of the three states at a crossing are kept."""
+        return [1, 2] if self.members.system.laws.jumps else [1]
+
+    def _make_room(self, size: int) -> None:
+        self.kept = np.empty(size, dtype=HIT)
+        self.kept_places = np.empty((size, len(self._columns), self.members.system.dimension))
+        self.counters[USED] = 0
+
+    def _put_aside(self) -> None:
+        """Put the crossings kept so far aside; where one member has used up all room, make twice as much."""
+        used = int(self.counters[USED])
+        self.aside.append((self.kept[:used].copy(), self.kept_places[:used].copy()))
+        self._make_room(len(self.kept) if used else 2 * len(self.kept))

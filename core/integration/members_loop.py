@@ -1,0 +1,168 @@
+"""The loop over the members of an ensemble: it begins each from a blank record, and calls the time loop."""
+
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# numba takes the types from the signature below.
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numba
+import numpy as np
+from numba import njit, types
+
+from core.integration.time_loop import march_signature
+from core.kernels.abi import STEP, Frame
+from core.kernels.digest import source_digest
+from core.kernels.jit import OPTIONS, internal
+from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
+from core.transition.status import Status
+
+__all__ = ["ABANDONED", "ASKS", "DONE", "END", "NEXT", "ROOM", "USED", "compiled_members"]
+
+#: What the loop returns: all members are done; it was told to stop; the member needs what only `Runner` knows; the
+#: buffer of crossings is used up.
+DONE, ABANDONED, ASKS, ROOM = range(4)
+
+#: How a member ended; its state is kept apart.
+END = np.dtype(
+    [
+        ("t", np.float64),
+        ("status", np.int64),
+        ("mode", np.int64),
+        ("steps", np.int64),
+        ("evaluations", np.int64),
+        ("crossings", np.int64),
+        ("kept", np.int64),  # crossings kept
+    ],
+    align=True,
+)
+
+#: Indices into the counters of a block: the next member, and how many crossings its buffers hold.
+NEXT, USED = range(2)
+
+_RUNNING, _STEP_LIMIT = int(Status.RUNNING), int(Status.STEP_LIMIT)
+_NO_CONVERGENCE, _ESCAPED, _CORNER = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CORNER)
+_UNDECLARED = int(Status.UNDECLARED)
+_SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
+
+
+@internal
+def is_settled(status, run):
+    """Whether a status is final, and not one that `Runner` looks into further."""
+    if status in (_CORNER, _NO_CONVERGENCE, _ESCAPED):
+        return False
+    undecided = status in (_SLIDING, _REPELLING, _GRAZING)
+    return not (undecided and run.first_mode == NO_MODE)
+
+
+@internal
+def stops_at_surface(status):
+    """Whether a run of this status stops at a surface."""
+    return status in (_SLIDING, _REPELLING, _GRAZING, _CORNER, _UNDECLARED)
+
+
+@internal
+def begin(blank, frame, row, x, records, w, head):
+    """Make a run that has not begun from the blank one; row is that of its first region."""
+    records[0] = blank[0]
+    records[0].row = row
+    for i in range(w.size):
+        w[i] = frame[i]
+    for i in range(x.size):
+        w[head + i] = x[i]
+
+
+@internal
+def keep(run, discard, hits, places, kept, kept_places, used):
+    """Keep the crossings of the last call of the loop but for the first ones of the run; returns how many are kept.
+
+    −1 where there is no room.
+    """
+    first = run.crossings - run.hits
+    for j in range(max(0, discard - first), run.hits):
+        if used == kept.size:
+            return -1
+        kept[used] = hits[j]
+        for i in range(places.shape[2]):
+            kept_places[used, 0, i] = places[j, 1, i]
+            if kept_places.shape[1] > 1:  # states after jumps
+                kept_places[used, 1, i] = places[j, 2, i]
+        used += 1
+    return used
+
+
+def _signature() -> Any:
+    blank, guards, run, row, hit = (numba.from_dtype(d)[::1] for d in (RUN, GUARD, RUN, ROW, HIT))
+    ends = numba.from_dtype(END)[::1]
+    vector, matrix, places = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
+    whole = types.int64
+    return whole(
+        types.FunctionType(march_signature()), whole[:, ::1], guards, blank, vector, whole, matrix, matrix, matrix,
+        run, vector, row, matrix, hit, places, places, matrix, whole, whole,
+        whole[::1], matrix, matrix, ends, matrix, whole, hit, places, whole[::1], whole[::1],
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def compiled_members() -> Callable[..., int]:
+    """Compile the loop, or load it from numba's cache.
+
+    Returns
+    -------
+    members(march, functions, guards, blank, frame, d, scratch, nodes, pieces,
+            records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
+            first_rows, p, x, ends, x_ends, discard, kept, kept_places, counters, told) -> int
+        One of the codes above. It takes the members from counters[NEXT] on, until told[0] is not 0. `march` is the time
+        loop, and the names of its arguments are those there. `blank` and `frame` are the record and the frame of a run
+        that has not begun. first_rows (n,) are the rows of the members' first regions, `NO_MODE` where `Runner` has
+        to find it; p (n, parameters) and x (n, d) are those of the members, and x_ends (n, d) their last
+        states. The first `discard` crossings of a member are not kept.
+    """
+    sources, head = source_digest(__name__), Frame(0, 0).x
+
+    @njit(_signature(), cache=True, nogil=True, **OPTIONS)
+    def members(
+        march, functions, guards, blank, frame, d, scratch, nodes, pieces,
+        records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
+        first_rows, p, x, ends, x_ends, discard, kept, kept_places, counters, told,
+    ):  # fmt: skip
+        _ = sources  # closed over, it enters the key of numba's cache
+        run = records[0]
+        for k in range(counters[NEXT], first_rows.size):
+            counters[NEXT] = k
+            if first_rows[k] == NO_MODE:
+                return ASKS
+            begin(blank, frame, first_rows[k], x[k], records, w, head)
+            used, status = counters[USED], _RUNNING
+            while status == _RUNNING:
+                if told[0] != 0:
+                    return ABANDONED
+                if run.steps >= max_steps:
+                    status = _STEP_LIMIT
+                    break
+                if run.pending == 1 and (run.asked != 0 or functions[run.row, STEP] == 0):
+                    return ASKS
+                part = min(budget, max_steps - run.steps)
+                status = march(
+                    functions, guards, records, p[k], w, d, scratch, nodes, pieces, part,
+                    rows, rows_x, hits, places, envelope, samples,
+                )  # fmt: skip
+                used = keep(run, discard, hits, places, kept, kept_places, used)
+                if used < 0:
+                    return ROOM
+            if not is_settled(status, run):
+                return ASKS
+            if run.pending == 1 and stops_at_surface(status) and used > counters[USED]:
+                kept[used - 1].mode = NO_MODE  # the mode that followed could not be begun
+            end = ends[k]
+            end.t, end.status, end.mode, end.steps = run.t, status, run.mode, run.steps
+            end.evaluations, end.crossings, end.kept = run.evaluations, run.crossings, used - counters[USED]
+            for i in range(d):
+                x_ends[k, i] = w[head + i]
+            counters[USED], counters[NEXT] = used, k + 1
+        return DONE
+
+    return members  # type: ignore[no-any-return]

@@ -1,0 +1,61 @@
+"""Where many runs of one system begin: the regions of their initial states, and which of these are in doubt."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compilation.guards import guard_table
+from core.kernels.arrays import Floats
+from core.symbolic.laws import Laws
+from core.transition.records import NO_MODE
+
+__all__ = ["Places", "first_places"]
+
+_EPS = 2.0**-52
+#: A switching function within so many bounds on the rounding of the state is in doubt: `starting` takes one as zero.
+_MARGIN = 4.0
+
+
+class Places(NamedTuple):
+    """Where initial states lie."""
+
+    rows: NDArray[np.int64]
+    """(n,) row of the first guard of the region; `NO_MODE` where it has to be found by `starting.first_place`. Of two
+    sides of one surface it is that of the first: the loop itself tells them apart."""
+    plain: NDArray[np.bool_]
+    """(n,) whether the state lies inside a region, off all surfaces, and all that is needed there is finite."""
+
+
+def first_places(laws: Laws, t: float, x: Floats, p: Floats) -> Places:
+    """Find the regions of initial states.
+
+    Parameters
+    ----------
+    t
+        Initial time.
+    x
+        (n, d) initial states.
+    p
+        (n, parameters) parameter values.
+    """
+    count, d = len(laws.surfaces), len(laws.x)
+    parameters = np.ascontiguousarray(p.T)
+    values = laws.evaluate("start", laws.at_start, t, x, parameters)
+    both = laws.evaluate("surfaces", laws.surfaces_and_roundings, t, x, parameters)
+    heights, doubts, fields = values[:, :count], both[:, count:], values[:, count * (1 + d) :]
+    with np.errstate(invalid="ignore"):
+        plain = (np.isfinite(heights) & (np.abs(heights) > _MARGIN * _EPS * doubts)).all(axis=1)
+    region = np.full(len(x), NO_MODE)
+    for k, ways in reversed(list(enumerate(laws.ways))):  # of several that contain a state, the first counts
+        inside = np.ones(len(x), dtype=bool)
+        for way in ways:
+            inside &= way.sign * heights[:, way.surface] > 0.0
+        region[inside] = k
+        plain &= ~inside | np.isfinite(fields[:, k * d : (k + 1) * d]).all(axis=1)
+    plain &= region != NO_MODE
+    if laws.two_sided:
+        return Places(np.zeros(len(x), dtype=np.int64), plain)
+    return Places(np.where(plain, guard_table(laws).first_rows[region], NO_MODE), plain)
