@@ -18,6 +18,7 @@ from core.systems import CATALOGUE
 
 if TYPE_CHECKING:
     from core.diagnostics import Diagnosis, diagnose
+    from core.maps import Section, Sweep, section, sweep
     from core.reference import reference_solution
     from core.studies import OrderStudy, StabilityStudy, WorkPrecision, order_study, stability_study, work_precision
 
@@ -34,8 +35,10 @@ __all__ = [
     "Parameter",
     "PiecewiseSystem",
     "Region",
+    "Section",
     "StabilityStudy",
     "Status",
+    "Sweep",
     "Tally",
     "Trajectory",
     "Transition",
@@ -46,7 +49,9 @@ __all__ = [
     "integrate",
     "order_study",
     "reference_solution",
+    "section",
     "stability_study",
+    "sweep",
     "work_precision",
 ]
 
@@ -54,12 +59,16 @@ __all__ = [
 _LATE = {
     "Diagnosis": "core.diagnostics",
     "OrderStudy": "core.studies",
+    "Section": "core.maps",
     "StabilityStudy": "core.studies",
+    "Sweep": "core.maps",
     "WorkPrecision": "core.studies",
     "diagnose": "core.diagnostics",
     "order_study": "core.studies",
     "reference_solution": "core.reference",
+    "section": "core.maps",
     "stability_study": "core.studies",
+    "sweep": "core.maps",
     "work_precision": "core.studies",
 }
 

@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.integrate import checked_method, checked_settings, checked_span, checked_start
 from core.integration.crossings import Integers
-from core.integration.members import Block, Members, Told, integrate_members, not_begun
+from core.integration.members import Block, Members, Told, Wanted, integrate_members, not_begun
 from core.integration.members_loop import END
+from core.integration.runner import Settings
 from core.integration.starts import first_places
 from core.interface.arguments import choice, number, numbers
+from core.interface.cancelling import Cancel
 from core.interface.tasks import as_completed
 from core.kernels.arrays import Floats
 from core.methods import Method
@@ -24,7 +26,7 @@ from core.systems import System, system_of
 from core.transition.records import HIT
 from core.transition.status import CROSSING_KINDS, Status
 
-__all__ = ["Ensemble", "EnsembleCrossings", "ensemble"]
+__all__ = ["Ensemble", "EnsembleCrossings", "checked_members", "ensemble", "integrate_all"]
 
 #: Most parts into which the members are divided, for progress and for the threads to end together.
 _PARTS = 128
@@ -131,7 +133,7 @@ def ensemble(
     max_steps: int | None = None,
     sliding: str = "stop",
     executor: Executor | None = None,
-    cancel: Callable[[], bool] | None = None,
+    cancel: Cancel | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Ensemble:
     """Integrate many members of one system, which differ in initial states and parameters.
@@ -188,14 +190,32 @@ def ensemble(
     first = number(discard, "discard")
     if first < 0 or first != int(first):
         raise ValueError(f"discard = {discard!r}: a whole number of at least 0 is needed")
-    told = Told()
-    members = Members(
-        system, chosen, settings, span, *_checked_members(system, x0, parameters), keeps, int(first), told
-    )
+    wanted = Wanted(discard=int(first)) if keeps else None
+    members = checked_members(system, chosen, settings, span, x0, parameters, wanted)
+    return integrate_all(members, executor, cancel, progress)
+
+
+def checked_members(
+    system: PiecewiseSystem,
+    method: Method,
+    settings: Settings,
+    t_span: tuple[float, float],
+    x0: ArrayLike | None,
+    parameters: Mapping[str, ArrayLike] | None,
+    wanted: Wanted | None,
+) -> Members:
+    """Return the members of an ensemble; ValueError if their states or parameters make no sense."""
+    members = Members(system, method, settings, t_span, *_checked_arrays(system, x0, parameters), wanted, Told())
     _require_starts(members)
+    return members
+
+
+def integrate_all(
+    members: Members, executor: Executor | None, cancel: Cancel | None, progress: Callable[[float], object] | None
+) -> Ensemble:
+    """Integrate members part by part; see `ensemble`."""
     blocks: dict[int, Block] = {}
-    parts = list(_parts(len(members)))
-    done = 0
+    parts, done = list(_parts(len(members))), 0
     try:
         for k, block in as_completed(integrate_members, (members.part(part) for part in parts), executor, cancel):
             blocks[k] = block
@@ -203,13 +223,12 @@ def ensemble(
             if progress is not None:
                 progress(done / len(members))
     finally:
-        told.set()  # threads that still run do so for nobody
-    return _joined(
-        members, [blocks[k] if k in blocks else not_begun(members.part(part)) for k, part in enumerate(parts)]
-    )
+        members.told.set()  # threads that still run do so for nobody
+    all_parts = (blocks[k] if k in blocks else not_begun(members.part(part)) for k, part in enumerate(parts))
+    return _joined(members, list(all_parts))
 
 
-def _checked_members(
+def _checked_arrays(
     system: PiecewiseSystem, x0: ArrayLike | None, parameters: Mapping[str, ArrayLike] | None
 ) -> tuple[Floats, Floats]:
     """Initial states (n, d) and parameter values (n, parameters); ValueError if they make no sense."""

@@ -23,6 +23,7 @@ FLOORS = {
         diagnostics reference
         integrate
         ensemble studies
+        maps
     """,
     "pwsviz": """
         bench geometry tasks text

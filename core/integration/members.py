@@ -8,7 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.integration.members_loop import ABANDONED, DONE, END, NEXT, ROOM, USED, compiled_members
+from core.integration.members_loop import (
+    ABANDONED,
+    COUNTERS,
+    DONE,
+    END,
+    NEXT,
+    ROOM,
+    USED,
+    WANTED,
+    compiled_members,
+)  # fmt: skip
 from core.integration.runner import Runner, Settings
 from core.integration.starts import first_places
 from core.integration.time_loop import compiled_march
@@ -18,12 +28,27 @@ from core.system import PiecewiseSystem
 from core.transition.records import HIT, NO_MODE, ROW
 from core.transition.status import Status
 
-__all__ = ["Block", "Members", "Told", "integrate_members", "not_begun"]
+__all__ = ["Block", "Members", "Told", "Wanted", "integrate_members", "not_begun"]
 
 #: Crossings that one call of the time loop can record: few enough to stay in the processor's cache.
 _HITS = 64
 #: Crossings for which a block has room at first; where they are used up they are put aside.
 _ROOM = 4096
+
+
+class Wanted(NamedTuple):
+    """Which crossings of each member are kept: see `members_loop.WANTED`."""
+
+    surface: int = -1
+    way: int = 0
+    discard: int = 0
+    most: int = 2**62
+
+    def of(self, hits: NDArray[Any]) -> NDArray[np.bool_]:
+        """Return which of the crossings of a member these are."""
+        which = (hits["rate_before"] * self.way >= 0.0) & ((self.surface < 0) | (hits["surface"] == self.surface))
+        number = np.cumsum(which)
+        return np.asarray(which & (number > self.discard) & (number - self.discard <= self.most))
 
 
 class Told:
@@ -57,10 +82,8 @@ class Members:
     """(n, d) initial states."""
     p: Floats
     """(n, parameters) parameter values, in the order of `PiecewiseSystem.parameters`."""
-    keeps: bool
-    """Whether crossings are kept."""
-    discard: int
-    """Number of the first crossings of each that are not kept."""
+    wanted: Wanted | None
+    """Which crossings are kept; None: none."""
     told: Told
 
     def __len__(self) -> int:
@@ -109,9 +132,11 @@ class _Run:
         self.ends, self.x = np.zeros(n, dtype=END), members.x.copy()
         self.ends["t"], self.ends["status"] = members.t_span[0], Status.CANCELLED
         self.ends["mode"] = NO_MODE
-        self.counters = np.zeros(2, dtype=np.int64)
+        self.counters = np.zeros(COUNTERS, dtype=np.int64)
         self.aside: list[tuple[NDArray[Any], Floats]] = []
-        self._make_room(_ROOM if members.keeps else 1)
+        self._make_room(_ROOM if members.wanted else 1)
+        wanted = members.wanted or Wanted(discard=2**62, most=2**62)
+        self.wanted = np.array([tuple(wanted)], dtype=WANTED)
         self.settings = replace(members.settings, cancel=members.told)
         t0, t1 = members.t_span
         self.first_rows = np.full(n, NO_MODE)
@@ -136,30 +161,37 @@ class _Run:
         members = self.members
         runner = Runner(members.one(0), members.method, members.t_span[0], tuple(members.x[0].tolist()), self.settings)
         blank = runner.blank(members.t_span[1])
-        discard = members.discard if members.keeps else 2**62
         return compiled_members()(
             compiled_march(), blank.functions, blank.guards, blank.record, blank.frame, members.system.dimension,
             blank.coefficients, blank.nodes, blank.pieces, blank.record.copy(), blank.frame.copy(), self.rows,
             self.rows_x, self.hits, self.places, blank.envelope, blank.samples, blank.budget,
-            self.settings.max_steps, self.first_rows, members.p, members.x, self.ends, self.x, discard,
+            self.settings.max_steps, self.first_rows, members.p, members.x, self.ends, self.x, self.wanted,
             self.kept, self.kept_places, self.counters, members.told.flag,
         )  # fmt: skip
 
     def _integrate_one(self, k: int) -> None:
         """Integrate the next member by a `Runner`."""
-        members = self.members
-        start = tuple(members.x[k].tolist())
-        runner = Runner(members.one(k), members.method, members.t_span[0], start, self.settings)
-        status = runner.advance(members.t_span[1], keep_hits=members.keeps)
+        members, wanted, met = self.members, self.members.wanted, 0
+
+        def stops() -> bool:
+            nonlocal met
+            met = 0 if wanted is None else int(wanted.of(runner.hits()[0]).sum())
+            return members.told() or (wanted is not None and met == wanted.most)
+
+        start, settings = tuple(members.x[k].tolist()), replace(self.settings, cancel=stops)
+        runner = Runner(members.one(k), members.method, members.t_span[0], start, settings)
+        status = runner.advance(members.t_span[1], keep_hits=wanted is not None)
         if status is Status.CANCELLED:
-            return
+            if members.told():
+                return
+            status = Status.CROSSING_LIMIT
         self._put_aside()
-        hits, places = runner.hits() if members.keeps else (self.hits[:0], self.places[:0])
-        self.aside.append((hits[members.discard :], places[members.discard :, self._columns]))
-        kept = len(self.aside[-1][0])
-        self.ends[k] = (
-            runner.t, status, runner.mode, runner.steps, runner.evaluations, runner.crossing_count, kept
-        )  # fmt: skip
+        if wanted is not None:
+            hits, places = runner.hits()
+            which = wanted.of(hits)
+            self.aside.append((hits[which], places[which][:, self._columns]))
+            met = int(which.sum())
+        self.ends[k] = runner.t, status, runner.mode, runner.steps, runner.evaluations, runner.crossing_count, met
         self.x[k] = runner.x
         self.counters[NEXT] = k + 1
 

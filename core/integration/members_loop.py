@@ -20,7 +20,7 @@ from core.kernels.jit import OPTIONS, internal
 from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 
-__all__ = ["ABANDONED", "ASKS", "DONE", "END", "NEXT", "ROOM", "USED", "compiled_members"]
+__all__ = ["ABANDONED", "ASKS", "COUNTERS", "DONE", "END", "NEXT", "ROOM", "USED", "WANTED", "compiled_members"]
 
 #: What the loop returns: all members are done; it was told to stop; the member needs what only `Runner` knows; the
 #: buffer of crossings is used up.
@@ -40,10 +40,24 @@ END = np.dtype(
     align=True,
 )
 
-#: Indices into the counters of a block: the next member, and how many crossings its buffers hold.
-NEXT, USED = range(2)
+#: Which crossings are kept.
+WANTED = np.dtype(
+    [
+        ("surface", np.int64),  # those of this surface; −1: of all
+        ("way", np.int64),  # 1: where its switching function rises, −1: where it falls, 0: both
+        ("discard", np.int64),  # but for so many of the first of each member
+        ("most", np.int64),  # at most so many of each, which ends with the last
+    ],
+    align=True,
+)
+
+#: Indices into the counters of a block: the next member, how many crossings its buffers hold of those before, how many
+#: of its own, and how many wanted ones it has had, discarded ones included.
+NEXT, USED, OWN, HAD = range(4)
+COUNTERS = 4
 
 _RUNNING, _STEP_LIMIT = int(Status.RUNNING), int(Status.STEP_LIMIT)
+_CROSSING_LIMIT = int(Status.CROSSING_LIMIT)
 _NO_CONVERGENCE, _ESCAPED, _CORNER = int(Status.NO_CONVERGENCE), int(Status.ESCAPED), int(Status.CORNER)
 _UNDECLARED = int(Status.UNDECLARED)
 _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int(Status.GRAZING)
@@ -76,13 +90,28 @@ def begin(blank, frame, row, x, records, w, head):
 
 
 @internal
-def keep(run, discard, hits, places, kept, kept_places, used):
-    """Keep the crossings of the last call of the loop but for the first ones of the run; returns how many are kept.
+def is_wanted(hit, surface, way):
+    """Whether a crossing is of a surface (any: −1), and its switching function has the sign `way` then (any: 0)."""
+    return (surface < 0 or hit.surface == surface) and hit.rate_before * way >= 0.0
 
-    −1 where there is no room.
+
+@internal
+def keep(run, wanted, hits, places, kept, kept_places, counters):
+    """Keep the crossings of the last call of the loop that are wanted, but for the first ones of the member.
+
+    Returns
+    -------
+    How many wanted ones it has had in all; −1 where there is no room.
     """
-    first = run.crossings - run.hits
-    for j in range(max(0, discard - first), run.hits):
+    count, used = counters[HAD], counters[USED] + counters[OWN]
+    for j in range(run.hits):
+        if count - wanted.discard == wanted.most:
+            break
+        if not is_wanted(hits[j], wanted.surface, wanted.way):
+            continue
+        count += 1
+        if count <= wanted.discard:
+            continue
         if used == kept.size:
             return -1
         kept[used] = hits[j]
@@ -91,18 +120,19 @@ def keep(run, discard, hits, places, kept, kept_places, used):
             if kept_places.shape[1] > 1:  # states after jumps
                 kept_places[used, 1, i] = places[j, 2, i]
         used += 1
-    return used
+    counters[HAD], counters[OWN] = count, used - counters[USED]
+    return count
 
 
 def _signature() -> Any:
     blank, guards, run, row, hit = (numba.from_dtype(d)[::1] for d in (RUN, GUARD, RUN, ROW, HIT))
-    ends = numba.from_dtype(END)[::1]
+    ends, wanted = (numba.from_dtype(d)[::1] for d in (END, WANTED))
     vector, matrix, places = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
     whole = types.int64
     return whole(
         types.FunctionType(march_signature()), whole[:, ::1], guards, blank, vector, whole, matrix, matrix, matrix,
         run, vector, row, matrix, hit, places, places, matrix, whole, whole,
-        whole[::1], matrix, matrix, ends, matrix, whole, hit, places, whole[::1], whole[::1],
+        whole[::1], matrix, matrix, ends, matrix, wanted, hit, places, whole[::1], whole[::1],
     )  # fmt: skip
 
 
@@ -114,12 +144,12 @@ def compiled_members() -> Callable[..., int]:
     -------
     members(march, functions, guards, blank, frame, d, scratch, nodes, pieces,
             records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
-            first_rows, p, x, ends, x_ends, discard, kept, kept_places, counters, told) -> int
+            first_rows, p, x, ends, x_ends, wanted, kept, kept_places, counters, told) -> int
         One of the codes above. It takes the members from counters[NEXT] on, until told[0] is not 0. `march` is the time
         loop, and the names of its arguments are those there. `blank` and `frame` are the record and the frame of a run
         that has not begun. first_rows (n,) are the rows of the members' first regions, `NO_MODE` where `Runner` has
         to find it; p (n, parameters) and x (n, d) are those of the members, and x_ends (n, d) their last
-        states. The first `discard` crossings of a member are not kept.
+        states. A member that has had all crossings that are wanted of it ends there: CROSSING_LIMIT.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
@@ -127,7 +157,7 @@ def compiled_members() -> Callable[..., int]:
     def members(
         march, functions, guards, blank, frame, d, scratch, nodes, pieces,
         records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
-        first_rows, p, x, ends, x_ends, discard, kept, kept_places, counters, told,
+        first_rows, p, x, ends, x_ends, wanted, kept, kept_places, counters, told,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         run = records[0]
@@ -136,7 +166,7 @@ def compiled_members() -> Callable[..., int]:
             if first_rows[k] == NO_MODE:
                 return ASKS
             begin(blank, frame, first_rows[k], x[k], records, w, head)
-            used, status = counters[USED], _RUNNING
+            counters[OWN], counters[HAD], status = 0, 0, _RUNNING
             while status == _RUNNING:
                 if told[0] != 0:
                     return ABANDONED
@@ -150,19 +180,22 @@ def compiled_members() -> Callable[..., int]:
                     functions, guards, records, p[k], w, d, scratch, nodes, pieces, part,
                     rows, rows_x, hits, places, envelope, samples,
                 )  # fmt: skip
-                used = keep(run, discard, hits, places, kept, kept_places, used)
-                if used < 0:
+                count = keep(run, wanted[0], hits, places, kept, kept_places, counters)
+                if count < 0:
                     return ROOM
+                if count - wanted[0].discard == wanted[0].most:
+                    status = _CROSSING_LIMIT
             if not is_settled(status, run):
                 return ASKS
-            if run.pending == 1 and stops_at_surface(status) and used > counters[USED]:
-                kept[used - 1].mode = NO_MODE  # the mode that followed could not be begun
+            if run.pending == 1 and stops_at_surface(status) and counters[OWN] > 0:
+                kept[counters[USED] + counters[OWN] - 1].mode = NO_MODE  # the mode that followed could not be begun
             end = ends[k]
             end.t, end.status, end.mode, end.steps = run.t, status, run.mode, run.steps
-            end.evaluations, end.crossings, end.kept = run.evaluations, run.crossings, used - counters[USED]
+            end.evaluations, end.crossings, end.kept = run.evaluations, run.crossings, counters[OWN]
             for i in range(d):
                 x_ends[k, i] = w[head + i]
-            counters[USED], counters[NEXT] = used, k + 1
+            counters[USED] += counters[OWN]
+            counters[NEXT] = k + 1
         return DONE
 
     return members  # type: ignore[no-any-return]
