@@ -337,6 +337,15 @@ def test_a_step_that_breaks_the_discrete_transversality_is_warned_of():
     assert any(w.startswith("tau = 1 breaks the discrete transversality condition at") for w in found.warnings)
 
 
+@pytest.mark.parametrize("angle", np.geomspace(0.1, 1.5, 12))  # that an oscillator turns by in a step
+@pytest.mark.parametrize("method", ["rk2", "rk4"])
+def test_a_step_that_changes_the_energy_by_some_percent_in_half_a_period_is_warned_of(method, angle):
+    oscillator = core.CATALOGUE["harmonic_oscillator"].with_parameters(omega2_minus=1.0, omega2_plus=1.0)
+    run = run_of(oscillator, 4.0, float(angle), x0=(1e-3, 1.0), method=method)
+    change = abs(run.crossings.x[0] @ run.crossings.x[0] / (run.x[0] @ run.x[0]) - 1)
+    assert change < 0.04 or "is too long for this field" in step_warning(run)
+
+
 def test_every_constant_names_its_place_in_the_paper():
     tree = ast.parse(Path(diagnosis.__file__).read_text(encoding="utf-8"))
     labels = {}
