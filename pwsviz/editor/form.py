@@ -26,6 +26,9 @@ QUIET = 0.25
 CURRENT = "The system on the page"
 """Menu entry that fills in the present system."""
 
+BLANK = "Nothing: empty fields"
+"""Menu entry that empties all fields."""
+
 MATHS_CSS = """
 .maths { overflow-x: auto; overflow-y: hidden; padding: 2px 0 6px 14px; }
 math { display: block; width: fit-content; font-size: 1.05rem; padding: 4px 0; }
@@ -108,7 +111,7 @@ class SystemEditor(pn.viewable.Viewer):
         self.texts = {name: self._make_text(name) for name in FIELDS}
         self.maths = {name: _markup_pane() for name in FIELDS}
         self.status = _markup_pane()
-        titles = [*([CURRENT] if current else []), *EXAMPLES]
+        titles = [*([CURRENT] if current else []), BLANK, *EXAMPLES]
         self.menu = pmui.MenuButton(
             label="Start from",
             items=[{"label": title} for title in titles],
@@ -161,8 +164,8 @@ class SystemEditor(pn.viewable.Viewer):
 
     def _choose(self, item: Any) -> None:
         title = item["label"]
-        if title in EXAMPLES:
-            self.fill(EXAMPLES[title])
+        if title in EXAMPLES or title == BLANK:
+            self.fill(EXAMPLES.get(title, Draft()))
         else:
             self.start()
 

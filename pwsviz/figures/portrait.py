@@ -231,7 +231,8 @@ class PortraitView:
             usual=9,
             widest=135,
         )
-        self.ground.follow(entries[-len(self.ground.legend) :])
+        marks = [self.starts, self.crossings, self.ends]
+        self.ground.follow(entries[-len(self.ground.legend) :], marks)
 
     def _watch_window(
         self, on_window: Callable[[Window], None], on_zoom: Callable[[Window], None], on_fit: Callable[[], None]

@@ -1,11 +1,13 @@
 """What is exported is what is painted."""
 
 import csv
+import io
 import re
 import zlib
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from tests.browser.test_portrait import FIGURE, PORTRAIT, await_still, await_that, inside
 
@@ -95,3 +97,17 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     assert chunk[16] == 1, "pixels per metre"
     assert wide / int.from_bytes(chunk[8:12]) == pytest.approx(0.085, rel=1e-4)
     assert int.from_bytes(chunk[17:]) == zlib.crc32(chunk[4:17])
+
+
+def test_panels_of_one_figure_stand_below_one_another(visit):
+    page = visit(query="v=2&system=three_bodies&view=state")  # whose coordinates have labels of different widths
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    png = downloaded(page, page.get_by_role("button", name="PNG").nth(1))
+    dark = np.asarray(Image.open(io.BytesIO(png)).convert("L")) < 100
+    dark = dark[: len(dark) * 3 // 5]  # without the caption
+    last = dark.shape[1] - 1 - np.argmax(dark[:, ::-1], axis=1)
+    edges = last[dark.any(axis=1) & (last > 0.95 * dark.shape[1])]  # the right edges of the frames
+    assert len(edges) > 0.8 * len(dark)
+    assert np.ptp(edges) <= 2

@@ -8,7 +8,7 @@ import pytest
 
 import core
 from pwsviz.editor.examples import EXAMPLES
-from pwsviz.editor.form import CURRENT, SystemEditor
+from pwsviz.editor.form import BLANK, CURRENT, SystemEditor
 from pwsviz.editor.validation import FIELDS, Draft
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
@@ -52,6 +52,15 @@ def test_nothing_is_checked_before_something_is_filled_in():
     assert editor.settle(5)
     assert seen == []
     assert editor.use.disabled
+
+
+def test_one_can_start_from_empty_fields(desk):
+    assert BLANK in [item["label"] for item in desk.editor.menu.items]
+    desk.editor._choose({"label": BLANK})
+    assert desk.editor.settle(20)
+    assert desk.editor.draft == Draft()
+    assert not any(text.value_input for text in desk.editor.texts.values())
+    assert desk.editor.use.disabled
 
 
 def test_a_valid_system_is_used_at_a_click(desk):
