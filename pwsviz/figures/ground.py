@@ -79,6 +79,7 @@ class Ground:
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
+        self._marked = ColumnDataSource({"count": [0]})
         self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
 
     def follow(self, entries: list[LegendItem], marks: list[ColumnDataSource]) -> None:
@@ -106,8 +107,7 @@ class Ground:
         label = CustomJS(args=plane | there, code=PLACE_LABELS)
         for source in (self.formulas, self.clock):
             source.js_on_change("data", repaint, label)
-        for source in marks:
-            source.js_on_change("data", label)
+        self._marked.js_on_change("data", label)  # not the marks themselves: from these a legend would reach all this
         forget = CustomJS(args={"readout": self.readout}, code="readout.setv({ text: '' }, { sync: false })")
         self.formulas.js_on_change("data", forget)
         self.figure.js_on_event(RangesUpdate, repaint)
@@ -128,6 +128,10 @@ class Ground:
         self._tint_entry.label = value(shade_names(system).get(-1, ""))
         self._surface_entry.visible = shows_surface(system, axes)
         self._tint_entry.visible = shows_regions(system, axes) and bool(regions_of(system, -1))
+
+    def keep_clear(self) -> None:
+        """Let the browser place the labels anew: there are other marks."""
+        self._marked.data = {"count": [self._marked.data["count"][0] + 1]}
 
     def show(self, backdrop: Backdrop, names: tuple[str, str]) -> None:
         """Draw a backdrop.

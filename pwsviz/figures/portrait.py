@@ -324,6 +324,7 @@ class PortraitView:
             "chosen": chosen,
             "heard": [self._heard] * len(starts),
         }
+        self.ground.keep_clear()
 
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""

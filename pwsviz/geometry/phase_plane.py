@@ -105,7 +105,8 @@ class Window(NamedTuple):
         """
         longer = 2.0 ** math.ceil(math.log2(BEYOND * self.longest))
         cell = longer / ARROWS
-        half = [cell * math.ceil(0.5 * longer * side / (self.longest * cell)) for side in (self.width, self.height)]
+        sides = [(side / self.longest, side / cell) for side in (self.width, self.height)]
+        half = [cell * math.ceil(max(ARROWS / 2 * share, 0.5 * cells + 0.5)) for share, cells in sides]
         x, y = (cell * round(0.5 * (low + high) / cell) for low, high in (self[:2], self[2:]))
         return Window(x - half[0], x + half[0], y - half[1], y + half[1])
 

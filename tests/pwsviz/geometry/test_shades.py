@@ -81,6 +81,7 @@ def test_many_regions_are_told_by_the_sign_of_a_product_which_is_their_shade():
 def test_of_many_named_regions_those_that_do_not_fit_are_counted():
     names = [f"region number {k}" for k in range(4)]
     hub = [core.Transition("hub", f"x + {k}", name) for k, name in enumerate(names)]
+    hub += [core.Transition(name, "3 - x", "hub") for name in names]
     regions = {name: core.Region(("1", "0")) for name in ("hub", *names)}
     star = core.PiecewiseSystem("star", ("x", "y"), regions=regions, transitions=hub, x0=(1.0, 0.0))
     assert shade_names(star)[1] == "regions region number 0 and 3 more"
