@@ -82,11 +82,11 @@ if (given?.moving && given.regions.length > 0) {
   for (const g of nodes) { trace(xs, ys, g, nothing, line) }
   // Of regions of the first shade, an odd number of signs is −. A region that is not declared has no tint.
   const tinted = given.regions.map(([sides]) => sides).filter(sides => sides.reduce((a, b) => a * b, 1) < 0)
-  const height = (regions, i, j) =>
+  const highest = (regions, i, j) =>
     Math.max(...regions.map(sides => Math.min(...sides.map((s, k) => s * nodes[k][j][i]))))
   const filled = (source, regions, sign) => {  // where none of these regions is (+), or one of them (-)
     const px = [], py = []
-    const levels = ys.map((_y, j) => xs.map((_x, i) => sign * height(regions, i, j)))
+    const levels = ys.map((_y, j) => xs.map((_x, i) => sign * highest(regions, i, j)))
     trace(xs, ys, levels, (x, y) => { px.push([x]); py.push([y]) }, nothing)
     source.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
   }

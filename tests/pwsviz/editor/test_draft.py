@@ -11,8 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import core
+from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.examples import EXAMPLES
-from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check
+from pwsviz.editor.validation import MAX_CHARACTERS, check
 from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene, can_use
 

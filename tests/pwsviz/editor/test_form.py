@@ -7,9 +7,9 @@ from threading import current_thread, main_thread
 import pytest
 
 import core
+from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.examples import EXAMPLES
 from pwsviz.editor.form import BLANK, CURRENT, SystemEditor
-from pwsviz.editor.validation import FIELDS, Draft
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 
