@@ -20,6 +20,9 @@ __all__ = ["REGION_FIELDS", "Regions", "read_parts", "region_texts"]
 REGION_FIELDS = ("surfaces", "regions", "quantities", "resets", "transitions")
 """The fields of the page that declare a system so."""
 
+MAX_SHOWN = 40
+"""Characters of a refused name that a message quotes."""
+
 _RESET = "=>"
 #: What people type or paste for the arrows.
 _ARROWS = {"⇒": _RESET, "→": "->"}
@@ -135,8 +138,21 @@ class Regions:
 
     def _whole(self, problem: Problem) -> str:
         """Say of which region, surface or transition a message is that names no expression."""
-        told = self.names.place(problem.field).part != ""
-        return f"{self.names.where(problem.field)}: {problem.message}" if told else problem.message
+        kind, _, part = self.names.place(problem.field)
+        if kind == "jumps" and not part:
+            count = len(self.declaration.surfaces)
+            lost = ", ".join(f"g{k + 1}" for k, _ in self.declaration.jumps if k >= count)
+            return f"there is no surface {lost}: {count} switching function{'s' * (count != 1)} are given"
+        if not part:
+            return re.sub(r"^transition (\d+)", lambda found: self._between(int(found[1])), problem.message)
+        where = {"regions": self.names.where, "jumps": lambda field: f"at {self.names.where(field)}"}
+        told = (
+            where[kind](problem.field) if kind in where else self._between(int(self.names.place(problem.field).which))
+        )
+        return f"{told}: {problem.message}"
+
+    def _between(self, k: int) -> str:
+        return f"from {self.declaration.transitions[k].mode} to {self.declaration.transitions[k].to}"
 
     def maths(self) -> dict[str, str]:
         """The expressions that could be read, typeset, by the field of the page."""
@@ -207,6 +223,8 @@ def _blocks(text: str, remedy: str, twice: bool = False) -> list[tuple[str, str]
     names = [_name(name) for name in rest[::2]]
     if "" in names:
         raise ValueError(f"nothing stands before a colon: {remedy}")
+    if hidden := [name for name in names if not name.isprintable()]:
+        raise ValueError(f"{hidden[0][:MAX_SHOWN]!a} contains invisible characters: remove them")
     if not twice and (again := [name for name in names if names.count(name) > 1]):
         raise ValueError(f"{quoted(again[0])} is there twice: write each region once")
     return list(zip(names, rest[1::2], strict=True))
@@ -230,7 +248,7 @@ def _resets(text: str, variables: Sequence[str]) -> dict[int, list[str]]:
                 raise ValueError(f"{quoted(name)} is no surface: {_AS_RESET}")
             k = int(number[1] or 1) - 1
             if k in found:
-                raise ValueError(f"g{k + 1} is there twice: write one reset for each surface")
+                raise ValueError(f"the surface g{k + 1} is there twice: write one reset for each")
             found[k] = _after(after, variables)
     return found
 

@@ -269,14 +269,20 @@ class _Check:
         return tuple(Finding(words, True, equation(*_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
     def findings_in_regions(self, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
-        """Return what is conserved in the regions of one field."""
+        """Return what is conserved in the regions of one field, or of several."""
         if system is None:
             return ()
-        given = "Conserved" if self.items["psi"] or self.texts["quantities"].strip() else "Found automatically"
+        typed = set(self.declaration.verdicts) if self.items["psi"] else set()
+        if isinstance(self.read, Regions):
+            typed = {one.name for one in self.declaration.regions if one.psi}
         if not system.laws.most_conserved:
             return (Finding(_without_quantity("", system), False),)
         return tuple(
-            Finding(f"{given} {where(mode.name)}:", True, equation(*_LeftSide("ψ", "<mi>ψ</mi>"), psi))
+            Finding(
+                f"{'Conserved' if mode.name in typed else 'Found automatically'} {where(mode.name)}:",
+                True,
+                equation(*_LeftSide("ψ", "<mi>ψ</mi>"), psi),
+            )
             for mode in system.laws.regions
             for psi in mode.conserved
         )
