@@ -112,8 +112,6 @@ def test_panels_of_one_figure_stand_below_one_another(visit):
     page.get_by_role("button", name=re.compile("Export")).click()
     png = downloaded(page, page.get_by_role("button", name="PNG").nth(1))
     dark = np.asarray(Image.open(io.BytesIO(png)).convert("L")) < 100
-    dark = dark[: len(dark) // 2]  # without the caption
-    last = dark.shape[1] - 1 - np.argmax(dark[:, ::-1], axis=1)
-    edges = last[dark.any(axis=1) & (last > 0.95 * dark.shape[1])]  # the right edges of the frames
-    assert len(edges) > 0.8 * len(dark)
-    assert (abs(edges - np.median(edges)) <= 2).mean() > 0.95  # the others are rows of ticks alone
+    dark = dark[: len(dark) * 3 // 4]  # without legend and caption
+    for side in (dark[:, : dark.shape[1] // 4], dark[:, -dark.shape[1] // 4 :]):
+        assert side.mean(axis=0).max() > 0.9, "the frames have one left edge, and one right edge"
