@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
 from core.integration.crossings import Crossings
+from core.integration.failure import Growth
 from core.integration.outcome import cause_of_failure
 from core.integration.run_record import copied_record, new_record
 from core.integration.starting import first_place, leaning, regions_entered, way_along, way_out
@@ -121,6 +122,8 @@ class Runner:
         self.rows = Rows([], [], [], [])
         self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
         self.status, self.seconds = Status.RUNNING, 0.0
+        self.growth: Growth | None = None
+        """How the solution grows where the run has failed, if that could be told."""
         self._run = new_record(system.laws, method, settings.transition, settings.slides, m if columns else 0)
         self._run["t"] = self._run["last_hit"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
@@ -241,7 +244,7 @@ class Runner:
         if self.status in _UNDECIDED and self.first_mode == NO_MODE and self._find_first_mode(sign):
             return self.advance(t_end, record, keep_hits, after)
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
-            self.status = cause_of_failure(self)
+            self.status, self.growth = cause_of_failure(self)
         return self.status
 
     def _make_ready(self, direction: float) -> bool:

@@ -65,7 +65,8 @@ _WORDS = {
     ),
     Status.GRAZING: (
         "the trajectory touches the surface without a transversal crossing",
-        "Change the initial condition or a parameter slightly, or take a smaller step size.",
+        "If the exact solution touches it, no step size helps: change the initial condition or a parameter so that it "
+        "clearly crosses the surface or clearly misses it. If not, take a smaller step size.",
     ),
     Status.NO_CONVERGENCE: (
         "the equations of the step, or the switching function, have no real solution that could be found",
@@ -110,11 +111,13 @@ _WHILE_SLIDING = {
 }
 
 _ADVICE_WHILE_SLIDING = {
+    Status.GRAZING: "Change the initial condition or a parameter slightly.",
     Status.CORNER: "End the run before, or continue it with another system.",
 }
 
 _WITHOUT_TAU = {
-    Status.GRAZING: "Change the initial condition or a parameter slightly.",
+    Status.GRAZING: "Change the initial condition or a parameter so that it clearly crosses the surface or clearly "
+    "misses it.",
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8 instead.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
     Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",

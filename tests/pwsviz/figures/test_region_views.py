@@ -86,6 +86,16 @@ def test_the_legend_of_the_portrait_names_what_is_tinted_and_nothing_if_nothing_
         assert entry.visible == any(np.isfinite(lines).any() for lines in part.values())
 
 
+@every_system
+def test_the_legend_of_the_portrait_tells_that_a_region_has_no_law(system):
+    view = PortraitView(*[lambda *_: None] * 5)
+    ground = backdrop(system, WINDOW, {})
+    view.show_backdrop(ground)
+    assert view.ground._bare_entry.label == value("no law")
+    assert view.ground._bare_entry.visible == bool(ground.bare_outer)
+    assert len(view.ground.bare.data["xs"]) == len(ground.bare_outer)
+
+
 def headings(text):
     return [unescape(found) for found in re.findall("<h4>(.*?)</h4>", text)]
 
