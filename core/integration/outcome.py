@@ -58,6 +58,8 @@ def outcome(runner: Runner) -> str:
 
 def reason(runner: Runner) -> str:
     """Why a run ended."""
+    if runner.status is Status.CORNER:
+        return f"{runner.status.reason}, and {runner.why_cornered}"
     return runner.status.reason_while_sliding if runner.slides else runner.status.reason
 
 

@@ -54,7 +54,7 @@ def test_two_surfaces_met_at_once_are_a_corner_for_the_external_solver_too():
         "corner", ("x", "y"), surfaces=("x", "y"), x0=(-0.3, -0.3),
         regions={k: Region(("1", "1 + 0*x" if k != "+-" else "-1")) for k in ("--", "-+", "+-", "++")},
     )  # fmt: skip
-    with pytest.raises(ValueError, match="two surfaces at once"):
+    with pytest.raises(ValueError, match="several surfaces at once"):
         independent(system).crossing(1)
 
 
