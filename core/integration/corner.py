@@ -51,6 +51,11 @@ class WayOut(NamedTuple):
     reason: str = ""
     """Why they do not."""
 
+    @property
+    def unclear(self) -> bool:
+        """Whether that is because a rate is not clear."""
+        return self.reason == _Why.UNCLEAR
+
 
 class _Why(StrEnum):
     """Why a solution does not go on from a corner."""

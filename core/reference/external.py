@@ -31,6 +31,9 @@ _RTOL = 1e-13
 _STEPS_OF_ERROR = 10
 #: Relative rounding of an initial value.
 _ROUNDED = 2.0**-51
+#: Rate at which a guard vanishes, as part of its largest, below which it may be touched: where it is, its height is
+#: found to ten tolerances of a step, and its rate to the root of that.
+_TANGENT = 1e-6
 #: A second guard below this part of its largest height vanishes with the first: one that is met a hundred tolerances of
 #: a step later cannot be told from it.
 _AT_ONCE = 1e-11
@@ -119,7 +122,7 @@ def external_solution(
         return functions.size(mode, guard, float(t), x.astype(float))
 
     x = np.asarray(x0, dtype=float)
-    dynamics = Dynamics(functions.laws, start, evaluate, land, size, _ROUNDED, _AT_ONCE)
+    dynamics = Dynamics(functions.laws, start, evaluate, land, size, _ROUNDED, _AT_ONCE, _TANGENT)
     rules = Transitions(dynamics, slides)
     error = _STEPS_OF_ERROR * _RTOL * float(np.abs(x).max() or 1.0)
     return ReferenceSolution(f"SciPy DOP853, rtol {_RTOL:g}", rules, float(t0), x, max_crossings, error)

@@ -30,6 +30,8 @@ class Ending(NamedTuple):
     reason: str
     unknown: bool = False
     """Whether the solution does continue, in a mode whose field has no known closed form."""
+    doubtful: bool = False
+    """Whether a rate that is too small to be told from zero decides, so that more digits may show how it goes on."""
 
 
 class Stop(NamedTuple):
@@ -39,6 +41,8 @@ class Stop(NamedTuple):
     x: NDArray[np.float64]
     reason: str
     unknown: bool = False
+    """As in `Ending`."""
+    doubtful: bool = False
     """As in `Ending`."""
 
 
