@@ -65,6 +65,7 @@ class _Why(StrEnum):
     STAYS = "the solution may stay where they meet, along which no law is derived"
     UNCLEAR = "a field around is tangent to one of them there, to rounding, so that the way out is not clear"
     MANY = "the laws around do not all lead the same way out"
+    UNDECLARED = "a region around is not declared, and the laws that are do not all lead the same way out"
     JUMPS = "at one of them the state jumps"
 
 
@@ -95,7 +96,8 @@ def way_out_of(laws: Laws, sides: Sequence[int], surfaces: Sequence[int], rate: 
     rates = {signs: [rate(region, surface) for surface in surfaces] for signs, region in around.items()}
     if len(surfaces) != 2 or len(around) < 4:
         region = _agreed(around, rates)
-        return WayOut(region, "" if region is not None else _Why.MANY)
+        why = _Why.UNDECLARED if len(around) < 2 ** len(surfaces) else _Why.MANY
+        return WayOut(region, "" if region is not None else why)
     exits = [*_into_regions(around, rates), *_along_surfaces(laws, around, rates, surfaces)]
     if len(exits) != 1:
         unclear = not all(leaving.clear for leaving in exits)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.reference.exact import ExactSolution
-from core.reference.solution import Solution
+from core.reference.solution import Solution, Stop
 
 __all__ = ["ContinuedSolution"]
 
@@ -45,6 +45,12 @@ class ContinuedSolution:
     def error(self) -> float:
         """Bound on the error of the exact solution; beyond it, the estimate of the integrator."""
         return self._used.error
+
+    @property
+    def stop(self) -> Stop | None:
+        """Where, when and why it ends, once that is known; it does not end where it is continued."""
+        stop = self._used.stop
+        return None if stop is not None and stop.unknown else stop
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; sliding begins and ends with one, too."""

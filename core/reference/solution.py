@@ -111,6 +111,10 @@ class Solution(Protocol):
     def error(self) -> float:
         """Error of what was asked for so far: a bound where the solution is exact, else its own estimate."""
 
+    @property
+    def stop(self) -> Stop | None:
+        """Where, when and why it ends, once that is known."""
+
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k, from 1 on."""
 
