@@ -65,6 +65,8 @@ def reason(runner: Runner) -> str:
     """Why a run ended."""
     if runner.status is Status.ESCAPED and runner.growth is Growth.LARGE:
         return f"the numerical solution grows beyond {BOUND:.0e}, up to which a run takes its numbers".replace("+", "")
+    if runner.status is Status.CORNER:
+        return f"{runner.status.reason}, and {runner.why_cornered}"
     return runner.status.reason_while_sliding if runner.slides else runner.status.reason
 
 

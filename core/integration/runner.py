@@ -7,7 +7,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,13 @@ from numpy.typing import NDArray
 
 from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
+from core.integration.corner import surfaces_met
 from core.integration.crossings import Crossings
 from core.integration.failure import Growth
+from core.integration.hits import crossings_of, no_crossings
 from core.integration.outcome import cause_of_failure
 from core.integration.run_record import copied_record, new_record
-from core.integration.starting import first_place, leaning, regions_entered, way_along, way_out
+from core.integration.starting import first_place, leaning, regions_entered, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import LAST, MAX_VISITS, ORDER, TOLERANCE, VISIT, VISITS, Frame
 from core.kernels.arrays import Floats
@@ -27,13 +28,12 @@ from core.kernels.root_isolation import scratch_shape
 from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
-from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 from core.transition.event_location import MAX_NODES
 from core.transition.records import HIT, NO_MODE, ROW
-from core.transition.status import CROSSING_KINDS, Status
+from core.transition.status import Status
 
-__all__ = ["Rows", "Runner", "Settings", "no_crossings"]
+__all__ = ["Rows", "Runner", "Settings"]
 
 #: Steps between two readings of the cancel flag: they take milliseconds, a call of the loop a quarter of one.
 _CHUNK = 131072
@@ -43,7 +43,6 @@ _HITS_KEPT = 4096
 _HITS_NOT_KEPT = 1024
 #: Largest number of steps sampled over the run, for `diagnostics.resolution`.
 _SAMPLES = 128
-_KINDS = np.array(CROSSING_KINDS)
 #: Results of a start on the surface by first derivatives of g, for which second derivatives are then examined.
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
 #: Results of a run that stops at a surface.
@@ -97,6 +96,8 @@ class Runner:
         (columns, m, 2) least and greatest level residual in each of equal parts of the time.
     seconds
         Processor time of the thread in the compiled loop.
+    why_cornered
+        Why the laws do not tell how to go on from the last corner; empty if they do.
     """
 
     def __init__(
@@ -110,6 +111,7 @@ class Runner:
         self._modes = modes_entered(system.laws, method, columns > 0)
         self._corner: tuple[int, ...] = ()
         self._last_corner, self._corners = math.nan, 0
+        self.why_cornered = ""
         self._p = system.parameter_array.copy()
         d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
         m = frame.m if settings.slides else system.laws.most_conserved
@@ -241,7 +243,12 @@ class Runner:
                     self._hit_chunks[-1][0]["mode"][-1] = NO_MODE  # the mode that followed could not be begun
                 if after is not None:
                     after()
-        if self.status in _UNDECIDED and self.first_mode == NO_MODE and self._find_first_mode(sign):
+        if (
+            self.status in _UNDECIDED
+            and self.first_mode == NO_MODE
+            and not self._corner
+            and self._find_first_mode(sign)
+        ):
             return self.advance(t_end, record, keep_hits, after)
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
             self.status, self.growth = cause_of_failure(self)
@@ -300,22 +307,17 @@ class Runner:
             run[name] = 0
 
     def _pass_corner(self, direction: float) -> None:
-        """Go on from a corner, if the fields around lead the same way out; while sliding, beyond the other surface."""
-        surfaces: tuple[int, ...]
-        if self.slides:
-            guard = self._table.guards[int(self._run["row"][0]) + int(self._run["guard"][0])]
-            surfaces = (int(guard["surface"]),)
-            mode = way_along(self.system, self.mode, surfaces[0], self.t, self.x, direction)
-        else:
-            met, ways = int(self._run["corner"][0]), self.system.laws.ways[self.mode] if self.crossing_count else ()
-            surfaces = tuple(way.surface for k, way in enumerate(ways) if met >> k & 1) or self._corner
-            mode = way_out(self.system, self.t, self.x, surfaces, direction)
+        """Go on from a corner, if the laws around leave one way out."""
+        surfaces = self._surfaces_at_corner()
+        mode, self.why_cornered = way_out(self.system, self.t, self.x, surfaces, direction)
         self._corners = self._corners + 1 if self._last_corner == self.t else 0
         self._last_corner = self.t
         self.status = Status.CORNER
         if mode is None:
             return
-        if self._corners > _MOST_CORNERS:
+        if mode >= len(self.system.laws.regions) and not self.settings.slides:
+            self.status = Status.SLIDING
+        elif self._corners > _MOST_CORNERS:
             self.status = Status.ZENO
         elif self.crossing_count >= self.settings.max_crossings:
             self.status = Status.CROSSING_LIMIT
@@ -324,6 +326,15 @@ class Runner:
             self._begin_in(mode, surfaces)
             if self.crossing_count:
                 self._hit_chunks[-1][0]["mode"][-1] = mode
+
+    def _surfaces_at_corner(self) -> tuple[int, ...]:
+        """Numbers of the surfaces that meet where the run is."""
+        if self.first_mode == NO_MODE:
+            return self._corner
+        run, laws, first = self._run, self.system.laws, int(self._run["row"][0])
+        guards = self._table.guards[first : first + int(self._table.guards["count"][first])]
+        along = laws.pairs[self.mode - len(laws.regions)][2] if self.slides else None
+        return surfaces_met(guards, int(run["guard"][0]), int(run["corner"][0]), along)
 
     def copy(self) -> Runner:
         """An independent copy."""
@@ -357,14 +368,14 @@ class Runner:
         if not self._hit_chunks:
             return no_crossings(self.system.laws)
         hits, places = (np.concatenate(parts) for parts in zip(*self._hit_chunks, strict=True))
-        return _crossings(hits, places, self.system.laws)
+        return crossings_of(hits, places, self.system.laws)
 
     def latest(self, count: int) -> Crossings:
         """The last `count` crossings, at most those of the last call of the loop."""
         if not count:
             return no_crossings(self.system.laws)
         hits, places = self._hit_chunks[-1]
-        return _crossings(hits[-count:], places[-count:], self.system.laws)
+        return crossings_of(hits[-count:], places[-count:], self.system.laws)
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
@@ -390,18 +401,3 @@ class Runner:
             self.rows.x.append(rows_x[:n])
             self.rows.mode.append(rows["mode"][:n])
             self.rows.segment.append(rows["segment"][:n])
-
-
-def _crossings(hits: NDArray[Any], places: Floats, laws: Laws) -> Crossings:
-    surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
-    columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "rate_before", "rate_after")}
-    mode, kind = np.ascontiguousarray(hits["mode"]), _KINDS[hits["kind"]]
-    side, met = laws.sides[mode], np.ascontiguousarray(hits["surface"])
-    side = side[:, 0] if side.shape[1] == 1 else side
-    return Crossings(x=x, x_after=after, surface=surface, mode=mode, kind=kind, side=side, surface_met=met, **columns)
-
-
-@lru_cache(maxsize=256)
-def no_crossings(laws: Laws) -> Crossings:
-    """No crossings of a system."""
-    return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, len(laws.x))), laws)

@@ -95,7 +95,7 @@ _WORDS = {
         "Take a smaller step size, or a method that chooses its steps (taylor).",
     ),
     Status.CORNER: (
-        "two surfaces are met at the same instant, and the laws around do not all lead the same way out",
+        "several surfaces are met at the same instant",
         "Change the initial condition or a parameter slightly, so that one surface is met before the other.",
     ),
     Status.UNDECLARED: (
@@ -107,7 +107,6 @@ _WORDS = {
 _WHILE_SLIDING = {
     Status.GRAZING: "sliding ends where the rates do not tell where the solution leads: both fields turn at once, or "
     "one turns infinitely slowly, or back again",
-    Status.CORNER: "sliding along one surface reaches another one, beyond which it does not simply go on",
 }
 
 _ADVICE_WHILE_SLIDING = {

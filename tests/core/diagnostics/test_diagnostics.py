@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import core
-from core.diagnostics import constants, diagnose, diagnosis, step_warning
+from core.diagnostics import diagnose, diagnosis, encounters, step_warning
 from core.diagnostics.scheme import Scheme
 from tests.core import sample_systems as systems
 
@@ -168,7 +168,7 @@ def test_mean_velocity_is_the_increment_that_a_run_records(system):
     run = core.integrate(system, (0.0, h), tau=h)
     assert len(run.crossings) == 0
     start = run.x[:1]
-    v = Scheme(system, "dmm2").velocity(int(run.side[0]), np.zeros(1), start, np.array([h]))
+    v = Scheme(system, "dmm2").velocity(int(run.mode[0]), np.zeros(1), start, np.array([h]))
     expected = (run.x[-1] - run.x[0]) / h
     # Solved to 1e-13; a difference of states loses eps/h of them.
     assert np.abs(v[0] - expected).max() <= 1e-13 * np.abs(expected).max() + 4 * EPS / h * np.abs(start).max()
@@ -363,17 +363,18 @@ def test_a_run_whose_crossings_accumulate_is_not_blamed_on_its_step():
     assert run.message == run.outcome
 
 
-def test_a_side_without_crossings_costs_nothing():
+def test_a_region_without_crossings_costs_nothing():
     asked = []
 
-    def ask(side, t):
-        asked.append(side)
-        return side * t
+    def ask(number, t):
+        asked.append(number)
+        return number * t
 
     t = np.array([1.0, 2.0])
-    for sides in ([1, 1], [-1, -1], [-1, 1], []):
+    for regions in ([1, 1], [0, 0], [0, 1], [-1, 1], []):
         asked.clear()
-        side = np.array(sides, dtype=int)
-        found = constants._by_side(side, ask, t[: len(sides)])
-        assert found.tolist() == (side * t[: len(sides)]).tolist()
-        assert len(asked) == max(1, len(set(sides)))
+        number = np.array(regions, dtype=int)
+        found = encounters.by_number(number, ask, t[: len(regions)])
+        assert found.tolist() == pytest.approx([math.nan if n < 0 else n * u for n, u in zip(regions, t, strict=False)],
+                                               nan_ok=True)  # fmt: skip
+        assert len(asked) == max(1, len(set(regions) - {-1}))

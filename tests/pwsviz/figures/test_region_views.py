@@ -149,11 +149,13 @@ def test_a_sliding_mode_that_was_entered_is_shown_under_its_surface():
     assert not any("Sliding" in words for words in headings(scheme_markup(system, "rk2")))
 
 
-def test_the_constants_of_the_theory_say_that_they_need_two_sides():
+def test_the_constants_of_the_theory_are_shown_of_several_surfaces():
     inputs = run_inputs(scene_of(STRIPS))[0]
     results = Results()
-    assert results.diagnosis(inputs) is None
-    assert "two sides of one surface" in scheme_markup(STRIPS, "rk4", None, results.run(inputs))
+    run, diagnosis = results.run(inputs), results.diagnosis(inputs)
+    assert len(run.crossings)
+    assert diagnosis.alpha_S2 == core.diagnose(run).alpha_S2
+    assert f"The worst over {len(run.crossings)} crossing" in scheme_markup(STRIPS, "rk4", diagnosis, run)
 
 
 def test_where_a_run_enters_a_region_without_law_its_end_is_marked():
