@@ -14,7 +14,7 @@ from core.integrate import checked_method, checked_settings, checked_span, check
 from core.integration.crossings import Integers
 from core.integration.members import Block, Members, Told, Wanted, integrate_members, not_begun
 from core.integration.members_loop import END
-from core.integration.runner import Settings
+from core.integration.run_settings import Settings
 from core.integration.starts import first_places
 from core.interface.arguments import choice, number, numbers
 from core.interface.cancelling import Cancel

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.integration.hits import no_crossings
 from core.integration.outcome import outcome
 from core.integration.recording import Sampler
-from core.integration.runner import Runner, Settings, no_crossings
+from core.integration.run_settings import Settings
+from core.integration.runner import Runner
 from core.integration.starting import first_place
 from core.integration.trajectory import Trajectory
 from core.interface.arguments import checked_sliding, choice, count, number, numbers

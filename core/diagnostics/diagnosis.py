@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.diagnostics.constants import (
-    Encounters,
     discrete_constants,
-    encounters,
+    rates,
     second_rate_bound,
     wellposed_bound,
 )
+from core.diagnostics.encounters import Encounters, encounters
 from core.diagnostics.resolution import unresolved
 from core.diagnostics.scheme import Scheme
 from core.integration.crossings import Crossings
@@ -36,9 +36,10 @@ class Constants:
     """The theory's constants at each crossing; (k,) each."""
 
     rate_minus: Floats
-    """∇g·f₋ (+ g_t) at the crossing, paper (eq:transverseA)."""
+    """∇g·f₋ (+ g_t) at the crossing, paper (eq:transverseA): of the surface met, with the field of the region that
+    meets it there where g < 0. nan where no law is declared on that side."""
     rate_plus: Floats
-    """∇g·f₊ (+ g_t) there, paper (eq:transverseA)."""
+    """∇g·f₊ (+ g_t) there, paper (eq:transverseA): that of the region where g > 0."""
     alpha2: Floats
     """α_S² at this crossing, paper (eq:transverseA): the smaller |ġ| of those at which the trajectory arrives and
     leaves. nan where the crossing is not transversal."""
@@ -55,10 +56,10 @@ class Constants:
     """M̂ of lem:discTimeError, paper (eq:hatM): ½ sup |fᵗ·H_g fᵗ| over the same steps as `alpha_hat2`, H_g at both ends
     and the middle of the chord. The absolute value, as in lem:discMonotonicTime, makes it hold in either direction."""
     tau_minus: Floats
-    """τ₋* of lem:wellposed-lemma1, for the step from x_k to the surface with the field of the side left. x_k is the
+    """τ₋* of lem:wellposed-lemma1, for the step from x_k to the surface with the field of the region left. x_k is the
     point one step back from the surface. An estimate: see `constants.wellposed_bound` for δ, L₂ and M."""
     tau_plus: Floats
-    """τ₊* of lem:wellposed-lemma2, for the step on from x̂* with the field of the side entered."""
+    """τ₊* of lem:wellposed-lemma2, for the step on from x̂* with the field of the region entered."""
     window: Floats
     """α²/M of lem:ctsMonotonicTime and lem:ctsMonotonicTime2, paper (eq:ctsMonoLemma), (eq:ctsMonoLemma2): within this
     time the exact solution does not meet the surface again. Sharp for a parabola. As M comes from steps up to τ, a
@@ -76,6 +77,11 @@ class Diagnosis(Constants):
     At a jump, which the paper's theory does not cover, the branch before it ends on the surface, and the branch after
     it starts from the state after the jump. A crossing moved by a perturbation is examined where the scheme met the
     surface, one that was stepped over (``transition="none"``) where the chord of the step meets it.
+
+    Of several surfaces, the constants are those of the surface met and of the two regions that meet there. At a one-way
+    guard, as of hysteresis, the trajectory only arrives: the mode entered has other guards, so that its field counts in
+    `tau_plus` alone. Where a run slides, or stops, there is no branch in a region, and the constants of that branch
+    are left out; corners and the ends of sliding are not transversal.
     """
 
     alpha_S2: float  # noqa: N815 - the paper's symbol
@@ -112,9 +118,6 @@ def diagnose(run: Trajectory) -> Diagnosis:
     ValueError
         If `run` is not a Trajectory.
     """
-    if isinstance(run, Trajectory) and not run.system.two_sided:
-        words = "the theory is about two sides of one surface"
-        raise ValueError(f"{run.system.name!r} has regions {', '.join(map(repr, run.system.regions))}: {words}")
     if not isinstance(run, Trajectory):
         raise ValueError(f"run = {run!r}: give a Trajectory, as `integrate` returns it")
     return _diagnosis(run, run.crossings)
@@ -129,7 +132,7 @@ def step_warning(run: Trajectory) -> str:
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
     warnings = unresolved(run)
-    if not warnings and run.system.two_sided:
+    if not warnings:
         warnings = _diagnosis(run, run.crossings.first(_FIRST)).warnings
     return f"{warnings[0]}." if warnings else ""
 
@@ -151,21 +154,30 @@ def _diagnosis(run: Trajectory, crossings: Crossings) -> Diagnosis:
 
 
 def _constants(scheme: Scheme, met: Encounters) -> Constants:
-    system, before, after = scheme.system, met.before, met.after
-    alpha2 = np.where(met.transversal, np.minimum(np.abs(before.rate), np.abs(after.rate)), np.nan)
-    m = np.maximum(second_rate_bound(scheme, before), second_rate_bound(scheme, after))
+    before, after = met.before, met.after
+    arrives, leaves = before.known, after.known & ~met.one_way
+    some = arrives | leaves
+
+    def of_both(function: np.ufunc, neutral: float, at_end: Floats, at_start: Floats) -> Floats:
+        """A constant of both branches, as far as they lead through a region from or to the surface."""
+        both = function(np.where(arrives, at_end, neutral), np.where(leaves, at_start, neutral))
+        return np.where(some, both, np.nan)
+
+    alpha2 = of_both(np.minimum, np.inf, np.abs(before.rate), np.abs(after.rate))
+    m = of_both(np.maximum, 0.0, second_rate_bound(scheme, before), second_rate_bound(scheme, after))
     hat_before, m_before, start = discrete_constants(scheme, before)
     hat_after, m_after, _ = discrete_constants(scheme, after)
-    alpha_hat2 = np.where(met.transversal, np.minimum(hat_before, hat_after), np.nan)
-    m_hat = np.maximum(m_before, m_after)
+    alpha_hat2 = of_both(np.minimum, np.inf, hat_before, hat_after)
+    m_hat = of_both(np.maximum, 0.0, m_before, m_after)
+    alpha2, alpha_hat2 = (np.where(met.transversal, u, np.nan) for u in (alpha2, alpha_hat2))
     # Where the step back has no solution, its far end is unknown: the point on the surface stands for it.
     start = np.where(np.isfinite(start), start, before.x)
-    tau_minus = wellposed_bound(scheme, before.side, before.t + before.length, start, before.t)
-    tau_plus = wellposed_bound(scheme, after.side, after.t, after.x, after.t + after.length)
-    tau_minus = np.where(met.slid, np.nan, tau_minus)
+    tau_minus = wellposed_bound(scheme, before.mode, before.t + before.length, start, before.t)
+    tau_plus = wellposed_bound(scheme, after.mode, after.t, after.x, after.t + after.length)
+    tau_minus, tau_plus = (np.where(b.known, u, np.nan) for b, u in ((before, tau_minus), (after, tau_plus)))
     window = alpha2 / m
     window_hat = np.where(alpha_hat2 <= 0.0, 0.0, alpha_hat2 / m_hat)
-    minus, plus = (system.switching_rate(side, before.t, before.x) for side in (-1, 1))
+    minus, plus = (rates(scheme.system, number, before) for number in (met.minus, met.plus))
     return Constants(minus, plus, alpha2, alpha_hat2, m, m_hat, tau_minus, tau_plus, window, window_hat)
 
 

@@ -26,8 +26,9 @@ _MOST = 1024
 _FEW = np.array([0.0, 0.15, 0.29, 0.5, 0.68, 0.87, 1.0])
 #: Bound on |g − cubic| between the places, in units of its value at the places.
 _MARGIN = 3.0
-#: Distance between the ends of a step and of shorter ones above which it is reported, as part of the way.
-_APART = 0.05
+#: Distance between the ends of a step and of shorter ones above which it is reported, as part of the way. At this bound
+#: rk2 adds 3 % to the energy of an oscillator in half a period, in which nine steps are made; at 0.05 it adds 13 %.
+_APART = 0.02
 #: The same for a variable-step method, which keeps a tolerance.
 _APART_KEPT = 1e-6
 #: Distance below which it is not reported for such a method, in units of its tolerance times the state.
@@ -130,7 +131,11 @@ class _Steps:
         return np.asarray(hidden & ~behind)
 
     def too_long_for_the_field(self) -> Iterator[str]:
-        """Warn of a step that leads elsewhere than shorter steps from the states within it.
+        """Warn of a step that leads elsewhere than shorter ones do, one after the other.
+
+        What each shorter step, from a state within the step, departs from it by is summed over the step: that is where
+        all of them lead to, but for how departures grow within a step. The largest alone would be a part of it only,
+        with seven places a third for a method of order 2.
 
         Each coordinate is compared in units of its largest change over the steps examined; a change that is 1e-9 of
         that of another coordinate may be round-off.
@@ -139,7 +144,7 @@ class _Steps:
         times = self.t[:, None] + self.h[:, None] * places
         whole = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
         with np.errstate(all="ignore"):
-            apart = np.abs(self._by_steps_between(times, whole) - whole[:, 2:]).max(axis=1)
+            apart = np.abs(np.cumsum(self._by_steps_between(times, whole) - whole[:, 2:], axis=1)).max(axis=1)
             way = np.abs(whole - whole[:, :1]).max(axis=1)
             unit = np.nanmax(way, axis=0, initial=0.0)
             unit = np.maximum(unit, _SLIGHT * unit.max(initial=0.0))

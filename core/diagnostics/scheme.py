@@ -54,36 +54,40 @@ class Scheme:
         """Whether a step is the solution of an equation."""
         return isinstance(METHODS[self.method].scheme, DiscreteMultiplier | Composition)
 
-    def discrete(self, side: int, t0: Floats, x0: Floats, t1: Floats, x1: Floats) -> Floats:
-        """fᵗ of dmm2 at times (...) and states (..., d), broadcast against each other -> (..., d)."""
-        return discrete_function(self.system.laws, side)(t0, x0, t1, x1, self.system.parameter_array)
+    def field(self, mode: int, t: Floats, x: Floats) -> Floats:
+        """f of a mode, given by its number, at states (..., d) -> (..., d)."""
+        return self.system.field(self.system.laws.name(mode), t, x)
 
-    def velocity(self, side: int, t: Floats, x: Floats, h: Floats) -> Floats:
+    def discrete(self, mode: int, t0: Floats, x0: Floats, t1: Floats, x1: Floats) -> Floats:
+        """fᵗ of dmm2 at times (...) and states (..., d), broadcast against each other -> (..., d)."""
+        return discrete_function(self.system.laws, mode)(t0, x0, t1, x1, self.system.parameter_array)
+
+    def velocity(self, mode: int, t: Floats, x: Floats, h: Floats) -> Floats:
         """Mean velocity of steps of lengths (k,), which may be negative, from states (k, d) at times (k,) -> (k, d).
 
         nan where the step's equation is not solved by iterating the map T of lem:wellposed-lemma1.
         """
         scheme = stand_in(self.method).scheme
         if isinstance(scheme, ButcherTableau):
-            return self._explicit(scheme, side, t, x, h)
-        return self._solved(side, t, x, h, self.runge_kutta(side, t, x, h))
+            return self._explicit(scheme, mode, t, x, h)
+        return self._solved(mode, t, x, h, self.runge_kutta(mode, t, x, h))
 
-    def runge_kutta(self, side: int, t: Floats, x: Floats, h: Floats) -> Floats:
-        """Mean velocity of one step of the classical Runge-Kutta method with the field of a side."""
-        return self._explicit(CLASSICAL, side, t, x, h)
+    def runge_kutta(self, mode: int, t: Floats, x: Floats, h: Floats) -> Floats:
+        """Mean velocity of one step of the classical Runge-Kutta method with the field of a mode."""
+        return self._explicit(CLASSICAL, mode, t, x, h)
 
-    def _explicit(self, tableau: ButcherTableau, side: int, t: Floats, x: Floats, h: Floats) -> Floats:
+    def _explicit(self, tableau: ButcherTableau, mode: int, t: Floats, x: Floats, h: Floats) -> Floats:
         slopes: list[Floats] = []
         nodes, rows, weights = tableau.in_floats
         for node, row in zip(nodes, rows, strict=True):
             moved = sum((a * k for a, k in zip(row, slopes, strict=False) if a), np.zeros_like(x))
-            slopes.append(self.system.field(side, t + node * h, x + h[:, None] * moved))
+            slopes.append(self.field(mode, t + node * h, x + h[:, None] * moved))
         return sum((b * k for b, k in zip(weights, slopes, strict=True)), np.zeros_like(x))
 
-    def _solved(self, side: int, t: Floats, x: Floats, h: Floats, v: Floats) -> Floats:
+    def _solved(self, mode: int, t: Floats, x: Floats, h: Floats, v: Floats) -> Floats:
         open_rows = np.ones(len(t), dtype=bool)
         for _ in range(_PASSES):
-            new = self.discrete(side, t, x, t + h, x + h[:, None] * v)
+            new = self.discrete(mode, t, x, t + h, x + h[:, None] * v)
             size = largest_component(new)
             open_rows = ~((largest_component(new - v) <= _SOLVED * size) & (size < np.inf))
             v = new
@@ -108,17 +112,17 @@ def largest_component(vectors: Floats) -> Floats:
 
 
 @lru_cache(maxsize=64)
-def discrete_function(laws: Laws, side: int) -> DiscreteFunction:
+def discrete_function(laws: Laws, mode: int) -> DiscreteFunction:
     """fᵗ of dmm2 as a numpy function of (t₀, x₀, t₁, x₁, p).
 
     The minimal-norm DMM, f̄ − Λᵗᵀ(ΛᵗΛᵗᵀ)⁻¹(Λᵗ f̄ + s_t), is assembled from its parts, with a numerical inverse.
     """
-    discrete = laws.modes[side].discrete
+    discrete = laws.mode(mode).discrete
     d, m = len(discrete.field), len(discrete.conserved)
     if discrete.factor is not None or m == 0:
-        values = _components(laws, side, list(discrete.expression))
+        values = _components(laws, mode, list(discrete.expression))
         return lambda *at: np.moveaxis(values(*at), 0, -1)
-    parts = _components(laws, side, [*discrete.mean_field, *discrete.time_slope, *discrete.gradient])
+    parts = _components(laws, mode, [*discrete.mean_field, *discrete.time_slope, *discrete.gradient])
 
     def minimal_norm(t0: Floats, x0: Floats, t1: Floats, x1: Floats, p: Floats) -> Floats:
         values = parts(t0, x0, t1, x1, p)
@@ -131,9 +135,9 @@ def discrete_function(laws: Laws, side: int) -> DiscreteFunction:
     return minimal_norm
 
 
-def _components(laws: Laws, side: int, expressions: list[Any]) -> DiscreteFunction:
+def _components(laws: Laws, mode: int, expressions: list[Any]) -> DiscreteFunction:
     """Numpy function of the ends of a step that returns the values (len(expressions), ...) of expressions in them."""
-    ends = laws.modes[side].discrete.ends
+    ends = laws.mode(mode).discrete.ends
     symbols = (ends.times[0], *ends.start, ends.times[1], *ends.end, *laws.p)
     names = {s: Symbol(f"u{k}") for k, s in enumerate(symbols)}
     used = {type(e) for e in sympy.Matrix(expressions).atoms(DividedDifference)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import Enum, auto
 
 import numpy as np
 import scipy  # loads its subpackages on first use
@@ -10,8 +11,9 @@ import scipy  # loads its subpackages on first use
 from core.interface.cancelling import Cancel
 from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
+from core.transition.event_location import BOUND
 
-__all__ = ["GROWTH", "ends_beyond", "runs_away"]
+__all__ = ["GROWTH", "Growth", "ends_beyond", "growth_of"]
 
 #: Growth of the largest coordinate that counts as running away: to a pole, or by an exponential of no practical use.
 GROWTH = 1e6
@@ -20,10 +22,21 @@ _AHEAD = (1.0, 3.0, 10.0)  #: distances ahead of a state, relative to it, at whi
 _TOLERANCE = 1e-4  #: relative tolerance, enough to see whether the solution grows
 
 
-def runs_away(
+class Growth(Enum):
+    """How a solution grows between two times."""
+
+    BOUNDED = auto()
+    """By less than `GROWTH`."""
+    LARGE = auto()
+    """By more, as a polynomial or an exponential does; no pole is met."""
+    POLE = auto()
+    """To a pole: within a time that is rounded away, or so it seems as far as it could be followed."""
+
+
+def growth_of(
     system: PiecewiseSystem, mode: str, t0: float, x0: Floats, t1: float, size: float, cancel: Cancel | None = None
-) -> bool | None:
-    """Whether the solution with the field of a mode grows beyond `GROWTH` times its size between two times.
+) -> Growth | None:
+    """How the solution with the field of a mode grows, relative to its size, between two times.
 
     It is integrated by an implicit method of SciPy, so that stiff fields cost no more than others.
 
@@ -42,11 +55,11 @@ def runs_away(
 
     Returns
     -------
-    bool or None
+    Growth or None
         None where this cannot be decided: the field is not defined on the way, or needs too many evaluations, or the
         work is given up.
     """
-    size = max(size, float(np.abs(x0).max())) or 1.0
+    size, grown = max(size, float(np.abs(x0).max())) or 1.0, False
 
     law = system.laws.mode(system.laws.numbers_of_modes[mode])
 
@@ -61,13 +74,16 @@ def runs_away(
             try:
                 solver.step()
             except (ValueError, np.linalg.LinAlgError):  # a Jacobian that is not finite
-                return None
-            if not np.abs(solver.y).max() <= GROWTH * size:
-                return True
+                return Growth.POLE if grown else None
+            largest = np.abs(solver.y).max()
+            if largest >= BOUND:  # in steps that are not rounded away
+                return Growth.LARGE
+            grown = grown or not largest <= GROWTH * size
     if solver.status == "finished":
-        return False
+        return Growth.LARGE if grown else Growth.BOUNDED
     # The step size has reached the resolution of time: at a pole, or where the field ceases to be defined.
-    return True if solver.status == "failed" and _pushes_outward(field, solver.t, solver.y) else None
+    ends = solver.status == "failed" and _pushes_outward(field, solver.t, solver.y)
+    return Growth.POLE if grown or ends else None
 
 
 def _pushes_outward(field: Callable[[float, Floats], Floats], t: float, x: Floats) -> bool:

@@ -19,7 +19,8 @@ from core.integration.members_loop import (
     WANTED,
     compiled_members,
 )  # fmt: skip
-from core.integration.runner import Runner, Settings
+from core.integration.run_settings import Settings
+from core.integration.runner import Runner
 from core.integration.starts import first_places
 from core.integration.time_loop import compiled_march
 from core.kernels.arrays import Floats

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from core.integration.dense_output import Stepper, Track
-from core.integration.runner import Rows, Runner
+from core.integration.run_record import Rows
+from core.integration.runner import Runner
 from core.integration.trajectory import Status
 from core.kernels.arrays import Floats
 from core.methods import Method

@@ -6,19 +6,21 @@ import copy
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.compilation.compiled import compile_run, modes_entered
 from core.compilation.guards import guard_table
+from core.integration.corner import surfaces_met
 from core.integration.crossings import Crossings
+from core.integration.failure import Growth
+from core.integration.hits import crossings_of, no_crossings
 from core.integration.outcome import cause_of_failure
-from core.integration.run_record import copied_record, new_record
-from core.integration.starting import first_place, leaning, regions_entered, way_along, way_out
+from core.integration.run_record import Blank, Rows, copied_record, new_record
+from core.integration.run_settings import Settings
+from core.integration.starting import first_place, leaning, regions_entered, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import LAST, MAX_VISITS, ORDER, TOLERANCE, VISIT, VISITS, Frame
 from core.kernels.arrays import Floats
@@ -26,13 +28,12 @@ from core.kernels.root_isolation import scratch_shape
 from core.kernels.taylor_coefficients import STRIDE, order_of
 from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
-from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 from core.transition.event_location import MAX_NODES
 from core.transition.records import HIT, NO_MODE, ROW
-from core.transition.status import CROSSING_KINDS, Status
+from core.transition.status import Status
 
-__all__ = ["Blank", "Rows", "Runner", "Settings", "no_crossings"]
+__all__ = ["Runner"]
 
 #: Steps between two readings of the cancel flag: they take milliseconds, a call of the loop a quarter of one.
 _CHUNK = 131072
@@ -42,58 +43,12 @@ _HITS_KEPT = 4096
 _HITS_NOT_KEPT = 1024
 #: Largest number of steps sampled over the run, for `diagnostics.resolution`.
 _SAMPLES = 128
-_KINDS = np.array(CROSSING_KINDS)
 #: Results of a start on the surface by first derivatives of g, for which second derivatives are then examined.
 _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
 #: Results of a run that stops at a surface.
 _AT_SURFACE = (*_UNDECIDED, Status.CORNER, Status.UNDECLARED)
 #: Most corners passed at the same time; more accumulate.
 _MOST_CORNERS = 16
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Settings of a run other than its method."""
-
-    tau: float
-    """Step size; infinite where the method chooses it."""
-    tolerance: float = math.nan
-    """Tolerance of a method that chooses its step size; else nan."""
-    transition: bool = True
-    """Whether crossings are located; else the surface is stepped over."""
-    shift: float = 0.0
-    """Perturbation c·τᵖ, added to every crossing time."""
-    max_crossings: int = 5_000_000
-    max_steps: int = 10**9
-    slides: bool = False
-    """Whether the run slides along the surface where both fields point to it; else it stops there."""
-    cancel: Callable[[], bool] | None = None
-
-
-class Blank(NamedTuple):
-    """Arguments of the loop for a run that has not begun."""
-
-    functions: NDArray[np.int64]
-    guards: NDArray[Any]
-    record: NDArray[Any]
-    frame: Floats
-    coefficients: Floats
-    nodes: Floats
-    pieces: Floats
-    envelope: Floats
-    samples: Floats
-    budget: int
-    """Most steps of one call."""
-
-
-@dataclass
-class Rows:
-    """Recorded steps: chunks of times, states, modes, and indices of segments."""
-
-    t: list[Floats]
-    x: list[Floats]
-    mode: list[NDArray[np.int64]]
-    segment: list[NDArray[np.int64]]
 
 
 class Runner:
@@ -112,6 +67,8 @@ class Runner:
         (columns, m, 2) least and greatest level residual in each of equal parts of the time.
     seconds
         Processor time of the thread in the compiled loop.
+    why_cornered
+        Why the laws do not tell how to go on from the last corner; empty if they do.
     """
 
     def __init__(
@@ -125,6 +82,7 @@ class Runner:
         self._modes = modes_entered(system.laws, method, columns > 0)
         self._corner: tuple[int, ...] = ()
         self._last_corner, self._corners = math.nan, 0
+        self.why_cornered = ""
         self._p = system.parameter_array.copy()
         d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
         m = frame.m if settings.slides else system.laws.most_conserved
@@ -137,6 +95,8 @@ class Runner:
         self.rows = Rows([], [], [], [])
         self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
         self.status, self.seconds = Status.RUNNING, 0.0
+        self.growth: Growth | None = None
+        """How the solution grows where the run has failed, if that could be told."""
         self._run = new_record(system.laws, method, settings.transition, settings.slides, m if columns else 0)
         self._run["t"] = self._run["last_hit"] = self._run["t_start"] = t0
         self._run["max_crossings"] = settings.max_crossings
@@ -251,10 +211,15 @@ class Runner:
                     self._hit_chunks[-1][0]["mode"][-1] = NO_MODE  # the mode that followed could not be begun
                 if after is not None:
                     after()
-        if self.status in _UNDECIDED and self.first_mode == NO_MODE and self._find_first_mode(sign):
+        if (
+            self.status in _UNDECIDED
+            and self.first_mode == NO_MODE
+            and not self._corner
+            and self._find_first_mode(sign)
+        ):
             return self.advance(t_end, record, keep_hits, after)
         if self.status in (Status.NO_CONVERGENCE, Status.ESCAPED):
-            self.status = cause_of_failure(self)
+            self.status, self.growth = cause_of_failure(self)
         return self.status
 
     def _aim(self, t_end: float, record: bool) -> float:
@@ -317,22 +282,17 @@ class Runner:
             run[name] = 0
 
     def _pass_corner(self, direction: float) -> None:
-        """Go on from a corner, if the fields around lead the same way out; while sliding, beyond the other surface."""
-        surfaces: tuple[int, ...]
-        if self.slides:
-            guard = self._table.guards[int(self._run["row"][0]) + int(self._run["guard"][0])]
-            surfaces = (int(guard["surface"]),)
-            mode = way_along(self.system, self.mode, surfaces[0], self.t, self.x, direction)
-        else:
-            met, ways = int(self._run["corner"][0]), self.system.laws.ways[self.mode] if self.crossing_count else ()
-            surfaces = tuple(way.surface for k, way in enumerate(ways) if met >> k & 1) or self._corner
-            mode = way_out(self.system, self.t, self.x, surfaces, direction)
+        """Go on from a corner, if the laws around leave one way out."""
+        surfaces = self._surfaces_at_corner()
+        mode, self.why_cornered = way_out(self.system, self.t, self.x, surfaces, direction)
         self._corners = self._corners + 1 if self._last_corner == self.t else 0
         self._last_corner = self.t
         self.status = Status.CORNER
         if mode is None:
             return
-        if self._corners > _MOST_CORNERS:
+        if mode >= len(self.system.laws.regions) and not self.settings.slides:
+            self.status = Status.SLIDING
+        elif self._corners > _MOST_CORNERS:
             self.status = Status.ZENO
         elif self.crossing_count >= self.settings.max_crossings:
             self.status = Status.CROSSING_LIMIT
@@ -341,6 +301,15 @@ class Runner:
             self._begin_in(mode, surfaces)
             if self.crossing_count:
                 self._hit_chunks[-1][0]["mode"][-1] = mode
+
+    def _surfaces_at_corner(self) -> tuple[int, ...]:
+        """Numbers of the surfaces that meet where the run is."""
+        if self.first_mode == NO_MODE:
+            return self._corner
+        run, laws, first = self._run, self.system.laws, int(self._run["row"][0])
+        guards = self._table.guards[first : first + int(self._table.guards["count"][first])]
+        along = laws.pairs[self.mode - len(laws.regions)][2] if self.slides else None
+        return surfaces_met(guards, int(run["guard"][0]), int(run["corner"][0]), along)
 
     def blank(self, t_end: float) -> Blank:
         """What other runs to `t_end` begin from, of the same method and settings; before this one has begun."""
@@ -388,14 +357,14 @@ class Runner:
 
     def crossings(self) -> Crossings:
         """Every crossing kept so far."""
-        return _crossings(*self.hits(), self.system.laws) if self._hit_chunks else no_crossings(self.system.laws)
+        return crossings_of(*self.hits(), self.system.laws) if self._hit_chunks else no_crossings(self.system.laws)
 
     def latest(self, count: int) -> Crossings:
         """The last `count` crossings, at most those of the last call of the loop."""
         if not count:
             return no_crossings(self.system.laws)
         hits, places = self._hit_chunks[-1]
-        return _crossings(hits[-count:], places[-count:], self.system.laws)
+        return crossings_of(hits[-count:], places[-count:], self.system.laws)
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
         budget = min(_CHUNK, self.settings.max_steps - self.steps)
@@ -421,18 +390,3 @@ class Runner:
             self.rows.x.append(rows_x[:n])
             self.rows.mode.append(rows["mode"][:n])
             self.rows.segment.append(rows["segment"][:n])
-
-
-def _crossings(hits: NDArray[Any], places: Floats, laws: Laws) -> Crossings:
-    surface, x, after = (np.ascontiguousarray(places[:, k]) for k in range(3))
-    columns = {name: np.ascontiguousarray(hits[name]) for name in ("t", "g", "rate_before", "rate_after")}
-    mode, kind = np.ascontiguousarray(hits["mode"]), _KINDS[hits["kind"]]
-    side, met = laws.sides[mode], np.ascontiguousarray(hits["surface"])
-    side = side[:, 0] if side.shape[1] == 1 else side
-    return Crossings(x=x, x_after=after, surface=surface, mode=mode, kind=kind, side=side, surface_met=met, **columns)
-
-
-@lru_cache(maxsize=256)
-def no_crossings(laws: Laws) -> Crossings:
-    """No crossings of a system."""
-    return _crossings(np.empty(0, dtype=HIT), np.empty((0, 3, len(laws.x))), laws)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -11,11 +9,12 @@ import sympy
 
 from core.codegen.printing import magnitude
 from core.codegen.rounding import rounding_bound
+from core.integration.corner import Rate, WayOut, way_out_of
 from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["Leaning", "Place", "agreed_region", "first_place", "leaning", "regions_entered", "way_along", "way_out"]
+__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "way_out"]
 
 _EPS = 2.0**-52
 _MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
@@ -57,8 +56,8 @@ def _values(system: PiecewiseSystem, t: float, x: Floats) -> tuple[list[float], 
     return both[: len(laws.surfaces)], both[len(laws.surfaces) :]
 
 
-def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, ...], direction: float) -> int | None:
-    """Region into which every field around a corner leads, out of the point at which several surfaces meet.
+def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, ...], direction: float) -> WayOut:
+    """Where a run goes on from the point at which several surfaces meet.
 
     Parameters
     ----------
@@ -68,96 +67,17 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
         Numbers of the surfaces that meet there.
     direction
         Positive where time runs on, negative where it runs back.
-
-    Returns
-    -------
-    int or None
-        None where the fields of the regions around do not all lead to the same declared region.
-    """
-    heights, _ = _values(system, t, x)
-    sides = [int(np.sign(height)) for height in heights]
-
-    def rate(region: int, surface: int) -> float:
-        return direction * _rate(system, region, surface, t, x)
-
-    return agreed_region(system.laws, sides, surfaces, rate)
-
-
-def agreed_region(
-    laws: Laws, sides: Sequence[int], surfaces: Sequence[int], rate: Callable[[int, int], float]
-) -> int | None:
-    """Region into which the fields of all regions around a corner lead.
-
-    Parameters
-    ----------
-    sides
-        Signs of all switching functions near the corner; those of the surfaces that meet there do not matter.
-    surfaces
-        Numbers of the surfaces that meet there.
-    rate
-        (region, surface) -> rate of the switching function with the field of the region; 0 where it is not clear.
-
-    Returns
-    -------
-    int or None
-        As from `way_out`.
-    """
-    found: set[tuple[int, ...]] = set()
-    numbers, around = laws.regions_by_sides, list(sides)
-    for signs in product((-1, 1), repeat=len(surfaces)):
-        for surface, sign in zip(surfaces, signs, strict=True):
-            around[surface] = sign
-        region = numbers.get(tuple(around))
-        if region is not None:
-            onward = list(around)
-            for surface in surfaces:
-                onward[surface] = int(np.sign(rate(region, surface)))
-            found.add(tuple(onward))
-    return numbers.get(found.pop()) if len(found) == 1 else None
-
-
-def way_along(system: PiecewiseSystem, mode: int, surface: int, t: float, x: Floats, direction: float) -> int | None:
-    """Mode of sliding in which a run that slides along one surface goes on beyond another one.
-
-    Parameters
-    ----------
-    mode
-        Number of the mode in which it slides.
-    surface
-        Number of the other surface, which it has reached.
-    t, x
-        Time and state (d,) there.
-    direction
-        Positive where time runs on, negative where it runs back.
-
-    Returns
-    -------
-    int or None
-        None unless both fields beyond point to the surface along which it slides, and the field of sliding there leads
-        on; or where a region beyond is not declared.
     """
     laws = system.laws
-    number = laws.sliding_beyond(mode, surface)
-    if number is None:
-        return None
-    sliding = laws.mode(number)
-    sign = sliding.sides[surface]
-    way = 1 if direction > 0 else -1
-    rate = sign * sliding.rate_of(laws.surfaces[surface])
-    heights = [way * u for u in (*sliding.heights[:2], rate)]
-    bounds = [rounding_bound(h).replace(magnitude, sympy.Abs) for h in heights]
-    both = laws.numbers(("beyond", number, surface, way), (*heights, *bounds), t, x.tolist(),
-                        system.parameter_array)  # fmt: skip
-    clear = all(height > _MARGIN * _EPS * doubt for height, doubt in zip(both[:3], both[3:], strict=True))
-    return number if clear else None
 
+    def rate(region: int, surface: int) -> Rate:
+        along = laws.regions[region].rate_of(laws.surfaces[surface])
+        wanted = (along, rounding_bound(along).replace(magnitude, sympy.Abs))
+        value, bound = laws.numbers(("rate", region, surface), wanted, t, x.tolist(), system.parameter_array)
+        return Rate(np.sign(direction) * value, _MARGIN * _EPS * bound)
 
-def _rate(system: PiecewiseSystem, region: int, surface: int, t: float, x: Floats) -> float:
-    """Rate of a switching function with the field of a region; 0 where it is within rounding of that."""
-    rate = system.laws.regions[region].rate_of(system.laws.surfaces[surface])
-    wanted = (rate, rounding_bound(rate).replace(magnitude, sympy.Abs))
-    value, doubt = system.laws.numbers(("rate", region, surface), wanted, t, x.tolist(), system.parameter_array)
-    return value if abs(value) > _MARGIN * _EPS * doubt else 0.0
+    heights, _ = _values(system, t, x)
+    return way_out_of(laws, [int(np.sign(height)) for height in heights], surfaces, rate)
 
 
 def regions_entered(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from core.symbolic.parts import Region, Transition
 from core.system import PiecewiseSystem
@@ -42,14 +43,11 @@ def with_surface(system: PiecewiseSystem, function: str | None) -> Surface:
     if function in system.surfaces:
         return Surface(system, system.surfaces.index(function))
     laws = {f"{name}{sign}": Region(region.f, region.psi) for name, region in system.regions.items() for sign in "-+"}
-    common = {
-        "name": system.name, "variables": system.variables, "parameters": system.parameters, "x0": system.x0,
-        "values": dict(system.values), "doc": system.doc,
-    }  # fmt: skip
     if not system.transitions:
         jumps = dict(system.jumps)
-        extended = PiecewiseSystem(**common, surfaces=(*system.surfaces, function), regions=laws, jumps=jumps)
-        return Surface(extended, len(system.surfaces))
+        return Surface(
+            _redeclared(system, laws, surfaces=(*system.surfaces, function), jumps=jumps), len(system.surfaces)
+        )
     if any(way.jump for way in system.transitions):
         raise ValueError(
             f"of = {function!r}: a section of a system whose transitions jump is that of one of its guards"
@@ -57,6 +55,14 @@ def with_surface(system: PiecewiseSystem, function: str | None) -> Surface:
     ways = [replace(way, mode=f"{way.mode}{sign}", to=f"{way.to}{sign}") for way in system.transitions for sign in "-+"]
     for name in system.regions:
         ways += [Transition(f"{name}-", f"-({function})", f"{name}+"), Transition(f"{name}+", function, f"{name}-")]
-    extended = PiecewiseSystem(**common, regions=laws, transitions=tuple(ways))
+    extended = _redeclared(system, laws, transitions=tuple(ways))
     guard = extended.laws.ways[extended.laws.numbers_of_modes[f"{next(iter(system.regions))}+"]][-1]
     return Surface(extended, guard.surface, guard.sign)
+
+
+def _redeclared(system: PiecewiseSystem, laws: Mapping[str, Region], **more: Any) -> PiecewiseSystem:
+    """Return a system of the same variables and parameters, by its regions."""
+    return PiecewiseSystem(
+        system.name, system.variables, parameters=system.parameters, x0=system.x0, doc=system.doc,
+        values=dict(system.values), regions=laws, **more,
+    )  # fmt: skip

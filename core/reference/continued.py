@@ -1,4 +1,4 @@
-"""An exact solution, continued by the Taylor method from where it slides by a field without a known closed form."""
+"""An exact solution, continued in numbers from where it slides by a field without a known closed form."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.reference.exact import ExactSolution
-from core.reference.solution import Solution
-from core.reference.taylor import TaylorSolution
+from core.reference.solution import Solution, Stop
 
 __all__ = ["ContinuedSolution"]
 
@@ -18,17 +17,17 @@ T = TypeVar("T")
 
 
 class ContinuedSolution:
-    """The exact solution as long as closed forms are known; what lies beyond is asked of the Taylor method.
+    """The exact solution as long as closed forms are known; what lies beyond is asked of an integrator.
 
     Parameters
     ----------
     exact
         The exact solution, which ends where no closed form is known.
     go_on
-        Makes the solution by the Taylor method; called when it is first needed.
+        Makes the solution by the Taylor method or an external solver; called when it is first needed.
     """
 
-    def __init__(self, exact: ExactSolution, go_on: Callable[[], TaylorSolution]) -> None:
+    def __init__(self, exact: ExactSolution, go_on: Callable[[], Solution]) -> None:
         self._used: Solution = exact
         self._exact, self._go_on = exact, go_on
 
@@ -44,8 +43,14 @@ class ContinuedSolution:
 
     @property
     def error(self) -> float:
-        """Bound on the error of the exact solution; beyond it, the estimate of the Taylor method."""
+        """Bound on the error of the exact solution; beyond it, the estimate of the integrator."""
         return self._used.error
+
+    @property
+    def stop(self) -> Stop | None:
+        """Where, when and why it ends, once that is known; it does not end where it is continued."""
+        stop = self._used.stop
+        return None if stop is not None and stop.unknown else stop
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; sliding begins and ends with one, too."""
@@ -68,7 +73,7 @@ class ContinuedSolution:
         return self._ask(lambda solution: solution.side(t))
 
     def _ask(self, question: Callable[[Solution], T]) -> T:
-        """The answer of the exact solution or, where that knows no closed form, of the Taylor method."""
+        """The answer of the exact solution or, where that knows no closed form, of the integrator."""
         try:
             return question(self._used)
         except ValueError:

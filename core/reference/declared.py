@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from core.interface.arguments import checked_sliding, number
 from core.interface.cancelling import Cancel, raise_if
 from core.reference.continued import ContinuedSolution
 from core.reference.exact import exact_solution
-from core.reference.external import external_solution
+from core.reference.external import external_solution, functions_of
 from core.reference.laws_in_numbers import laws_in_numbers
-from core.reference.solution import Solution
+from core.reference.solution import ReferenceSolution, Solution
 from core.reference.taylor import TaylorSolution
-from core.system import Start
+from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
 __all__ = ["reference_solution"]
@@ -52,8 +53,8 @@ def reference_solution(
         Where there is no closed form, use SciPy's DOP853 at its tightest tolerance: slower and less accurate, but an
         external solver, independent of this package's methods.
     sliding
-        As in `integrate`. With "continue" the Taylor method takes over from where an exact solution slides by a field
-        without a known closed form, and no external solver can be asked for.
+        As in `integrate`. With "continue" the Taylor method (or the external solver, if asked for) takes over from
+        where an exact solution slides by a field without a known closed form.
     cancel
         Called again and again; once it returns True, whatever is asked for raises `core.reference.Cancelled`.
 
@@ -74,11 +75,8 @@ def reference_solution(
     start = np.array(system.x0 if x0 is None else system.check_state(x0))
     laws = system.laws
     slides = checked_sliding(sliding)
-    if independent and not laws.two_sided:
-        raise ValueError("independent = True: the external solver needs two sides of one surface; leave it out")
-    if independent and slides:
-        raise ValueError('independent = True: the external solver does not slide; leave out sliding="continue"')
     by_taylor = partial(TaylorSolution, system, start, t0, cancel, slides)
+    by_external = partial(_by_external_solver, system, start, t0, cancel, slides)
     numbers = dict(zip(laws.p, system.parameter_array.tolist(), strict=True))
     try:
         exact = exact_solution(laws_in_numbers(laws, numbers), t0, start, slides=slides, cancel=cancel)
@@ -86,22 +84,19 @@ def reference_solution(
         if not slides and laws.two_sided:
             raise
         exact = None
+    go_on = by_external if independent else by_taylor
     if exact is not None:
-        return ContinuedSolution(exact, by_taylor) if slides else exact
-    if not independent:
-        return by_taylor()
+        return ContinuedSolution(exact, go_on) if slides else exact
+    return go_on()
 
-    def field(side: int, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+
+def _by_external_solver(
+    system: PiecewiseSystem, start: NDArray[np.float64], t0: float, cancel: Cancel | None, slides: bool
+) -> ReferenceSolution:
+    functions = functions_of(system)
+
+    def field(mode: int, t: float, x: NDArray[np.float64]) -> ArrayLike:
         raise_if(cancel)
-        return system.field(side, t, x)
+        return functions.field(mode, t, x)
 
-    def height(t: float, x: NDArray[np.float64]) -> float:
-        return float(system.switching(t, x))
-
-    def rate(side: int, t: float, x: NDArray[np.float64]) -> float:
-        return float(system.switching_rate(side, t, x))
-
-    def land(t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return laws.evaluate("jump", laws.jump or laws.x, t, x, system.parameter_array)
-
-    return external_solution(field, height, rate, t0, start, jump=None if laws.jump is None else land)
+    return external_solution(replace(functions, field=field), t0, start, slides=slides)

@@ -208,7 +208,9 @@ class ExactSolution:
         while True:
             coarse, fine = _outcome(ask, self._coarse), _outcome(ask, self._fine)
             absolute, relative = self._difference(coarse, fine)
-            if relative <= _AGREEMENT or self._level + 2 == len(_BITS):
+            stop = self._fine.stop if isinstance(fine, ValueError) else None
+            decided = relative <= _AGREEMENT and not (stop is not None and stop.doubtful)
+            if decided or self._level + 2 == len(_BITS):
                 break
             self._level += 1
             self._coarse, self._fine = self._fine, self._begin(_BITS[self._level + 1], self._fine)
@@ -277,6 +279,6 @@ def _solution(
         return "" if motions.form(mode) else "it slides along the surface, where no closed form of its field is known"
 
     zero = float(zero_of(digits))
-    dynamics = Dynamics(motions.laws, start, evaluate, jump, size, _ROUNDED, zero, obstacle)
+    dynamics = Dynamics(motions.laws, start, evaluate, jump, size, _ROUNDED, zero, math.sqrt(zero), obstacle)
     t, x = digits.context.mpf(t0), np.array([digits.context.mpf(float(u)) for u in x0], dtype=object)
     return ReferenceSolution("", Transitions(dynamics, slides), t, x, most)

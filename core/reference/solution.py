@@ -30,6 +30,8 @@ class Ending(NamedTuple):
     reason: str
     unknown: bool = False
     """Whether the solution does continue, in a mode whose field has no known closed form."""
+    doubtful: bool = False
+    """Whether a rate that is too small to be told from zero decides, so that more digits may show how it goes on."""
 
 
 class Stop(NamedTuple):
@@ -39,6 +41,8 @@ class Stop(NamedTuple):
     x: NDArray[np.float64]
     reason: str
     unknown: bool = False
+    """As in `Ending`."""
+    doubtful: bool = False
     """As in `Ending`."""
 
 
@@ -106,6 +110,10 @@ class Solution(Protocol):
     @property
     def error(self) -> float:
         """Error of what was asked for so far: a bound where the solution is exact, else its own estimate."""
+
+    @property
+    def stop(self) -> Stop | None:
+        """Where, when and why it ends, once that is known."""
 
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k, from 1 on."""

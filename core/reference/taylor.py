@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from core.integration.crossings import Crossings
 from core.integration.outcome import reason
-from core.integration.runner import Runner, Settings
+from core.integration.run_settings import Settings
+from core.integration.runner import Runner
 from core.integration.trajectory import Status
 from core.interface.cancelling import Cancel, Cancelled
 from core.methods import METHODS
+from core.reference.solution import Stop
 from core.system import PiecewiseSystem
 from core.transition.records import NO_MODE
 
@@ -69,6 +71,11 @@ class TaylorSolution:
         """Largest difference of the two runs, in states and in times of crossings, of all that was asked for so far."""
         return self._error
 
+    @property
+    def stop(self) -> Stop | None:
+        """Where, when and why it ends, once that is known."""
+        return self._fine.stop
+
     def crossing(self, k: int) -> tuple[float, NDArray[np.float64]]:
         """Time and state (d,) on the surface of crossing k = 1, 2, …; ValueError if the solution has fewer."""
         if k < 1:
@@ -115,7 +122,8 @@ class _Path:
 
     def __init__(self, system: PiecewiseSystem, x0: NDArray[np.float64], t0: float, settings: Settings) -> None:
         self._runner = Runner(system, METHODS["taylor"], t0, tuple(x0), settings)
-        self._kept, self._ended = [_Snapshot(t0, self._runner.copy())], False
+        self._kept = [_Snapshot(t0, self._runner.copy())]
+        self.stop: Stop | None = None  #: set once the run is known to end
         speed = np.linalg.norm(system.field(system.laws.name(self._runner.first_region), t0, x0))
         self._stride = float(np.linalg.norm(x0)) / (float(speed) or 1.0) or 1.0
 
@@ -144,7 +152,7 @@ class _Path:
         return self._runner.system.laws.label(number)
 
     def _at(self, t: float) -> Runner:
-        while self._kept[-1].t < t and not (self._ended and t < self._runner.t):
+        while self._kept[-1].t < t and not (self.stop is not None and t < self._runner.t):
             try:
                 self._extend(f"t = {t:.17g}")
             except ValueError:
@@ -157,10 +165,11 @@ class _Path:
     def _extend(self, wanted: str) -> None:
         """Advance by a stride; ValueError where the run has stopped before what is `wanted`."""
         runner, before = self._runner, self._runner.steps
-        if self._ended or _advance(runner, runner.t + self._stride) is not Status.COMPLETED:
-            self._ended = True
-            where = f"t = {runner.t:.16g}, x = {runner.x}"
-            raise ValueError(f"the solution ends at {where}, before {wanted}: {reason(runner)}")
+        if self.stop is None and _advance(runner, runner.t + self._stride) is not Status.COMPLETED:
+            self.stop = Stop(runner.t, runner.x, reason(runner))
+        if self.stop is not None:
+            where = f"t = {self.stop.t:.16g}, x = {self.stop.x}"
+            raise ValueError(f"the solution ends at {where}, before {wanted}: {self.stop.reason}")
         self._kept.append(_Snapshot(runner.t, runner.copy()))
         self._stride *= 2.0 if runner.steps - before < _STRIDE else 1.0
 

@@ -6,20 +6,18 @@ laws do not determine what follows, the solution ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from core.integration.starting import agreed_region
+from core.integration.corner import Rate, way_out_of
 from core.reference.search import Time
 from core.reference.solution import Arc, Arrival, Ending, State
 from core.symbolic.laws import Laws, Way
 
 __all__ = ["Dynamics", "Entry", "Transitions", "UnknownFieldError"]
 
-#: Rate of a guard where it vanishes, as part of its largest on the arc, below which it is touched, not crossed.
-TANGENT = 1e-8
 #: |g| after a jump, as part of its largest value so far, above which the jump leads off the surface.
 OFF_SURFACE = 1e-9
 #: Number of successive crossings of a surface that are tested for accumulation.
@@ -30,12 +28,11 @@ ACCUMULATION = 1e-9
 #: leaves half the speed, the last gap is then 1e-12 of the time.
 GAP_ULPS = 1000
 
-_NO_WAY_OUT = Ending("it meets two surfaces at once, and the laws around do not all lead the same way out")
+_SLIDES = Ending("the field of the other side points back, so it slides along the surface")
 _UNDECLARED = Ending("it enters a region for which no law is declared")
 _NO_END_OF_SLIDING = Ending(
     "sliding ends where the rates do not tell where it leads: both fields turn at once, or one does infinitely slowly"
 )
-_NO_SLIDING_BEYOND = Ending("sliding along one surface reaches another one, beyond which it does not simply go on")
 
 
 class UnknownFieldError(ValueError):
@@ -72,6 +69,11 @@ class Dynamics:
     """Relative rounding of an initial value."""
     zero: float = 0.0
     """Height, as part of the largest or of its size, that is zero but for the rounding of this arithmetic."""
+    tangent: float = 0.0
+    """Rate of a guard where it vanishes, as part of its largest on the arc, that cannot be told from zero.
+
+    Where a guard is touched, its height is found to be zero to rounding, and its rate to the root of that.
+    """
     obstacle: Callable[[int], str] = lambda mode: ""
     """Why a mode cannot be followed in this arithmetic; empty if it can."""
 
@@ -118,8 +120,7 @@ class Transitions:
         else:
             raise ValueError(f"x0 = {place} lies in a region for which no law is declared")
         if len(zeros) > 1:
-            surfaces = [self._ways[mode][k].surface for k in zeros]
-            found = self._beyond_corner(mode, surfaces, t, x, lambda surface: 0.0)
+            found = self._beyond_corner(mode, dict.fromkeys((self._ways[mode][k].surface for k in zeros), 0.0), t, x)
         elif zeros and self._ways[mode][zeros[0]].back is not None:
             found = self._first_on_surface(t, x, mode, zeros[0])
         else:
@@ -163,18 +164,18 @@ class Transitions:
         turns = self._is_rate(arc.mode, met.guard)
         if self.dynamics.laws.jumps:
             self._heights[way.surface] = max(self._heights.get(way.surface, 0.0), arc.largest_height(met.guard))
-        tangent = TANGENT * arc.largest_rate(met.guard)
+        tangent = self.dynamics.tangent * arc.largest_rate(met.guard)
         if not met.at_once and -self._rate(arc.mode, met.guard, met.t, met.x) <= tangent:
-            return _NO_END_OF_SLIDING if turns else Ending("it touches the surface tangentially")
+            ending = _NO_END_OF_SLIDING if turns else Ending("it touches the surface tangentially")
+            return ending._replace(doubtful=True)
         if self._accumulates(way.surface, float(met.t)):
             return Ending("its crossings accumulate: infinitely many follow in a finite time (Zeno)")
         corner = self._corner(arc, met)
-        if arc.mode >= self._regions:
-            if corner:
-                return _NO_SLIDING_BEYOND
-            return self._leave_sliding(arc, met) if turns else self._slide_on(arc, met, tangent)
-        if corner:
+        slid = arc.mode >= self._regions
+        if corner or (slid and not turns):
             return self._through_corner(arc, met, [way.surface, *corner])
+        if slid:
+            return self._leave_sliding(arc, met)
         if way.jump is not None:
             return self._after_jump(arc, met, tangent)
         return self._beyond(arc, met, tangent)
@@ -190,10 +191,10 @@ class Transitions:
         if onward > tangent:
             return self._begin(t, x, way.to, (way.back,))
         if onward >= -tangent:
-            return Ending("the field of the other side is tangent to the surface")
+            return Ending("the field of the other side is tangent to the surface", doubtful=bool(onward != 0))
         if self.slides and way.sliding is not None:
             return self._begin(t, x, way.sliding)
-        return Ending("the field of the other side points back, so it slides along the surface")
+        return _SLIDES
 
     def _after_jump(self, arc: Arc, met: Arrival, tangent: float) -> Arc | Ending:
         """The arc after a jump; on the surface the fields decide its side."""
@@ -207,66 +208,50 @@ class Transitions:
         if np.abs(height) > OFF_SURFACE * self._heights[way.surface]:
             to = mode if height > 0 else way.to
             return _UNDECLARED if to is None else self._begin(t, x, to, jumped=True)
-        back, on = rate > tangent, self._rate_beyond(way, t, x) > tangent
+        beyond = self._rate_beyond(way, t, x)
+        back, on = rate > tangent, beyond > tangent
         if back and on:
             return Ending("after the reset both fields lead away from the surface")
         if on and way.to is not None and way.back is not None:
             return self._begin(t, x, way.to, (way.back,), jumped=True)
         if back:
             return self._begin(t, x, mode, (guard,), jumped=True)
-        return Ending("after the reset neither field leads away from the surface, so it stays there")
+        doubtful = any(0 < abs(u) <= tangent for u in (rate, beyond))
+        return Ending("after the reset neither field leads away from the surface, so it stays there", doubtful=doubtful)
 
     def _leave_sliding(self, arc: Arc, met: Arrival) -> Arc | Ending:
         """The arc that leaves the surface to the side whose field has turned, tangentially."""
         way, other = self._ways[arc.mode][met.guard], 1 - met.guard
-        attracts = self._height(arc.mode, other, met.t, met.x) > TANGENT * arc.largest_height(other)
-        if not attracts or way.to is None or way.back is None:
-            return _NO_END_OF_SLIDING
+        attracting = self._height(arc.mode, other, met.t, met.x)
+        if attracting <= self.dynamics.tangent * arc.largest_height(other) or way.to is None or way.back is None:
+            return _NO_END_OF_SLIDING._replace(doubtful=bool(attracting != 0))
         return self._begin(met.t, met.x, way.to, (way.back,), folded=True)
 
-    def _slide_on(self, arc: Arc, met: Arrival, tangent: float) -> Arc | Ending:
-        """The arc that slides on beyond another surface, if both fields there point to the one along which it slides.
-
-        The rates of the fields beyond are judged by those on this side.
-        """
-        laws, surface = self.dynamics.laws, self._ways[arc.mode][met.guard].surface
-        beyond = laws.sliding_beyond(arc.mode, surface)
-        if beyond is None:
-            return _NO_SLIDING_BEYOND
-        low, high, along = laws.pairs[beyond - self._regions]
-        below, above = (self._rate_of(along, region, met.t, met.x) for region in (low, high))
-        if not below > TANGENT * arc.largest_height(0) or not -above > TANGENT * arc.largest_height(1):
-            return _NO_SLIDING_BEYOND
-        on_low, on_high = (self._rate_of(surface, region, met.t, met.x) for region in (low, high))
-        sign = -self._ways[arc.mode][met.guard].sign
-        if not sign * (below * on_high - above * on_low) > tangent * (below - above):
-            return _NO_SLIDING_BEYOND
-        return self._begin(met.t, met.x, beyond, (self._guard_of(beyond, surface),))
-
     def _through_corner(self, arc: Arc, met: Arrival, surfaces: list[int]) -> Arc | Ending:
-        """The arc in the region into which all fields around a corner lead."""
-        guards = {surface: self._guard_of(arc.mode, surface) for surface in surfaces}
-        if any(self._ways[arc.mode][k].jump is not None for k in guards.values()):
-            return _NO_WAY_OUT
-        return self._beyond_corner(
-            arc.mode, surfaces, met.t, met.x, lambda surface: TANGENT * arc.largest_rate(guards[surface])
-        )
+        """The arc that leaves a corner; while sliding, the surface along which it slides meets there, too."""
+        guards = {way.surface: k for k, way in enumerate(self._ways[arc.mode]) if not self._is_rate(arc.mode, k)}
+        scales = {surface: arc.largest_rate(guards[surface]) for surface in surfaces if surface in guards}
+        if arc.mode >= self._regions:  # the first two guards are the rates of that surface
+            along = self.dynamics.laws.pairs[arc.mode - self._regions][2]
+            scales[along] = max(arc.largest_height(0), arc.largest_height(1))
+        tangent = {surface: self.dynamics.tangent * scales[surface] for surface in sorted(scales)}
+        return self._beyond_corner(arc.mode, tangent, met.t, met.x)
 
-    def _beyond_corner(
-        self, mode: int, surfaces: list[int], t: Time, x: State, tangent: Callable[[int], float]
-    ) -> Arc | Ending:
-        """The same at the boundary of a region; a rate of a surface up to `tangent` of it is not clear."""
+    def _beyond_corner(self, mode: int, tangent: Mapping[int, float], t: Time, x: State) -> Arc | Ending:
+        """The same from the boundary of a mode: up to `tangent` of each surface that meets there a rate is unclear."""
         laws = self.dynamics.laws
 
-        def rate(region: int, surface: int) -> float:
-            value = float(self._rate_of(surface, region, t, x))
-            return value if abs(value) > tangent(surface) else 0.0
+        def rate(region: int, surface: int) -> Rate:
+            return Rate(float(self._rate_of(surface, region, t, x)), tangent[surface])
 
-        sides = laws.regions[mode].sides
-        region = agreed_region(laws, sides, surfaces, rate) if sides else None
-        if region is None:
-            return _NO_WAY_OUT
-        return self._begin(t, x, region, tuple(self._guard_of(region, surface) for surface in surfaces))
+        way = way_out_of(laws, laws.sides[mode].tolist(), list(tangent), rate)
+        if way.mode is None:
+            return Ending(f"it meets several surfaces at once, and {way.reason}", doubtful=way.unclear)
+        if way.mode >= self._regions and not self.slides:
+            return _SLIDES
+        ways = enumerate(self._ways[way.mode])
+        at = tuple(k for k, one in ways if one.surface in tangent and not self._is_rate(way.mode, k))
+        return self._begin(t, x, way.mode, at)
 
     def _begin(
         self, t: Time, x: State, mode: int, at: tuple[int, ...] = (), folded: bool = False, jumped: bool = False

@@ -11,7 +11,8 @@ from typing import TypeAlias
 import numpy as np
 
 from core.integrate import checked_method, checked_settings, checked_start
-from core.integration.runner import Runner, Settings
+from core.integration.run_settings import Settings
+from core.integration.runner import Runner
 from core.integration.trajectory import Status
 from core.interface.arguments import count, listed, number
 from core.interface.cancelling import Cancel, Cancelled

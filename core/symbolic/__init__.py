@@ -1,6 +1,6 @@
 """Expressions: the whitelist parser, tests whether one is zero, laws, the discrete gradient and multiplier."""
 
-from core.symbolic.declaration import SIDES, Declaration, Problem, RegionText, Verdict, miscounted
+from core.symbolic.declaration import SIDES, Declaration, Problem, RegionText, TransitionText, Verdict, miscounted
 from core.symbolic.expressions import OPERATORS, TIME, parse, quoted, to_text
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
@@ -19,6 +19,7 @@ __all__ = [
     "Mode",
     "Problem",
     "RegionText",
+    "TransitionText",
     "Verdict",
     "miscounted",
     "parse",

@@ -337,8 +337,10 @@ class Declaration:
         surfaces = self.expressions("surfaces")
         for (i, u), (k, v) in product(surfaces.items(), repeat=2):
             if i < k and _same_zeros(u, v):
-                words = f"{self._entry('surfaces', k)} is zero where number {i} is: write each surface once, and one "
-                yield Problem("surfaces", words + "without factor in common with another", k)
+                words = (
+                    f"{self._entry('surfaces', k)} is zero where {self.called('surfaces', i)} is: write each surface "
+                )
+                yield Problem("surfaces", words + "once, and one without factor in common with another", k)
 
     # Transitions -----------------------------------------------------------------------------------------------------
 

@@ -2,12 +2,13 @@
 
 A real expression is analytic except where the argument of a root, a logarithm or a real power is zero: on either side
 of such a *fold* it may be another analytic function. Functions such as tanh(1000 x) or exp(−1000 (x − 7)²) vary only
-near the zeros of their arguments. These zeros are sought along straight lines, and both sides of them are sampled.
+near the zeros of their arguments. These zeros are sought along straight lines, and both sides of them are sampled: on
+lines between any two points, and on lines along one coordinate, on which all others keep values that the whole has.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 import sympy
@@ -20,8 +21,12 @@ __all__ = ["folds", "near_folds", "signs_at_folds"]
 
 Array = NDArray[np.float64]
 
-#: Number of straight lines along which folds are sought.
+#: Number of straight lines in any direction along which folds are sought.
 _LINES = 96
+#: Number of lines along each coordinate of which a fold depends.
+_LINES_ALONG = 96
+#: Range of the size of both ends of such a line, whose logarithm is uniform; a symbol with bounds has these as ends.
+_REACH = (2.0, 50.0)
 #: Number of equally spaced points on each line.
 _PLACES = 25
 #: Most folds that are sought, in the order of `folds`.
@@ -72,8 +77,15 @@ def _factors(u: Expr) -> Iterator[Expr]:
         yield u
 
 
-def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, rng: np.random.Generator) -> Array:
-    """Points on lines between given ones, at and on both sides of the local minima of |u| for each u in `found`.
+def near_folds(
+    found: Sequence[Expr],
+    symbols: Sequence[Symbol],
+    ranges: Mapping[Symbol, tuple[float, float]],
+    positive: Sequence[Expr],
+    points: Array,
+    rng: np.random.Generator,
+) -> Array:
+    """Points on lines through given ones, at and on both sides of the local minima of |u| for each u in `found`.
 
     These include the zeros of u, whether its sign changes there or not, as with (x − 1)².
 
@@ -83,31 +95,35 @@ def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, 
         Folds, as from `folds`.
     symbols
         n symbols, in the order of the coordinates.
+    ranges
+        Bounds of the symbols that have them.
+    positive
+        Expressions that should be positive: minima next to which they are not are taken only if there is no other.
     points
-        (m, n) points; half of the lines lead from any of them to those far from zero, half to any others.
+        (m, n) points with which lines begin, or which they pass along one coordinate.
 
     Returns
     -------
     (k, n) points.
     """
-    tape = Tape(found)
+    tape = Tape((*found, *positive))
     places = [tape.place[u] for u in found]
-    far = np.argsort(np.abs(points).max(axis=1))[len(points) // 2 :]  # so that a line passes folds that are not near 0
-    any_two = rng.integers(len(points), size=(2, _LINES))  # so that there are values along a line
-    ends = np.where(np.arange(_LINES) % 2 == 0, rng.choice(far, size=_LINES), any_two[1])
-    start, end = points[any_two[0]], points[ends]
+    names = set().union(*(u.free_symbols for u in found))
+    along = [_lines_along(k, ranges.get(s), points, rng) for k, s in enumerate(symbols) if s in names]
+    start, end = np.concatenate([_lines_between(points, rng), *along], axis=1)
 
-    def sizes(origin: Array, step: Array) -> list[Array]:
-        """|u| of every fold, at origin + step."""
-        at = dict(zip(symbols, np.moveaxis(origin + step, -1, 0), strict=True))
+    def values(at: Array) -> list[Array]:
+        """Values of all nodes at points (..., n)."""
         with np.errstate(all="ignore"):
-            values = tape.run(Floats(), at)
-        return [np.abs(np.broadcast_to(values[k], origin.shape[:-1])) for k in places]
+            nodes = tape.run(Floats(), dict(zip(symbols, np.moveaxis(at, -1, 0), strict=True)))
+        return [np.broadcast_to(v, at.shape[:-1]) for v in nodes]
 
     parts = np.linspace(0.0, 1.0, _PLACES)
-    shape = (_LINES, _PLACES, len(symbols))
-    along = sizes(np.broadcast_to(start[:, None], shape), parts[:, None] * (end - start)[:, None])
-    brackets = [(k, *where) for k, u in enumerate(along) for where in _minima(u)]
+    on_lines = values(start[:, None] + parts[:, None] * (end - start)[:, None])
+    inside = np.ones((len(start), _PLACES), dtype=bool)
+    for u in positive:
+        inside &= on_lines[tape.place[u]] > 0
+    brackets = [(k, *where) for k in places for where in _minima(np.abs(on_lines[k]), inside)]
     if not brackets:
         return points[:0]
     which, lines, middles = np.array(brackets).T
@@ -115,8 +131,8 @@ def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, 
     rows = np.arange(len(which))
 
     def size(s: Array) -> Array:
-        values: Array = np.stack(sizes(origin, s[:, None] * direction))[which, rows]
-        return values
+        found: Array = np.abs(np.stack(values(origin + s[:, None] * direction))[which, rows])
+        return found
 
     width = parts[1]
     at = _least(size, parts[middles] - width, parts[middles] + width)
@@ -125,12 +141,41 @@ def near_folds(found: Sequence[Expr], symbols: Sequence[Symbol], points: Array, 
     return beside.reshape(-1, len(symbols))
 
 
-def _minima(sizes: Array) -> list[tuple[int, int]]:
-    """Indices (line, place) of local minima, evenly thinned to `_MOST_MINIMA`."""
+def _lines_between(points: Array, rng: np.random.Generator) -> Array:
+    """Both ends (2, lines, n) of lines between two of the points, every other of which leads far from zero."""
+    far = np.argsort(np.abs(points).max(axis=1))[len(points) // 2 :]  # so that a line passes folds that are not near 0
+    any_two = rng.integers(len(points), size=(2, _LINES))  # so that there are values along a line
+    ends = np.where(np.arange(_LINES) % 2 == 0, rng.choice(far, size=_LINES), any_two[1])
+    return np.stack([points[any_two[0]], points[ends]])
+
+
+def _lines_along(k: int, bounds: tuple[float, float] | None, points: Array, rng: np.random.Generator) -> Array:
+    """Both ends (2, lines, n) of lines along coordinate k, through some of the points.
+
+    A fold of few of many coordinates is met there at points where the rest of an expression is as ordinary as it is at
+    the given ones. A line in any direction rarely does so: most of its length belongs to the farthest coordinate.
+    """
+    low, high = np.log(_REACH)
+    sizes = np.exp(low + (high - low) * rng.random((2, _LINES_ALONG)))
+    ends = np.repeat(points[None, rng.integers(len(points), size=_LINES_ALONG)], 2, axis=0)
+    ends[..., k] = np.stack([-sizes[0], sizes[1]]) if bounds is None else np.array(bounds)[:, None]
+    return ends
+
+
+def _minima(sizes: Array, inside: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """Yield indices (line, place) of local minima, evenly thinned to `_MOST_MINIMA`; a constant has none.
+
+    Parameters
+    ----------
+    inside
+        (lines, places) where a minimum is of use; those next to no such place are taken only if there is no other.
+    """
     left, middle, right = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
-    lines, places = np.nonzero((middle <= left) & (middle <= right) & np.isfinite(left + right))
-    every = max(1, len(lines) // _MOST_MINIMA)
-    return list(zip(lines[::every].tolist(), (places[::every] + 1).tolist(), strict=True))[:_MOST_MINIMA]
+    least = (middle <= left) & (middle <= right) & ((middle < left) | (middle < right)) & np.isfinite(left + right)
+    of_use = least & (inside[:, :-2] | inside[:, 1:-1] | inside[:, 2:])
+    lines, places = np.nonzero(of_use if of_use.any() else least)
+    for k in np.unique(np.linspace(0, len(lines) - 1, min(len(lines), _MOST_MINIMA)).astype(np.int64)):
+        yield int(lines[k]), int(places[k]) + 1
 
 
 def _least(size: Callable[[Array], Array], low: Array, high: Array) -> Array:

@@ -132,8 +132,8 @@ class Laws:
     def ways_from(self, number: int) -> tuple[Way, ...]:
         """What follows at each guard of a mode, in the order of its guards.
 
-        Sliding ends where a field turns, in the region of that field; where it reaches another surface, nothing
-        follows by itself: see `sliding_beyond`.
+        Sliding ends where a field turns, in the region of that field; where it reaches another surface, at a corner,
+        nothing follows by itself.
         """
         if number < len(self.regions):
             return self.ways[number]
@@ -146,18 +146,9 @@ class Laws:
         others = {way.surface: way.sign for way in ways if way.surface != surface}
         return (*turning, *(Way(other, sign, None) for other, sign in others.items()))
 
-    def sliding_beyond(self, number: int, surface: int) -> int | None:
-        """Number of the mode of sliding along the same surface beyond another one; None where there is none."""
-        low, high, along = self.pairs[number - len(self.regions)]
-        beyond = []
-        for region in (low, high):
-            sides = list(self.regions[region].sides)
-            if not sides:
-                return None
-            sides[surface] *= -1
-            beyond.append(self.regions_by_sides.get(tuple(sides)))
-        pair = (*beyond, along)
-        return len(self.regions) + self.pairs.index(pair) if pair in self.pairs else None
+    def number_of_sliding(self, low: int, high: int, surface: int) -> int:
+        """Number of the mode of sliding between a region where g < 0 and one where g > 0."""
+        return len(self.regions) + self.pairs.index((low, high, surface))
 
     @cached_property
     def regions_by_sides(self) -> Mapping[tuple[int, ...], int]:

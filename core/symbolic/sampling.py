@@ -132,7 +132,8 @@ class Samples:
         if few:
             sought = [*sought, *self.domain.positive]
         if sought and self.symbols:
-            near = near_folds(sought, self.symbols, points if len(points) > 1 else tried, self._rng)
+            start = points if len(points) > 1 else tried
+            near = near_folds(sought, self.symbols, self.domain.ranges, self.domain.positive, start, self._rng)
             points, nodes = self._joined((points, nodes), self._with_values(near))
         return points, nodes
 

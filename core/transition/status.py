@@ -65,7 +65,8 @@ _WORDS = {
     ),
     Status.GRAZING: (
         "the trajectory touches the surface without a transversal crossing",
-        "Change the initial condition or a parameter slightly, or take a smaller step size.",
+        "If the exact solution touches it, no step size helps: change the initial condition or a parameter so that it "
+        "clearly crosses the surface or clearly misses it. If not, take a smaller step size.",
     ),
     Status.NO_CONVERGENCE: (
         "the equations of the step, or the switching function, have no real solution that could be found",
@@ -94,7 +95,7 @@ _WORDS = {
         "Take a smaller step size, or a method that chooses its steps (taylor).",
     ),
     Status.CORNER: (
-        "two surfaces are met at the same instant, and the laws around do not all lead the same way out",
+        "several surfaces are met at the same instant",
         "Change the initial condition or a parameter slightly, so that one surface is met before the other.",
     ),
     Status.UNDECLARED: (
@@ -106,15 +107,16 @@ _WORDS = {
 _WHILE_SLIDING = {
     Status.GRAZING: "sliding ends where the rates do not tell where the solution leads: both fields turn at once, or "
     "one turns infinitely slowly, or back again",
-    Status.CORNER: "sliding along one surface reaches another one, beyond which it does not simply go on",
 }
 
 _ADVICE_WHILE_SLIDING = {
+    Status.GRAZING: "Change the initial condition or a parameter slightly.",
     Status.CORNER: "End the run before, or continue it with another system.",
 }
 
 _WITHOUT_TAU = {
-    Status.GRAZING: "Change the initial condition or a parameter slightly.",
+    Status.GRAZING: "Change the initial condition or a parameter so that it clearly crosses the surface or clearly "
+    "misses it.",
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8 instead.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
     Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",

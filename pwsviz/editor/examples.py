@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from pwsviz.editor.validation import Draft
+from pwsviz.editor.draft import Draft
 
 __all__ = ["EXAMPLES"]
 

@@ -11,8 +11,10 @@ import panel as pn
 import panel_material_ui as pmui
 
 import core
+from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.examples import EXAMPLES
-from pwsviz.editor.validation import FIELDS, Checked, Draft, Finding, check
+from pwsviz.editor.regions import REGION_FIELDS
+from pwsviz.editor.validation import Checked, Finding, check
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 from pwsviz.text.words import as_text, complaint
@@ -26,6 +28,9 @@ QUIET = 0.25
 CURRENT = "The system on the page"
 """Menu entry that fills in the present system."""
 
+BLANK = "Nothing: empty fields"
+"""Menu entry that empties all fields."""
+
 MATHS_CSS = """
 .maths { overflow-x: auto; overflow-y: hidden; padding: 2px 0 6px 14px; }
 math { display: block; width: fit-content; font-size: 1.05rem; padding: 4px 0; }
@@ -38,7 +43,10 @@ PAIR_CSS = ":host { flex-wrap: wrap; gap: 0 12px; } :host > * { flex: 1 1 220px 
 
 FIELD_SX = {"& .MuiInputBase-input": {"fontFamily": "ui-monospace, Menlo, Consolas, monospace", "fontSize": "0.9rem"}}
 
-_LINES = {"parameters": 2, "f": 2, "psi": 1, "f_minus": 2, "f_plus": 2, "psi_minus": 1, "psi_plus": 1, "jump": 1}
+_LINES = {
+    "parameters": 2, "f": 2, "psi": 1, "f_minus": 2, "f_plus": 2, "psi_minus": 1, "psi_plus": 1, "jump": 1,
+    "surfaces": 2, "regions": 3, "quantities": 2, "resets": 1, "transitions": 2,
+}  # fmt: skip
 """Fields of several lines, and the number of lines shown when empty."""
 
 _HINTS = {
@@ -54,6 +62,11 @@ _HINTS = {
     "psi_plus": "",
     "x0": "1, 1",
     "jump": "",
+    "surfaces": "x + 1\nx - 1",
+    "regions": "--: v, -x\n+-: v, 0",
+    "quantities": "+-: v^2/2",
+    "resets": "g1 => x, -r*v",
+    "transitions": "on -> off: 1 - x\noff -> on: x + 1",
 }
 
 _HELP = {
@@ -68,7 +81,21 @@ _HELP = {
     "psi_plus": "Optional. One per line.",
     "x0": "A number for each variable.",
     "jump": "For impacts: the value of each variable after it reaches g = 0. Leave empty for none.",
+    "surfaces": "One per line, up to six. Leave empty if the regions have names.",
+    "regions": "In place of g, f₋ and f₊. One per line: the signs of g1, g2, … or a name, a colon, and the time "
+    "derivatives. A region that is left out has no law.",
+    "quantities": "Optional. One region per line.",
+    "resets": "One surface per line, and the value of each variable after it is reached. A wall is a surface with a "
+    "reset, and no law beyond it.",
+    "transitions": "For hysteresis. A region ends where its guard, positive inside, falls to 0. If the state jumps "
+    "there, add => and the value of each variable after it.",
 }
+
+MORE = "Several surfaces, walls, hysteresis"
+"""Title of the fields that few need."""
+
+_BUILT_IN = {system.name: system for system in core.CATALOGUE.values()}
+"""Systems of the catalogue, by the name that the menu shows."""
 
 Deliver = Callable[[Callable[[Any], None], Any], None]
 """Calls a function with its argument in the event loop of the page."""
@@ -108,7 +135,7 @@ class SystemEditor(pn.viewable.Viewer):
         self.texts = {name: self._make_text(name) for name in FIELDS}
         self.maths = {name: _markup_pane() for name in FIELDS}
         self.status = _markup_pane()
-        titles = [*([CURRENT] if current else []), *EXAMPLES]
+        titles = [*([CURRENT] if current else []), BLANK, *EXAMPLES, *_BUILT_IN]
         self.menu = pmui.MenuButton(
             label="Start from",
             items=[{"label": title} for title in titles],
@@ -117,6 +144,12 @@ class SystemEditor(pn.viewable.Viewer):
             margin=(0, 0, 6, 0),
         )
         self.menu.on_click(self._choose)
+        self.more = pmui.Button(label=MORE, icon="expand_more", variant="text", size="small", margin=(6, 0))
+        self.more.on_click(lambda _: self._open(not self.several.visible))
+        self.several = pn.Column(
+            self._field("surfaces"), self._field("regions"), self._field("quantities"),
+            self._pair("resets", "transitions"), visible=False, margin=0, sizing_mode="stretch_width",
+        )  # fmt: skip
         self.use = pmui.Button(
             label="Use this system", color="primary", variant="contained", disabled=True, margin=(6, 0)
         )
@@ -157,12 +190,20 @@ class SystemEditor(pn.viewable.Viewer):
                 self.texts[each.name].param.update(value=text, value_input=text)
         finally:
             self._filling = False
+        self._open(any(getattr(draft, name) for name in REGION_FIELDS))
         self._check(draft, quiet=0.0)
+
+    def _open(self, wanted: bool) -> None:
+        """Show the fields that few need, or hide them."""
+        self.several.visible = wanted
+        self.more.icon = "expand_less" if wanted else "expand_more"
 
     def _choose(self, item: Any) -> None:
         title = item["label"]
-        if title in EXAMPLES:
-            self.fill(EXAMPLES[title])
+        if title in EXAMPLES or title == BLANK:
+            self.fill(EXAMPLES.get(title, Draft()))
+        elif title in _BUILT_IN:
+            self.load(_BUILT_IN[title])
         else:
             self.start()
 
@@ -188,7 +229,7 @@ class SystemEditor(pn.viewable.Viewer):
         for name, text in self.texts.items():
             self._show_complaint(text, outcome.complaints.get(name), _HELP.get(name, ""))
             self.maths[name].object = _maths(outcome.maths.get(name, ""))
-        for name in ("psi", "psi_minus", "psi_plus"):
+        for name in ("psi", "psi_minus", "psi_plus", "quantities"):
             self.maths[name].object += "".join(map(_finding, outcome.conserved.get(name, ())))
         self._system, self.use.disabled = outcome.system, outcome.system is None
         self.status.object = _verdict(outcome)
@@ -239,6 +280,8 @@ class SystemEditor(pn.viewable.Viewer):
             self._pair("f_minus", "f_plus"),
             self._field("jump"),
             self._field("f"),
+            self.more,
+            self.several,
             heading("Conserved quantities"),
             self._pair("psi_minus", "psi_plus"),
             self._field("psi"),

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
-import sympy
-
-import core
-from core.symbolic import Declaration, Found, Problem, RegionText, parse, read_switching, to_text
-from pwsviz.text.mathml import TOO_LONG, markup, too_long
+from core.symbolic import Declaration, Found, Problem, RegionText, parse, read_switching
+from pwsviz.editor.typeset import equation, rate
 from pwsviz.text.words import as_text
 
-__all__ = ["OneField", "called_by_variables", "one_field_of", "where"]
+__all__ = ["OneField", "called_by_variables", "where"]
 
 #: The names of the declaration's fields in messages, for which the page has one field each.
 _NAMED = re.compile(r"(?:regions\['(?P<key>[-+]*)'\]\.|)(?P<part>f|psi)(?P<side>_minus|_plus|)(?:\[(?P<entry>\d+)\])?")
@@ -60,12 +56,11 @@ class OneField:
         ]
         for k, text in enumerate(found.surfaces, start=1):
             shown = "<mi>g</mi>" if one else f"<msub><mi>g</mi><mn>{k}</mn></msub>"
-            parts.append(_equation("g" if one else f"g{k}", shown, parse(text, names, "g")))
+            parts.append(equation("g" if one else f"g{k}", shown, parse(text, names, "g")))
         for key, law in found.fields.items():
             parts.append(as_text(f"{where(key)[:1].upper()}{where(key)[1:]}:", "finding"))
             for variable, text in zip(variables, law, strict=True):
-                rate = f'<mrow>{markup(sympy.Symbol(variable))}<mo lspace="0" rspace="0">′</mo></mrow>'
-                parts.append(_equation(f"{variable}′", rate, parse(text, names, "f")))
+                parts.append(equation(*rate(variable), parse(text, names, "f")))
         return "".join(parts)
 
 
@@ -84,7 +79,9 @@ def called_by_variables(message: str, variables: Sequence[str]) -> str:
 
 
 def where(key: str) -> str:
-    """Where a region is, by the signs of its key: “where g < 0”, “where g1 > 0 and g2 < 0”."""
+    """Where a region is, by the signs of its key: “where g < 0”, “where g1 > 0, g2 < 0”; or by its name."""
+    if not key or set(key) - set("-+"):
+        return f"in region {key}"
     signs = [f"{'<' if sign == '-' else '>'} 0" for sign in key]
     if len(signs) == 1:
         return f"where g {signs[0]}"
@@ -93,46 +90,3 @@ def where(key: str) -> str:
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'s' * (number != 1)}"
-
-
-def _equation(said: str, shown: str, right: sympy.Expr) -> str:
-    told = escape(f"{said} = {TOO_LONG if too_long(right) else to_text(right)}")
-    inside = f"{shown}<mo>=</mo>{markup(right)}"
-    return f'<math display="block" alttext="{told}" aria-label="{told}"><mrow>{inside}</mrow></math>'
-
-
-def one_field_of(system: core.PiecewiseSystem) -> Mapping[str, list[str]]:
-    """Return the field f of a system and its quantities ψ as they were typed, or write those of all regions so.
-
-    Raises
-    ------
-    ValueError
-        Where the state jumps or regions have names, or a region has no law, for which the editor has no fields.
-    """
-    if system.f:
-        return {"f": list(system.f), "psi": list(system.psi)}
-    if system.transitions or system.jumps:
-        words = "jumps at several surfaces" if system.jumps else "regions that have names"
-        raise ValueError(f"{system.name} has {words}, which cannot be written here: start from another system")
-    laws = {key: region.f for key, region in system.regions.items()}
-    counts = {len(region.psi) for region in system.regions.values()}
-    quantities = {key: region.psi for key, region in system.regions.items()} if len(counts) == 1 else {}
-    f = [_piecewise(laws, system.surfaces, k) for k in range(system.dimension)]
-    psi = [_piecewise(quantities, system.surfaces, k) for k in range(counts.pop() if quantities else 0)]
-    return {"f": f, "psi": psi}
-
-
-def _piecewise(laws: Mapping[str, Sequence[str]], surfaces: Sequence[str], entry: int) -> str:
-    """Write one expression of the laws of all regions as one text, which asks for as few signs as it can."""
-    return _by_signs({key: law[entry] for key, law in laws.items()}, surfaces)
-
-
-def _by_signs(texts: Mapping[str, str], surfaces: Sequence[str]) -> str:
-    """Write texts by the signs of the surfaces in their keys, of which the first is asked for first."""
-    if len(set(texts.values())) == 1:
-        return next(iter(texts.values()))
-    below, above = ({key[1:]: text for key, text in texts.items() if key[0] == sign} for sign in "-+")
-    if not below or not above or all(below[key] == above[key] for key in below.keys() & above.keys()):
-        return _by_signs({**below, **above}, surfaces[1:])
-    cases = (_by_signs(below, surfaces[1:]), _by_signs(above, surfaces[1:]))
-    return f"Piecewise(({cases[0]}, {surfaces[0]} < 0), ({cases[1]}, True))"

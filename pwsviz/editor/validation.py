@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from html import escape
-from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Symbol
 
 import core
 from core.integrate import checked_start
-from core.symbolic import OPERATORS, SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted, to_text
-from pwsviz.editor.one_field import OneField, called_by_variables, one_field_of, where
+from core.symbolic import OPERATORS, SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted
+from pwsviz.editor.draft import FIELDS, Draft
+from pwsviz.editor.one_field import OneField, called_by_variables, where
+from pwsviz.editor.regions import REGION_FIELDS, Regions, read_parts
+from pwsviz.editor.typeset import equation, rate, state_after
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
-from pwsviz.text.mathml import TOO_LONG, markup, too_long
+from pwsviz.text.mathml import markup
 from pwsviz.text.typed import as_python, rates, split
 from pwsviz.text.words import listed
 
-__all__ = ["FIELDS", "Checked", "Draft", "Finding", "check", "split"]
+__all__ = ["Checked", "Finding", "check", "split"]
 
 MAX_CHARACTERS = 1000  #: characters of one field, which bound the time of parsing it
+MAX_REGION_CHARACTERS = 4000  #: characters of a field that holds the expressions of all regions
 MAX_NAME = 60  #: characters of the name of the system
 MAX_VARIABLES = 12  #: variables, which bound the time of analysing and compiling the system
 MAX_PARAMETERS = 20  #: parameters, each of which has a field on the page
@@ -31,83 +33,18 @@ MAX_DERIVATIVES = 3000  #: nodes of the expression trees of all first derivative
 _COMPLAINTS = 3  #: complaints about one field that are shown; more would bury the first
 _LONGEST = 400  #: characters of one complaint
 
-#: The label of each field on the page.
-FIELDS: Mapping[str, str] = MappingProxyType(
-    {
-        "name": "Name",
-        "variables": "Variables",
-        "parameters": "Parameters",
-        "f": "Field f, with sign, abs, max …",
-        "psi": "Conserved quantities ψ",
-        "f_minus": "Field f₋, where g < 0",
-        "f_plus": "Field f₊, where g > 0",
-        "g": "Switching function g",
-        "psi_minus": "Conserved quantities ψ₋",
-        "psi_plus": "Conserved quantities ψ₊",
-        "x0": "Start x₀",
-        "jump": "Reset map at g = 0",
-    }
-)
-
 #: The fields that hold the expressions of two sides.
 _SIDES = ("f_minus", "f_plus", "g", "psi_minus", "psi_plus", "jump")
 #: The fields that hold expressions.
 _EXPRESSIONS = ("f", "psi", *_SIDES)
 
+#: The fields that are read by themselves.
+_WHOLE = ("name", *REGION_FIELDS)
+#: Most characters of fields that may hold fewer or more than the others.
+_LIMITS = {"name": MAX_NAME, "regions": MAX_REGION_CHARACTERS, "quantities": MAX_REGION_CHARACTERS}
+
 #: The sign of a side, in words and in mathematics.
 _SIGNS = {"minus": ("₋", "−"), "plus": ("₊", "+")}
-
-
-@dataclass(frozen=True)
-class Draft:
-    """The texts in the fields. Entries of lists are separated by commas, semicolons or new lines."""
-
-    name: str = ""
-    """Of the system."""
-    variables: str = ""
-    """Names."""
-    f_minus: str = ""
-    """An expression for each variable."""
-    f_plus: str = ""
-    """An expression for each variable."""
-    g: str = ""
-    """The switching function."""
-    psi_minus: str = ""
-    """Expressions, fewer than there are variables; or none."""
-    psi_plus: str = ""
-    """Expressions, fewer than there are variables; or none."""
-    parameters: str = ""
-    """Entries such as ``k = 3 in [0.1, 10]``; the range is optional."""
-    x0: str = ""
-    """A number for each variable."""
-    jump: str = ""
-    """An expression for each variable, or nothing."""
-    f: str = ""
-    """In place of both fields and g: an expression for each variable, with sign, abs, max and so on."""
-    psi: str = ""
-    """Conserved quantities of such a field; or none."""
-
-    @classmethod
-    def of(cls, system: core.PiecewiseSystem) -> Draft:
-        """Return a system as a user would type it, at its current parameter values.
-
-        Raises
-        ------
-        ValueError
-            If its regions cannot be written in the fields.
-        """
-        if system.two_sided and not system.f:
-            names = ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump")
-            lists = {n: "\n".join(getattr(system, n) or ()) for n in names} | {"g": system.g}
-        else:
-            lists = {n: "\n".join(texts) for n, texts in one_field_of(system).items()}
-        return cls(
-            name=system.name,
-            variables=", ".join(system.variables),
-            parameters="\n".join(_declared(p, system.values[p.name]) for p in system.parameters),
-            x0=", ".join(map(_typed, system.x0)),
-            **lists,
-        )
 
 
 @dataclass(frozen=True)
@@ -161,7 +98,7 @@ class _Check:
         self.texts = {name: getattr(draft, name).replace("−", "-") for name in FIELDS}  # U+2212, as copied from a page
         self.complaints: dict[str, list[str]] = {}
         self.refuse_long_texts()
-        self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name != "name"}
+        self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name not in _WHOLE}
         for name in ("f_minus", "f_plus", "f"):
             self.items[name] = tuple(rates(self.texts[name], self.items["variables"]))
         self.items |= {name: tuple(map(as_python, self.items[name])) for name in _EXPRESSIONS}
@@ -169,19 +106,21 @@ class _Check:
         self.variables = self.each("variables", str, MAX_VARIABLES)
         self.parameters = self.each("parameters", _parameter, MAX_PARAMETERS)
         self.x0 = self.each("x0", _coordinate, MAX_VARIABLES)
-        self.one: OneField | None = None
+        self.read: OneField | Regions | None = None
         self.in_one_field = bool(draft.f.strip())
+        self.in_regions = not self.in_one_field and any(getattr(draft, name).strip() for name in REGION_FIELDS)
         self.declaration = self.declare()
 
     def run(self) -> Checked:
         self.check_declaration()
-        maths = {name: self.typeset(name) for name in _SIDES}
-        maths["f"] = "" if self.one is None else self.one.markup(self.variables)
+        maths = {name: "" if self.in_regions else self.typeset(name) for name in _SIDES}
+        maths |= {"f": self.read.markup(self.variables)} if isinstance(self.read, OneField) else {}
+        maths |= self.read.maths() if isinstance(self.read, Regions) else {}
         maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
         maths["x0"] = self.typeset_start()
         system = None if self.complaints else self.build()
-        if self.in_one_field:
-            conserved = {"psi": self.findings_in_regions(system)}
+        if self.in_one_field or self.in_regions:
+            conserved = {"psi" if self.in_one_field else "quantities": self.findings_in_regions(system)}
         else:
             conserved = {f"psi_{word}": self.findings(side, system) for side, word in SIDES.items()}
         complaints = {name: " ".join(words[:_COMPLAINTS]) for name, words in self.complaints.items()}
@@ -197,7 +136,7 @@ class _Check:
 
     def refuse_long_texts(self) -> None:
         for name, text in self.texts.items():
-            limit = MAX_NAME if name == "name" else MAX_CHARACTERS
+            limit = _LIMITS.get(name, MAX_CHARACTERS)
             if len(text) > limit:
                 self.complain(name, f"This has {len(text):,} characters; at most {limit:,} are allowed")
                 self.texts[name] = ""
@@ -229,37 +168,62 @@ class _Check:
     def declare(self) -> Declaration:
         # A parameter whose value cannot be read has a name nevertheless, which the other fields may use.
         names = tuple(text.partition("=")[0].strip() for text in self.items["parameters"][:MAX_PARAMETERS])
-        read = {p.name: p.bounds for p in self.parameters}
-        bounds = tuple(read.get(name) for name in names)
-        if self.in_one_field:
-            return self.declare_one_field(names, bounds)
+        given = {p.name: p.bounds for p in self.parameters}
+        bounds = tuple(given.get(name) for name in names)
+        if self.in_one_field or self.in_regions:
+            self.read = self.read_one_field(names, bounds) if self.in_one_field else self.read_regions(names, bounds)
+            nothing = Declaration.of_sides(self.variables, names, bounds, (), (), ())
+            return self.read.declaration if self.read else nothing
         if self.items["psi"]:
             self.complain("psi", "These are quantities of the field f, which is empty: write them beside their side")
         texts = {name: self.items[name] for name in _SIDES}
         return Declaration.of_sides(self.variables, names, bounds, **texts, called=self.called, longest=MAX_DERIVATIVES)
 
-    def declare_one_field(self, names: tuple[str, ...], bounds: tuple[tuple[float, float] | None, ...]) -> Declaration:
-        """Find the regions of one field; where that fails, complain, and declare nothing."""
-        for name in _SIDES:
-            if self.items[name]:
-                self.complain(name, "Leave this empty: the field f gives the laws of all regions")
+    def refuse_other_fields(self, others: Iterable[str], laws: str) -> None:
+        for name in others:
+            if self.texts[name].strip():
+                self.complain(name, f"Leave this empty: {laws} the laws of all regions")
+
+    def read_regions(
+        self, names: tuple[str, ...], bounds: tuple[tuple[float, float] | None, ...]
+    ) -> Regions | None:  # fmt: skip
+        """Read regions by their signs or names; where that fails, complain."""
+        self.refuse_other_fields((*_SIDES, "psi"), "the regions below have")
+        parts = dict(read_parts(self.texts, self.variables))
+        for name, part in parts.items():
+            if isinstance(part, ValueError):
+                self.complain(name, _capital(str(part)))
+        if any(isinstance(part, ValueError) for part in parts.values()):
+            return None
+        try:
+            return Regions.of(self.variables, names, bounds, parts, MAX_DERIVATIVES)
+        except ValueError as reason:
+            self.complain("quantities", _capital(str(reason)))
+            return None
+
+    def read_one_field(
+        self, names: tuple[str, ...], bounds: tuple[tuple[float, float] | None, ...]
+    ) -> OneField | None:  # fmt: skip
+        """Find the regions of one field; where that fails, complain."""
+        self.refuse_other_fields((*_SIDES, *REGION_FIELDS), "the field f gives")
         try:
             if words := miscounted(self.items["f"], "expression", self.variables):
                 raise ValueError(words)
-            self.one = OneField.read(self.variables, names, bounds, self.items["f"], self.items["psi"], MAX_DERIVATIVES)
+            return OneField.read(self.variables, names, bounds, self.items["f"], self.items["psi"], MAX_DERIVATIVES)
         except ValueError as reason:
             said = str(reason)
             words = called_by_variables(said, self.variables)
             if not self.complaints.get("f"):
                 self.complain("psi" if said.startswith("psi[") else "f", words if "[" in said[:4] else _capital(words))
-            return Declaration.of_sides(self.variables, names, bounds, (), (), ())
-        return self.one.declaration
+            return None
 
     def check_declaration(self) -> None:
         """Complain about the declaration, in the fields that could be read."""
-        if self.in_one_field and self.one is None:
+        if self.read is None and (self.in_one_field or self.in_regions):
             return
-        found = list(self.declaration.problems) if self.one is None else self.one.problems(self.variables)
+        found = list(self.declaration.problems)
+        if self.read is not None:
+            found = self.read.problems(self.variables) if isinstance(self.read, OneField) else self.read.problems()
         if self.variables and (words := miscounted(self.x0, "number", self.variables)):
             found.append(Problem("x0", words))
         readable = FIELDS.keys() - self.complaints.keys()
@@ -274,10 +238,7 @@ class _Check:
             return _quantity(word, k, len(self.items[name]))
         if kind == "g":
             return _LeftSide("g", "<mi>g</mi>")
-        variable, shown = self.variables[k], markup(Symbol(self.variables[k]))
-        if kind == "f":
-            return _LeftSide(f"{variable}′", f'<mrow>{shown}<mo lspace="0" rspace="0">′</mo></mrow>')
-        return _LeftSide(f"{variable}⁺", f"<msup><mrow>{shown}</mrow><mo>+</mo></msup>")
+        return _LeftSide(*(rate if kind == "f" else state_after)(self.variables[k]))
 
     def called(self, name: str, entry: int | None) -> str:
         """Return the name that messages use for the vector field of a side, or for one expression."""
@@ -285,14 +246,14 @@ class _Check:
 
     def typeset(self, name: str) -> str:
         """Typeset the expressions of a field that could be read."""
-        return "".join(_equation(self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
+        return "".join(equation(*self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
 
     def typeset_start(self) -> str:
         """Typeset the coordinates of the start if one of them was typed as a formula."""
         if all(map(_is_decimal, self.items["x0"])):
             return ""
         named = zip(self.variables, self.x0, strict=False)
-        return "".join(_equation(_LeftSide(name, markup(Symbol(name))), sympy.Float(x)) for name, x in named)
+        return "".join(equation(*_LeftSide(name, markup(Symbol(name))), sympy.Float(x)) for name, x in named)
 
     def findings(self, side: int, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
         """Return a finding on each given quantity of a side; if none is given, on those found symbolically."""
@@ -305,17 +266,23 @@ class _Check:
         found = () if system is None else system.laws.modes[side].conserved
         words = f"Found automatically, since the divergence of f{_SIGNS[word][0]} is 0:"
         none = Finding(_without_quantity(word, system), False)
-        return tuple(Finding(words, True, _equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
+        return tuple(Finding(words, True, equation(*_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
     def findings_in_regions(self, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
-        """Return what is conserved in the regions of one field."""
+        """Return what is conserved in the regions of one field, or of several."""
         if system is None:
             return ()
-        given = "Conserved" if self.items["psi"] else "Found automatically"
+        typed = set(self.declaration.verdicts) if self.items["psi"] else set()
+        if isinstance(self.read, Regions):
+            typed = {one.name for one in self.declaration.regions if one.psi}
         if not system.laws.most_conserved:
             return (Finding(_without_quantity("", system), False),)
         return tuple(
-            Finding(f"{given} {where(mode.name)}:", True, _equation(_LeftSide("ψ", "<mi>ψ</mi>"), psi))
+            Finding(
+                f"{'Conserved' if mode.name in typed else 'Found automatically'} {where(mode.name)}:",
+                True,
+                equation(*_LeftSide("ψ", "<mi>ψ</mi>"), psi),
+            )
             for mode in system.laws.regions
             for psi in mode.conserved
         )
@@ -328,12 +295,13 @@ class _Check:
         if verdict.left_over is None:
             return Finding("", False)
         derived = f"<mfrac><mi>d</mi><mrow><mi>d</mi><mi>t</mi></mrow></mfrac><mo>&#8290;</mo>{left.shown}"
-        return Finding("", False, _equation(_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
+        return Finding("", False, equation(*_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
 
     def build(self) -> core.PiecewiseSystem | None:
         """Return the system, or None after a complaint if it is refused or cannot start."""
         texts: dict[str, Any] = {name: self.items[name] for name in _EXPRESSIONS}
         texts["g"] = next(iter(self.items["g"]), "")
+        texts |= self.read.arguments() if isinstance(self.read, Regions) else {}
         names = {"name": self.texts["name"].strip(), "variables": self.variables, "parameters": self.parameters}
         field = "system"
         try:
@@ -398,13 +366,6 @@ def _quantity(word: str, k: int, count: int) -> _LeftSide:
     return _LeftSide(f"ψ{sign} no. {k + 1}", f"<msub><mi>ψ</mi>{number}</msub>")
 
 
-def _equation(left: _LeftSide, right: Expr, more: str = "") -> str:
-    """Typeset an equation, with a plain-text version for screen readers."""
-    said = escape(f"{left.said} = {TOO_LONG if too_long(right) else to_text(right)}")
-    inside = f"{left.shown}<mo>=</mo>{markup(right)}{more}"
-    return f'<math display="block" alttext="{said}" aria-label="{said}"><mrow>{inside}</mrow></math>'
-
-
 def _parameter_maths(parameter: core.Parameter) -> str:
     name, value = Symbol(parameter.name), sympy.Float(parameter.default)
     ends = parameter.bounds
@@ -412,17 +373,7 @@ def _parameter_maths(parameter: core.Parameter) -> str:
     if ends is not None:
         low, high = (markup(sympy.Float(end)) for end in ends)
         within = f"<mo>∈</mo><mrow><mo>[</mo>{low}<mo>,</mo>{high}<mo>]</mo></mrow>"
-    return _equation(_LeftSide(parameter.name, markup(name)), value, within)
-
-
-def _declared(parameter: core.Parameter, value: float) -> str:
-    within = "" if parameter.bounds is None else f" in [{', '.join(map(_typed, parameter.bounds))}]"
-    return f"{parameter.name} = {_typed(value)}{within}"
-
-
-def _typed(number: float) -> str:
-    """Return the shortest text of a number."""
-    return repr(float(number)).removesuffix(".0")
+    return equation(*_LeftSide(parameter.name, markup(name)), value, within)
 
 
 def _capital(words: str) -> str:

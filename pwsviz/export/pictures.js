@@ -59,7 +59,8 @@ const kind_of = model => {
   return model.type == "Grid" ? "grid" : null
 }
 
-const copy_of = (view, width, printed, height) => {
+// With `borders`, its frame stands between these, in pixels; else between those that the figure has on the page.
+const copy_of = (view, width, printed, height, borders) => {
   const { model } = view, looks = printed ? PRINTED : {}, grids = new Map()
   const part = one => {
     const kind = kind_of(one)
@@ -72,10 +73,12 @@ const copy_of = (view, width, printed, height) => {
     return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
   }
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
-  const { bbox } = view.frame, across = width - (view.bbox.width - bbox.width)
+  const { bbox } = view.frame
+  const across = width - (borders == null ? view.bbox.width - bbox.width : borders.left + borders.right)
+  const sides = borders == null ? {} : { min_border_left: borders.left, min_border_right: borders.right }
   const shape = model.match_aspect ? bbox.height / bbox.width : height
   return copied(model, {
-    ...looks.plot, sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
+    ...looks.plot, ...sides, sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
     output_backend: "svg",  // the legend is drawn on layers of its own
     frame_width: Math.round(across), frame_height: Math.round(across * shape),
     x_range: range(model.x_range), y_range: range(model.y_range), toolbar_location: null,
@@ -84,12 +87,12 @@ const copy_of = (view, width, printed, height) => {
   })
 }
 
-// The figure as an SVG element, and its size in pixels.
-const drawn = async (view, width, printed, height) => {
+// The figure as an SVG element, its size and what is left and right of its frame, in pixels.
+const drawn = async (view, width, printed, height, borders) => {
   const host = document.createElement("div")
   host.style.cssText = "position: fixed; left: -10000px; top: 0; visibility: hidden"
   document.body.append(host)
-  const copy = copy_of(view, width, printed, height)
+  const copy = copy_of(view, width, printed, height, borders)
   const { build_view } = Bokeh.loader["core/build_views"]
   const { ViewManager } = Bokeh.loader["core/view_manager"]
   const other = await build_view(copy, { parent: null, owner: new ViewManager() })
@@ -97,8 +100,8 @@ const drawn = async (view, width, printed, height) => {
     other.build(host)
     await other.ready
     for (let k = 0; k < 3; k++) await new Promise(resolve => setTimeout(resolve, 60))
-    const svg = other.export("svg", false).canvas
-    return { svg, width: other.bbox.width, height: other.bbox.height }
+    const svg = other.export("svg", false).canvas, { bbox, frame } = other
+    return { svg, width: bbox.width, height: bbox.height, left: frame.bbox.left, right: bbox.width - frame.bbox.right }
   } finally {
     other.remove()
     host.remove()
@@ -130,6 +133,11 @@ const composed = async (views, wish) => {
   const width = wish.millimetres * POINTS_PER_MM / wish.points * TEXT
   const shape = Math.min(SHAPE, SHAPES / views.length), pictures = []
   for (const view of views) pictures.push(await drawn(view, width, wish.printed, shape))
+  if (views.length > 1) {  // frames below one another: the labels of each axis get the room of the widest
+    const most = side => Math.ceil(Math.max(...pictures.map(one => one[side])))
+    const borders = { left: most("left"), right: most("right") }
+    for (const [k, view] of views.entries()) pictures[k] = await drawn(view, width, wish.printed, shape, borders)
+  }
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
   const lines = lines_of(wish.caption, picture.width - 2 * GAP), step = LEADING * (TEXT - 1)
   const height = picture.height + (lines.length > 0 ? 2 * GAP + step * lines.length : 0)

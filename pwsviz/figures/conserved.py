@@ -55,6 +55,13 @@ NOWHERE = 1e-300
 STEADY = 1e-12
 """|Δψ|, relative to the size of ψ, up to which it is round-off, whether it grows in time or not."""
 
+SEEN_TO_RISE = 1.1
+"""Ratio of |Δψ| in the last third of the time to that in the first one beyond which a curve is seen to rise: by less
+it rises by a pixel or two, on an axis of so many decades."""
+
+DRIFT = 2.0
+"""The same ratio beyond which a rise is no wave any more, but a drift: one in proportion to time has 3."""
+
 NEAR_ONE = 10.0
 """Factor by which the size of ψ must differ from 1 for a drift to be stated relative to it, too."""
 
@@ -225,7 +232,7 @@ def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = N
 
 
 def _drift(curve: ErrorCurve, round_off: float) -> str:
-    """Say whether the error of one integrator is round-off, stays below a bound or drifts; empty if no ψ is known."""
+    """Say whether the error of one integrator is round-off, stays below a bound, rises or drifts; empty without ψ."""
     known = (np.isfinite(curve.error) | np.isinf(curve.error)) & ~curve.sliding
     t, error = curve.t[known], curve.error[known]
     if not len(error):
@@ -242,9 +249,10 @@ def _drift(curve: ErrorCurve, round_off: float) -> str:
     if worst <= round_off or worst <= STEADY * size:
         kind = "round-off" if worst <= round_off else "accumulated round-off"
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
-    if late <= 2 * early:
+    if late <= SEEN_TO_RISE * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
-    return f"{curve.method} drifts to {rounded_up(worst)}{_relative(worst, size)} by t = {t[-1]:.4g}"
+    word = "drifts to" if late > DRIFT * early else "reaches"
+    return f"{curve.method} {word} {rounded_up(worst)}{_relative(worst, size)} by t = {t[-1]:.4g}"
 
 
 def _off_surface(curve: ErrorCurve) -> str:

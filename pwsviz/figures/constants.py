@@ -84,8 +84,6 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
     str
         HTML without scripts.
     """
-    if diagnosis is None and run is not None:
-        return "<p>The paper’s theory is about two sides of one surface; this system is not of that kind.</p>"
     if diagnosis is None:
         return "<p>They are computed from a run; there is none yet.</p>"
     count = len(diagnosis.alpha2)

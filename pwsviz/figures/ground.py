@@ -21,7 +21,7 @@ from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tip
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, shows_regions, shows_surface, surface_name
-from pwsviz.geometry.shades import regions_of, shade_names
+from pwsviz.geometry.shades import NO_LAW, regions_of, shade_names
 
 __all__ = ["Ground"]
 
@@ -54,6 +54,9 @@ class Ground:
         self._shown: Backdrop | None = None
         self.side = ColumnDataSource({"xs": [], "ys": []})
         tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SIDES[-1], fill_alpha=0.13, line_width=0))
+        self.bare = ColumnDataSource({"xs": [], "ys": []})
+        hatched: dict[str, Any] = {"hatch_pattern": "/", "hatch_color": GREY, "hatch_alpha": 0.35, "hatch_scale": 12}
+        bare = plot.add_glyph(self.bare, MultiPolygons(fill_color=GREY, fill_alpha=0.08, line_width=0, **hatched))
         self.levels, self.orbit_levels, self.arrows = ({side: _line_source() for side in SIDES} for _ in range(3))
         usual, own, field = (list[Any]() for _ in range(3))
         for side, colour in SIDES.items():
@@ -62,7 +65,7 @@ class Ground:
             field.append(plot.add_glyph(self.arrows[side], Line(line_color=GREY, line_alpha=0.75)))
         plot.add_tools(tips([("ψ on this level set", "@psi{5}")], renderers=[*usual, *own], visible=False, limit=1))
         self.attracting, self.repelling, self.surface = _line_source(), _line_source(), _line_source()
-        look: dict[str, Any] = {"line_color": GREEN, "line_width": 7, "line_alpha": 0.6}
+        look: dict[str, Any] = {"line_color": GREEN, "line_width": 7}
         attracting = plot.add_glyph(self.attracting, Line(**look))
         repelling = plot.add_glyph(self.repelling, Line(line_dash=[6, 6], **look))
         line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
@@ -71,29 +74,40 @@ class Ground:
         self._arrow_lines = field
         self._shaded = [dict(zip(SIDES, lines, strict=True)) for lines in (field, usual, own)]
         self.legend: list[tuple[str, Any]] = [
-            ("S: g = 0", line), ("g < 0", tint), ("field f", field[-1]), ("ψ = const.", usual[-1]),
-            ("ψ of run", own[-1]), ("S attracts", attracting), ("S repels", repelling),
+            ("S: g = 0", line), ("g < 0", tint), (NO_LAW, bare), ("field f", field[-1]), ("ψ = const.", usual[-1]),
+            ("ψ of run", own[-1]), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
+        self._marked = ColumnDataSource({"count": [0]})
         self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
 
-    def follow(self, entries: list[LegendItem]) -> None:
+    def follow(self, entries: list[LegendItem], marks: list[ColumnDataSource]) -> None:
         """Let the browser paint what depends on time, and tell what is under the pointer.
 
         Parameters
         ----------
         entries : list of LegendItem
             Those of `legend`.
+        marks : list of ColumnDataSource
+            The marks on the trajectories, under which no label is to stand.
         """
-        self._surface_entry, self._tint_entry, *self._line_entries = entries
+        self._surface_entry, self._tint_entry, self._bare_entry, *self._line_entries = entries
         plane = {"formulas": self.formulas, "clock": self.clock, "ranges": list(ranges(self.figure))}
-        painted = {"side": self.side, "surface": self.surface, "entry": entries[0], "arrows": self._arrow_lines}
+        painted = {
+            "side": self.side,
+            "bare": self.bare,
+            "surface": self.surface,
+            "entry": entries[0],
+            "arrows": self._arrow_lines,
+        }
         lines = {"lines_below": self._lines(-1), "lines_above": self._lines(1)}
         repaint = CustomJS(args=plane | painted | lines, code=REPAINT)
-        label = CustomJS(args=plane | {"labels": self.labels}, code=PLACE_LABELS)
+        there = {"labels": self.labels, "marks": marks}
+        label = CustomJS(args=plane | there, code=PLACE_LABELS)
         for source in (self.formulas, self.clock):
             source.js_on_change("data", repaint, label)
+        self._marked.js_on_change("data", label)  # not the marks themselves: from these a legend would reach all this
         forget = CustomJS(args={"readout": self.readout}, code="readout.setv({ text: '' }, { sync: false })")
         self.formulas.js_on_change("data", forget)
         self.figure.js_on_event(RangesUpdate, repaint)
@@ -115,6 +129,10 @@ class Ground:
         self._surface_entry.visible = shows_surface(system, axes)
         self._tint_entry.visible = shows_regions(system, axes) and bool(regions_of(system, -1))
 
+    def keep_clear(self) -> None:
+        """Let the browser place the labels anew: there are other marks."""
+        self._marked.data = {"count": [self._marked.data["count"][0] + 1]}
+
     def show(self, backdrop: Backdrop, names: tuple[str, str]) -> None:
         """Draw a backdrop.
 
@@ -128,11 +146,9 @@ class Ground:
         if backdrop is self._shown:
             return
         self._shown, self.covered = backdrop, backdrop.window
-        regions = list(zip(backdrop.minus_outer, backdrop.minus_holes, strict=True))
-        self.side.data = {
-            "xs": [[[ring[:, 0] for ring in (outer, *holes)]] for outer, holes in regions],
-            "ys": [[[ring[:, 1] for ring in (outer, *holes)]] for outer, holes in regions],
-        }
+        self.side.data = _polygons(backdrop.minus_outer, backdrop.minus_holes)
+        self.bare.data = _polygons(backdrop.bare_outer, backdrop.bare_holes)
+        self._bare_entry.visible = bool(backdrop.bare_outer)
         self.surface.data = _columns(backdrop.surface)  # sent like the sides: the browser moves both by itself
         for side in SIDES:
             cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
@@ -150,6 +166,12 @@ class Ground:
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
+
+
+def _polygons(outer: list[Floats], holes: list[list[Floats]]) -> dict[str, Any]:
+    """Return outlines, and those of their holes, as columns."""
+    regions = [[ring, *inner] for ring, inner in zip(outer, holes, strict=True)]
+    return {name: [[[ring[:, k] for ring in rings]] for rings in regions] for k, name in enumerate(("xs", "ys"))}
 
 
 def _line_source() -> ColumnDataSource:

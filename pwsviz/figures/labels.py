@@ -1,4 +1,7 @@
-"""Names of several surfaces and their regions in a portrait: at an end of each surface, and inside each region."""
+"""Names of several surfaces and their regions in a portrait: at an end of each surface, and inside each region.
+
+No name stands under a mark on a trajectory where there is another place for it.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ import core
 from core.symbolic import to_text
 from pwsviz.figures.moving import FORMULAS
 from pwsviz.figures.style import GREY
+from pwsviz.geometry.shades import NO_LAW
 from pwsviz.scene.names import readable
 
 __all__ = ["PLACE_LABELS", "label_glyph", "surface_labels"]
@@ -48,12 +52,13 @@ def label_glyph(plot: figure) -> ColumnDataSource:
 PLACE_LABELS = (
     FORMULAS
     + """
-const INSET = 0.03  // of what is seen, between its edge and the label of a surface
+const INSETS = [0.03, 0.1, 0.2, 0.3]  // of what is seen, between its edge and the label of a surface
 const ALONG = 80    // points along an edge at which a surface is sought
 const CELLS = 36    // along the longer side of what is seen, by which regions are told apart
 const DEEP = 2      // cells around the label of a region, at least, that belong to it
 const TEXT = 0.6    // cells that a character of a label takes
 const [across, up] = ranges, width = across.end - across.start, height = up.end - up.start
+const cell = Math.max(width, height) / CELLS
 const shown = { x: [], y: [], text: [], align: [], baseline: [], dx: [], dy: [] }
 const add = (x, y, text, align, baseline, dx, dy) => {
   for (const [name, value] of Object.entries({ x, y, text, align, baseline, dx, dy })) { shown[name].push(value) }
@@ -61,10 +66,27 @@ const add = (x, y, text, align, baseline, dx, dy) => {
 const t = clock.data.t[0]
 const at = (u, v) => [across.start + u * width, up.start + v * height]
 
+// Marks of trajectories, by the cell in which they are, and whether one of them is near a label.
+const column = x => Math.floor((x - across.start) / cell), row = y => Math.floor((y - up.start) / cell)
+const number = (i, j) => i * 1000 + j
+const marked = new Set(marks.flatMap(({ data }) => Array.from(data.x, (x, k) => number(column(x), row(data.y[k])))))
+const extent = ({ x, text, align }) => {
+  const long = TEXT * text.length * cell
+  const low = x - { left: 0, center: long / 2, right: long }[align]
+  return [low, low + long]
+}
+const isMarked = label => {
+  const [low, high] = extent(label).map(column), middle = row(label.y + (label.baseline == "bottom" ? cell : 0))
+  for (let i = low - 1; i <= high + 1; i++) {
+    if ([-1, 0, 1].some(more => marked.has(number(i, middle + more)))) { return true }
+  }
+  return false
+}
+
 // Where a surface meets the edges of what is seen, all of them a little inside: top, right, bottom, left.
-const EDGES = [s => [1 - s, 1 - INSET], s => [1 - INSET, 1 - s], s => [1 - s, INSET], s => [INSET, 1 - s]]
-const ends = g => EDGES.flatMap((edge, side) => {
-  const places = Array.from({ length: ALONG + 1 }, (_, k) => at(...edge(INSET + (1 - 2 * INSET) * k / ALONG)))
+const EDGES = [(s, d) => [1 - s, 1 - d], (s, d) => [1 - d, 1 - s], (s, d) => [1 - s, d], (s, d) => [d, 1 - s]]
+const ends = (g, inset) => EDGES.flatMap((edge, side) => {
+  const places = Array.from({ length: ALONG + 1 }, (_, k) => at(...edge(inset + (1 - 2 * inset) * k / ALONG, inset)))
   const levels = places.map(([x, y]) => g(x, y, t)), found = []
   for (let k = 0; k < ALONG; k++) {
     const [a, b] = [levels[k], levels[k + 1]]
@@ -90,24 +112,33 @@ const nameSurfaces = () => {
   const apart = one => Math.min(...placed.map(({ x, y }) => Math.hypot(one.x - x, one.y - y)), width + height)
   heights.forEach((g, k) => {
     if (g == null) { return }
-    const best = ends(g).reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
+    const label = one => {
+      const beside = one.side % 2 == 0  // else above the surface, from that edge on
+      const right = beside ? room(one, k, -1) > room(one, k, 1) : one.side == 1  // the text then ends there
+      return { ...one, text: given.surfaces[k], align: right ? "right" : "left", beside,
+               baseline: beside ? "middle" : "bottom" }
+    }
+    const found = INSETS.map(inset => ends(g, inset).map(label))
+    const free = found.map(some => some.filter(one => !isMarked(one)))
+    const best = (free.find(some => some.length > 0) ?? found[0])
+      .reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
     if (best == null) { return }
     placed.push(best)
-    const beside = best.side % 2 == 0  // else above the surface, from that edge on
-    const right = beside ? room(best, k, -1) > room(best, k, 1) : best.side == 1  // the text then ends there
-    add(best.x, best.y, given.surfaces[k], right ? "right" : "left", beside ? "middle" : "bottom",
-        beside ? (right ? -6 : 6) : 0, beside ? 0 : -4)
+    const { x, y, text, align, baseline, beside } = best
+    add(x, y, text, align, baseline, beside ? (align == "right" ? -6 : 6) : 0, beside ? 0 : -4)
   })
 }
 
-// Toward the edge of what is seen, where few trajectories are, and away from other regions and labels of surfaces.
+// Toward the edge of what is seen, where few trajectories are, and away from other regions, labels of surfaces and
+// marks. Regions without a law are told from one another by their signs, and have the same name.
 const nameRegions = () => {
-  const cell = Math.max(width, height) / CELLS
   const columns = Math.max(2, Math.round(width / cell)), rows = Math.max(2, Math.round(height / cell))
   const place = (i, j) => at((i + 0.5) / columns, (j + 0.5) / rows)
+  const regions = [...given.regions]
   const region = Array.from({ length: rows }, (_r, j) => Array.from({ length: columns }, (_c, i) => {
     const [x, y] = place(i, j), signs = heights.map(g => Math.sign(g(x, y, t)))
-    return given.regions.findIndex(([sides]) => sides.every((sign, k) => sign == signs[k]))
+    const known = regions.findIndex(([sides]) => sides.every((sign, k) => sign == signs[k]))
+    return known < 0 && signs.every(sign => sign != 0) ? regions.push([signs, "NO_LAW"]) - 1 : known
   }))
   const depth = region.map(row => row.map(() => 0))  // cells from there to another region
   let inside = region.flatMap((row, j) => row.map((_, i) => [i, j]))
@@ -119,30 +150,36 @@ const nameRegions = () => {
     for (const [i, j] of inside) { depth[j][i] = level + 1 }
   }
   const surfaces = shown.text.map((text, k) => {
-    const long = TEXT * text.length * cell, end = shown.x[k] + (shown.align[k] == "right" ? -long : long)
-    return { low: Math.min(shown.x[k], end), high: Math.max(shown.x[k], end), y: shown.y[k] }
+    const [low, high] = extent({ x: shown.x[k], text, align: shown.align[k] })
+    return { low, high, y: shown.y[k] }
   })
   const free = ([x, y]) => surfaces.every(({ low, high, y: there }) =>
     x < low - DEEP * cell || x > high + DEEP * cell || Math.abs(y - there) > DEEP * cell)
-  given.regions.forEach(([, name], k) => {
+  const bestPlace = (k, text, suits) => {
     let best = null, most = 0
     for (let j = rows - 1 - DEEP; j >= DEEP; j--) {
       for (let i = DEEP; i < columns - DEEP; i++) {
         if (region[j][i] != k || depth[j][i] < DEEP || !free(place(i, j))) { continue }
         const out = Math.max(Math.abs((i + 0.5) / columns - 0.5), Math.abs((j + 0.5) / rows - 0.5))
-        const score = out + depth[j][i] / CELLS
-        if (score > most + 1e-9) { most = score; best = place(i, j) }
+        const score = out + depth[j][i] / CELLS, [x, y] = place(i, j)
+        if (score > most + 1e-9 && suits({ x, y, text, align: "center" })) { most = score; best = [x, y] }
       }
     }
-    if (best != null) { add(...best, name.replace(/^region /, ""), "center", "middle", 0, 0) }
+    return best
+  }
+  regions.forEach(([, name], k) => {
+    const text = name.replace(/^region /, "")
+    const best = bestPlace(k, text, label => !isMarked(label)) ?? bestPlace(k, text, () => true)
+    if (best != null) { add(...best, text, "center", "middle", 0, 0) }
   })
 }
 
-if (given?.surfaces?.length > 1 && Number.isFinite(width) && Number.isFinite(height)) {
-  nameSurfaces()
-  if (given.regions.length > 0) { nameRegions() }
+if (given?.surfaces != null && Number.isFinite(width) && Number.isFinite(height)) {
+  const several = given.surfaces.length > 1, count = given.regions.length
+  if (several) { nameSurfaces() }
+  if (count > 0 && (several || count < 2 ** heights.length)) { nameRegions() }
 }
 if (shown.x.length > 0 || labels.data.x.length > 0) { labels.setv({ data: shown }, { sync: false }) }
-"""
+""".replace("NO_LAW", NO_LAW)
 )
 """JavaScript run when another part of the plane is seen, or another time: it puts each label where there is room."""

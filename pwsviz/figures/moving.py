@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pwsviz.geometry.formulas import FUNCTIONS
+from pwsviz.geometry.shades import NO_LAW
 from pwsviz.text.numbers import PRINTED
 
 __all__ = ["REPAINT", "TELL_PLACE"]
@@ -75,16 +76,22 @@ if (given?.moving && given.regions.length > 0) {
   const xs = Array.from({ length: columns + 1 }, (_, i) => left + i * width / columns)
   const ys = Array.from({ length: rows + 1 }, (_, j) => low + j * height / rows)
   const nodes = heights.map(g => ys.map(y => xs.map(x => g(x, y, t))))
-  const px = [], py = [], sx = [], sy = []
+  const sx = [], sy = []
   const nothing = () => {}
   const line = (a, b) => { sx.push(a[0], b[0], NaN); sy.push(a[1], b[1], NaN) }
   for (const g of nodes) { trace(xs, ys, g, nothing, line) }
   // Of regions of the first shade, an odd number of signs is −. A region that is not declared has no tint.
   const tinted = given.regions.map(([sides]) => sides).filter(sides => sides.reduce((a, b) => a * b, 1) < 0)
-  const beyond = (i, j) => -Math.max(...tinted.map(sides => Math.min(...sides.map((s, k) => s * nodes[k][j][i]))))
-  const outside = ys.map((_y, j) => xs.map((_x, i) => beyond(i, j)))
-  trace(xs, ys, outside, (x, y) => { px.push([x]); py.push([y]) }, nothing)
-  side.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
+  const highest = (regions, i, j) =>
+    Math.max(...regions.map(sides => Math.min(...sides.map((s, k) => s * nodes[k][j][i]))))
+  const filled = (source, regions, sign) => {  // where none of these regions is (+), or one of them (-)
+    const px = [], py = []
+    const levels = ys.map((_y, j) => xs.map((_x, i) => sign * highest(regions, i, j)))
+    trace(xs, ys, levels, (x, y) => { px.push([x]); py.push([y]) }, nothing)
+    source.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
+  }
+  filled(side, tinted, -1)
+  if (given.regions.length < 2 ** heights.length) { filled(bare, given.regions.map(([sides]) => sides), 1) }
   surface.setv({ data: { x: sx, y: sy } }, { sync: false })
   const name = heights.length == 1 ? "S: g = 0" : "surfaces"
   const label = { value: running ? name : `${name} at t = 0` }
@@ -122,9 +129,11 @@ if (inside && cb_obj.event_name != "mouseleave") {
     words.push(region[1])
     const psi = formula(region[3])?.(x, y, t)
     if (Number.isFinite(psi)) { words.push(`${region[2]} = ${printed(psi.toPrecision(4))}`) }
+  } else if (given?.regions?.length > 0 && signs.every(sign => sign != 0)) {
+    words.push("NO_LAW")
   }
 }
 readout.setv({ text: words.join(" \\u00b7 ") }, { sync: false })
-"""
+""".replace("NO_LAW", NO_LAW)
 )
 """JavaScript run when the pointer moves over the portrait: place, side, and ψ of that side there."""

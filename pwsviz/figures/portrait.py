@@ -231,7 +231,8 @@ class PortraitView:
             usual=9,
             widest=135,
         )
-        self.ground.follow(entries[-len(self.ground.legend) :])
+        marks = [self.starts, self.crossings, self.ends]
+        self.ground.follow(entries[-len(self.ground.legend) :], marks)
 
     def _watch_window(
         self, on_window: Callable[[Window], None], on_zoom: Callable[[Window], None], on_fit: Callable[[], None]
@@ -323,6 +324,7 @@ class PortraitView:
             "chosen": chosen,
             "heard": [self._heard] * len(starts),
         }
+        self.ground.keep_clear()
 
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -275,7 +275,7 @@ def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
 
 
 def legend_below(
-    plot: figure, columns: int, entries: list[tuple[Any, Any]], usual: int, widest: int = 115
+    plot: figure, columns: int, entries: Sequence[tuple[Any, Any]], usual: int, widest: int = 115
 ) -> list[LegendItem]:
     """Put a legend below the plot, where it covers nothing, and return its entries.
 
@@ -286,13 +286,14 @@ def legend_below(
     columns : int
         Most entries in a row.
     entries : list of (label, renderer)
-        A label is a text, or ``{"field": name}`` for one entry per distinct value in that column.
+        A label is a text, or ``{"field": name}`` for one entry per distinct value in that column. In place of a
+        renderer, several that are painted one over the other.
     usual : int
         Entries for which the figure has room: more of them make it taller, so that the plot itself keeps its place.
     widest : int
         Pixels that an entry may need; rows of a narrow plot have fewer entries accordingly.
     """
-    items = [LegendItem(label=label, renderers=[renderer]) for label, renderer in entries]
+    items = [LegendItem(label=label, renderers=one if isinstance(one, list) else [one]) for label, one in entries]
     look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
     legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
     # In the browser the theme of the page narrows the glyphs so far that dashes could not be told apart.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -23,13 +24,16 @@ from pwsviz.geometry.projection import (
     shows_sliding,
     surfaces_shown,
 )
-from pwsviz.geometry.shades import regions_of
+from pwsviz.geometry.shades import has_bare_regions, regions_of
 
 GRID = 120
 """Cells along the longer side of the grid on which surfaces and level sets are traced: 6 to 10 pixels each."""
 
 ARROWS = 24
 """Arrows of the field along the longer side."""
+
+BEYOND = 1.3
+"""Least size of a backdrop relative to the view that it is for, so that a short pan stays within it."""
 
 ROWS = 6
 """Rows of an arrow."""
@@ -83,14 +87,32 @@ class Window(NamedTuple):
         w, h = factor * self.width / 2, factor * self.height / 2
         return Window(x - w, x + w, y - h, y + h)
 
+    @property
+    def longest(self) -> float:
+        """The longer side."""
+        return max(self.width, self.height)
+
     def covers(self, other: Window) -> bool:
         """Whether `other` lies within."""
         across = self.x_low <= other.x_low and other.x_high <= self.x_high
         return across and self.y_low <= other.y_low and other.y_high <= self.y_high
 
+    def surroundings(self) -> Window:
+        """Return the window of a backdrop for this view.
+
+        Its longer side is a power of two, and its arrows stand on a lattice: how dense they are follows from the size
+        of the view alone, not from the way on which the view was reached, and a pan does not move them.
+        """
+        longer = 2.0 ** math.ceil(math.log2(BEYOND * self.longest))
+        cell = longer / ARROWS
+        sides = [(side / self.longest, side / cell) for side in (self.width, self.height)]
+        half = [cell * math.ceil(max(ARROWS / 2 * share, 0.5 * cells + 0.5)) for share, cells in sides]
+        x, y = (cell * round(0.5 * (low + high) / cell) for low, high in (self[:2], self[2:]))
+        return Window(x - half[0], x + half[0], y - half[1], y + half[1])
+
     def shows_well(self, other: Window) -> bool:
-        """Whether this backdrop suits the view `other`: it covers it and is at most four times as large."""
-        return self.covers(other) and self.width <= 4 * other.width and self.height <= 4 * other.height
+        """Whether this backdrop suits the view `other`: it covers it, and is of the size of its own backdrop."""
+        return self.covers(other) and math.isclose(self.longest, other.surroundings().longest, rel_tol=1e-6)
 
 
 @dataclass(frozen=True)
@@ -107,6 +129,8 @@ class Backdrop:
         The pieces of these curves to which both fields point, and from which both do.
     minus_outer, minus_holes : list
         Outlines of the regions of the first shade, where g < 0, and those of their holes.
+    bare_outer, bare_holes : list
+        The same of the regions for which no law is declared.
     arrows : dict
         For each shade, which is a side of one surface, (k, 2): the field as arrows.
     levels, orbit_levels : dict
@@ -124,6 +148,8 @@ class Backdrop:
     repelling: Floats
     minus_outer: list[NDArray[np.float64]]
     minus_holes: list[list[NDArray[np.float64]]]
+    bare_outer: list[NDArray[np.float64]]
+    bare_holes: list[list[NDArray[np.float64]]]
     arrows: dict[int, Floats]
     levels: dict[int, Floats]
     orbit_levels: dict[int, Floats]
@@ -148,7 +174,7 @@ def backdrop(
         The variables that span the plane.
     """
     plane, shades = _Plane(system, window, axes), {shade: regions_of(system, shade) for shade in (-1, 1)}
-    rings = plane.minus_rings()
+    rings, bare = plane.minus_rings(), plane.bare_rings()
     return Backdrop(
         window=window,
         surface=plane.surface(),
@@ -156,6 +182,8 @@ def backdrop(
         repelling=plane.where_both_point(-1),
         minus_outer=[ring[0] for ring in rings],
         minus_holes=[ring[1:] for ring in rings],
+        bare_outer=[ring[0] for ring in bare],
+        bare_holes=[ring[1:] for ring in bare],
         arrows={side: np.concatenate([*map(plane.arrows, modes), _joined([])]) for side, modes in shades.items()},
         levels={side: _joined(map(plane.usual_level_sets, modes), 3) for side, modes in shades.items()},
         orbit_levels={
@@ -284,8 +312,17 @@ class _Plane:
         modes = regions_of(self.system, -1)
         if not modes or not shows_regions(self.system, self.axes):
             return []
-        g = -np.max([self._inside(mode) for mode in modes], axis=0)
-        inside = contour_generator(self.x, self.y, g, fill_type=FillType.OuterOffset)
+        return self._rings(-np.max([self._inside(mode) for mode in modes], axis=0))
+
+    def bare_rings(self) -> list[list[Floats]]:
+        """Return the outlines of the regions for which no law is declared, each followed by those of its holes."""
+        if not has_bare_regions(self.system) or not shows_regions(self.system, self.axes):
+            return []
+        return self._rings(np.max([self._inside(mode) for mode in range(len(self.system.laws.regions))], axis=0))
+
+    def _rings(self, values: Floats) -> list[list[Floats]]:
+        """Return the outlines of where values on the grid are negative, each followed by those of its holes."""
+        inside = contour_generator(self.x, self.y, values, fill_type=FillType.OuterOffset)
         filled: Any = inside.filled(-np.inf, 0.0)
         pieces, offsets = filled
         return [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(pieces, offsets, strict=True)]

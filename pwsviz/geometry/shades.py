@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 import core
 from core.symbolic import Laws, Mode
 
-__all__ = ["REGION_SHADES", "SHADES", "SLIDING", "coloured", "region_name", "regions_of", "shade_names", "shades_of"]
+__all__ = [
+    "NO_LAW", "REGION_SHADES", "SHADES", "SLIDING", "coloured", "has_bare_regions", "region_name", "regions_of",
+    "shade_names", "shades_of",
+]  # fmt: skip
 
 SLIDING = 0
 """The shade of sliding."""
@@ -21,8 +24,14 @@ REGION_SHADES = (-1, 1, 2, 3)
 SHADES = (*REGION_SHADES, SLIDING)
 """All shades."""
 
+NO_LAW = "no law"
+"""What the page calls a region for which no law is declared."""
+
 MOST_NAMES = 2
-"""Most regions that a name lists."""
+"""Most regions told by their signs that a name lists; more are told by the sign that the product of all g has there."""
+
+LONGEST = 24
+"""Most characters of the names of regions that a legend lists; beyond them, further regions are counted."""
 
 
 def shades_of(system: core.PiecewiseSystem, mode: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -65,6 +74,12 @@ def regions_of(system: core.PiecewiseSystem, shade: int) -> list[int]:
     return np.flatnonzero(_shades(system.laws)[: len(system.laws.regions)] == shade).tolist()
 
 
+def has_bare_regions(system: core.PiecewiseSystem) -> bool:
+    """Whether there is a combination of signs for which no law is declared; not where regions have names."""
+    count = system.laws.sides.shape[1]
+    return bool(count) and len(system.laws.regions) < 2**count
+
+
 def region_name(region: Mode) -> str:
     """Return the name of a region as it is printed: its signs, as “−+”, or the name it was given."""
     return region.name.replace("-", "−") if region.sides else region.name
@@ -79,6 +94,18 @@ def shade_names(system: core.PiecewiseSystem) -> Mapping[int, str]:
         regions = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
         if not regions:
             continue
-        few = regions if len(regions) <= MOST_NAMES else [regions[0], "…"]
-        names[shade] = f"region{'s' * (len(regions) > 1)} {', '.join(few)}"
+        signs = system.laws.sides.shape[1]
+        if signs and len(regions) > MOST_NAMES:
+            product = "·".join(f"g{k + 1}" for k in range(signs))
+            names[shade] = f"{product} {'<' if shade < 0 else '>'} 0"
+        else:
+            names[shade] = f"region{'s' * (len(regions) > 1)} {_listed(regions)}"
     return {**names, SLIDING: "sliding"}
+
+
+def _listed(regions: Sequence[str]) -> str:
+    """Return names of regions, as many as fit; the rest are counted."""
+    fit = [k for k in range(1, len(regions) + 1) if len(", ".join(regions[:k])) <= LONGEST]
+    count = max(fit, default=1)
+    rest = len(regions) - count
+    return ", ".join(regions[:count]) + (f" and {rest} more" if rest else "")

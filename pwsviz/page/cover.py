@@ -108,7 +108,7 @@ def portrait_of_a_fresh_page(results: Results) -> str:
     view.fit()
     assert view.frame is not None  # noqa: S101  (it fits the orbits just shown)
     problem, levels = pictures.inputs.selected[0].problem, pictures.orbits[0].levels
-    view.show_backdrop(results.backdrop(problem, view.frame.scaled(2.0), levels, scene.axes))
+    view.show_backdrop(results.backdrop(problem, view.frame.scaled(1.5).surroundings(), levels, scene.axes))
     return still(view.figure, view.frame)
 
 

@@ -36,7 +36,8 @@ _USE = (
     "Where there are several surfaces, a region is named by the signs of their functions: +− is where the first is "
     "positive and the second negative. Shades tell neighbouring regions apart.",
     "“Write your own …” takes the laws of both sides of a surface, or one law with sign, abs, max and so on, in which "
-    "up to six surfaces are found; conserved quantities are checked as you type.",
+    "up to six surfaces are found; or, behind “Several surfaces, walls, hysteresis”, the law of each region. Conserved "
+    "quantities are checked as you type.",
     "The address bar holds the whole scene: a link to it restores the scene.",
 )
 

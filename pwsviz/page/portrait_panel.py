@@ -211,7 +211,7 @@ class PortraitPanel(pn.viewable.Viewer):
         visible, covered = self._visible or self.portrait.frame, self.portrait.ground.covered
         if visible is None or (covered is not None and covered.shows_well(visible)):
             return covered
-        return visible.scaled(1.3 if self._visible else 2.0)
+        return visible.surroundings()
 
     def _cover(self) -> None:
         """Show a backdrop for the visible part of the plane if it has been computed, or submit its computation."""

@@ -252,10 +252,8 @@ class Results:
         found: Backdrop | None = self._cache.found("backdrop", (_still(problem), window, levels, axes))
         return found
 
-    def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis | None:
-        """Return the constants of the theory along a run; None of several surfaces, about which it says nothing."""
-        if not inputs.problem.declaration.two_sided:
-            return None
+    def diagnosis(self, inputs: RunInputs, cancel: Cancel = never) -> core.Diagnosis:
+        """Return the constants of the theory along a run."""
         return self._get("diagnosis", inputs, cancel, lambda: core.diagnose(self.run(inputs, cancel)))
 
     def study(self, inputs: StudyInputs, cancel: Cancel = never, report: Report = silent) -> core.OrderStudy:

@@ -1,12 +1,17 @@
 """What is exported is what is painted."""
 
 import csv
+import io
 import re
 import zlib
 
 import numpy as np
 import pytest
+from PIL import Image
 
+import core
+from pwsviz.scene.permalink import query
+from pwsviz.scene.scene import Scene
 from tests.browser.test_portrait import FIGURE, PORTRAIT, await_still, await_that, inside
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
@@ -95,3 +100,18 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     assert chunk[16] == 1, "pixels per metre"
     assert wide / int.from_bytes(chunk[8:12]) == pytest.approx(0.085, rel=1e-4)
     assert int.from_bytes(chunk[17:]) == zlib.crc32(chunk[4:17])
+
+
+def test_panels_of_one_figure_stand_below_one_another(visit):
+    law = ("y/1000000", "-1000000*x")  # whose coordinates have labels of different widths
+    scene = Scene()
+    scene.use(core.PiecewiseSystem("Scales", ("x", "y"), law, law, "x", x0=(1.0, 0.0)))
+    page = visit(query=f"{query(scene)}&view=state&t_end=5")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    png = downloaded(page, page.get_by_role("button", name="PNG").nth(1))
+    dark = np.asarray(Image.open(io.BytesIO(png)).convert("L")) < 100
+    dark = dark[: len(dark) * 3 // 4]  # without legend and caption
+    for side in (dark[:, : dark.shape[1] // 4], dark[:, -dark.shape[1] // 4 :]):
+        assert side.mean(axis=0).max() > 0.9, "the frames have one left edge, and one right edge"

@@ -33,7 +33,8 @@ def assert_in_place(seen, t):
     assert abs(heights["g2 = x + y = 0"][1]) < 0.02
     for name in ("−+", "++", "−−"):
         assert [np.sign(height) for height in heights[name]] == [1 if sign == "+" else -1 for sign in name]
-    assert len(places) == 5, "what is not declared has no name"
+    assert [np.sign(height) for height in heights["no law"]] == [1, -1]
+    assert len(places) == 6
 
 
 def test_surfaces_and_regions_are_named_where_they_are(visit):
@@ -45,6 +46,22 @@ def test_surfaces_and_regions_are_named_where_they_are(visit):
     slider = animate(page)
     at_time(page, slider, np.pi / 2)
     assert_in_place(page.evaluate(LABELS), np.pi / 2)
+
+
+def test_no_label_stands_under_the_mark_of_a_start(visit):
+    scene = Scene()
+    scene.use(GATE)
+    page = visit(query=f"{query(scene)}&t_end=0.01&window=-3,3,-2,2")
+    await_painted(page, "Phase portrait")
+    before = await_that(page, LABELS)
+    marks = [place for text, place in before["places"].items() if text != "no law"]  # nothing can start there
+    starts = ";".join(f"{x:.6g},{y:.6g}" for x, y in marks)
+    page = visit(query=f"{query(scene)}&t_end=0.01&window=-3,3,-2,2&starts={starts}")
+    await_painted(page, "Phase portrait")
+    seen = await_that(page, LABELS, lambda seen: seen["places"] != before["places"])
+    size = (seen["range"][1] - seen["range"][0]) / 36
+    for place in seen["places"].values():
+        assert min(np.abs(np.subtract(place, mark)).max() for mark in marks) > size
 
 
 def test_a_single_surface_has_no_label(visit):

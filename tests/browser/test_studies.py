@@ -43,7 +43,9 @@ def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_ch
 
 def test_a_curve_that_leaves_the_plot_reaches_its_end_and_the_words_say_how_far(visit):
     page = visit(query="v=1&tau=0.05&methods=rk2,dmm2&starts=0.9,1.5")
-    words = page.get_by_text(re.compile("conserves ψ|stays below|drifts to|leaves the plot")).locator("visible=true")
+    words = page.get_by_text(re.compile("conserves ψ|stays below|reaches|drifts to|leaves the plot")).locator(
+        "visible=true"
+    )
     words.first.wait_for()
     curves = {curve["method"]: curve["y"] for curve in await_that(page, CURVES)}
     assert max(curves["rk2"]) == 1e9, "it goes out through the upper end of the axis"

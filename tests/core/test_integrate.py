@@ -180,6 +180,16 @@ def test_a_pole_is_an_escape_with_everything_before_it_kept(method):
     assert 0.6 < run.t[-1] < 0.9  # the pole is at 0.69
 
 
+@pytest.mark.parametrize(("f", "t_end"), [(("y", "1"), 1e80), (("x + 1", "1"), 1e3)])
+@pytest.mark.parametrize("method", ["rk4", "taylor"])
+def test_a_solution_that_grows_without_a_pole_is_not_said_to_have_one(f, t_end, method):
+    system = one_law("growing", f, "x - 1", (), x0=(0.0, 0.0))
+    run = core.integrate(system, (0.0, t_end), tau=None if method == "taylor" else t_end / 1e4, method=method)
+    assert run.status is Status.ESCAPED
+    assert "grows beyond 1e150" in run.message
+    assert "may have a pole" not in run.message
+
+
 def test_a_step_that_has_no_solution_is_no_convergence():
     system = one_law("stiff", ("y", "-sin(1000*x)*1000"), "x - 9", ("y**2/2 - cos(1000*x)",), x0=(1.0, 0.0))
     run = core.integrate(system, (0.0, 10.0), tau=5.0)

@@ -49,70 +49,86 @@ class Path:
 
 
 def exact(values: dict[str, float], x0: tuple[float, float], slides: bool = False) -> Path:
-    """Follow the path in ratios: from line to line, through a corner only if all fields around agree.
-
-    If it slides, it does so to the end or to another line.
-    """
+    """Follow the path in ratios: from line to line, along a line where both fields point to it, and out of corners."""
     q = {name: Fraction(value) for name, value in values.items()}
     lines = [(q[f"a{k}"], q[f"b{k}"], q[f"c{k}"]) for k in range(3)]
     fields = {key: (q[f"u{n}"], q[f"v{n}"]) for n, key in enumerate(KEYS)}
-    x, y = map(Fraction, x0)
-    key = "".join("+" if a * x + b * y + c > 0 else "-" for a, b, c in lines)
+    place = tuple(map(Fraction, x0))
+    key, on = "".join("+" if a * place[0] + b * place[1] + c > 0 else "-" for a, b, c in lines), None
     t, path = Fraction(0), Path()
     while True:
-        u, v = fields[key]
-        rates = [a * u + b * v for a, b, _ in lines]
-        heights = [a * x + b * y + c for a, b, c in lines]
-        sign = [1 if s == "+" else -1 for s in key]
-        ahead = {k: -heights[k] / rates[k] for k in range(3) if sign[k] * rates[k] < 0}
+        u, v = fields[key] if on is None else along(key, on, lines, fields)[2]
+        ahead = {}
+        for k, (a, b, c) in enumerate(lines):
+            rate = a * u + b * v
+            if k != on and (1 if key[k] == "+" else -1) * rate < 0:
+                ahead[k] = -(a * place[0] + b * place[1] + c) / rate
         step = min(ahead.values(), default=None)
         if step is None or t + step > T_END:
-            path.end = (x + (T_END - t) * u, y + (T_END - t) * v)
+            path.end = (place[0] + (T_END - t) * u, place[1] + (T_END - t) * v)
             return path
-        before, (t, x, y) = (x, y), (t + step, x + step * u, y + step * v)
-        if len(path.times) == MOST:
-            path.status, path.end = "ZENO", (x, y)
-            return path
-        path.times.append(t)
-        met = [k for k in range(3) if a_zero(lines[k], x, y)]
-        path.nearly |= any(is_nearly_met(line, before, (x, y)) for line in lines)
-        key, path.status = beyond(key, met, lines, fields)
-        if path.status == "SLIDING" and slides:
-            return slide(path, key, met[0], lines, fields, t, (x, y))
-        if path.status != "COMPLETED":
-            path.end = (x, y)
-            return path
-        path.entered.append(key)
-
-
-def slide(path, key, k, lines, fields, t, place):
-    """Follow the path along line k: the fields of both sides, weighted so that they keep on it (Filippov).
-
-    At another line it goes on if both fields beyond point to line k, and lead on along it.
-    """
-    while True:
-        low, high, (u, v) = along(key, k, lines, fields)
-        path.entered.append(f"{key[:k]}0{key[k + 1 :]}")
-        rest = {}
-        for j, (a, b, c) in enumerate(lines):
-            height, rate = a * place[0] + b * place[1] + c, a * u + b * v
-            if j != k and (1 if key[j] == "+" else -1) * rate < 0:
-                rest[j] = -height / rate
-        step = min([T_END - t, *rest.values()])
-        t, place = t + step, (place[0] + step * u, place[1] + step * v)
+        before, t, place = place, t + step, (place[0] + step * u, place[1] + step * v)
         path.end = place
-        if t == T_END:
-            path.status = "COMPLETED"
+        if len(path.times) == MOST:
+            path.status = "ZENO"
             return path
         path.times.append(t)
-        met = [j for j in rest if rest[j] == step]
-        for j in met:
-            key = key[:j] + ("+" if key[j] == "-" else "-") + key[j + 1 :]
-        low, high, (u, v) = along(key, k, lines, fields)
-        onward = all((1 if key[j] == "+" else -1) * (lines[j][0] * u + lines[j][1] * v) > 0 for j in met)
-        if len(met) > 1 or not (low > 0 > high and onward):
-            path.status = "CORNER"
+        met = [k for k in range(3) if k == on or a_zero(lines[k], *place)]
+        path.nearly |= any(is_nearly_met(line, before, place) for line in lines)
+        key, on, path.status = (out_of_corner if len(met) == 2 else beyond)(key, met, lines, fields)
+        if on is not None and not slides:
+            path.status = "SLIDING"
+        if path.status != "COMPLETED":
             return path
+        path.entered.append(key if on is None else f"{key[:on]}0{key[on + 1 :]}")
+
+
+def out_of_corner(key, met, lines, fields):
+    """The one exit from the corner of two lines, if no weights of the fields, each line's apart, are an equilibrium."""
+    around = {}
+    for signs in product((-1, 1), repeat=2):
+        near = list(key)
+        for k, s in zip(met, signs, strict=True):
+            near[k] = "+" if s > 0 else "-"
+        u, v = fields["".join(near)]
+        around[signs] = ("".join(near), [lines[k][0] * u + lines[k][1] * v for k in met])
+    exits = [
+        (near, None) for signs, (near, rates) in around.items()
+        if all(s * rate >= 0 for s, rate in zip(signs, rates, strict=True))
+    ]  # fmt: skip
+    clear = all(0 not in around[signs][1] for signs in around if (around[signs][0], None) in exits)
+    for k, side in product((0, 1), (-1, 1)):
+        low, high = (around[(s, side) if k == 0 else (side, s)] for s in (-1, 1))
+        (rate_low, on_low), (rate_high, on_high) = ((r[k], r[1 - k]) for _, r in (low, high))
+        onward = side * (rate_low * on_high - rate_high * on_low)
+        if rate_low >= 0 >= rate_high and onward >= 0:
+            exits.append((low[0], met[k]))
+            clear &= 0 not in (rate_low, rate_high, onward)
+    if len(exits) != 1 or not clear or balanced([rates for _, rates in around.values()]):
+        return key, None, "CORNER"
+    return *exits[0], "COMPLETED"
+
+
+def balanced(rates):
+    """Whether the bilinear interpolant of the two rates at the corners of a square has a common zero in it."""
+    one, other = (
+        [c.dot([float(r[k]) for r in rates]) / 4 for c in np.array([[1, 1, 1, 1], [-1, -1, 1, 1], [-1, 1, -1, 1],
+                                                                     [1, -1, -1, 1]])]
+        for k in (0, 1)
+    )  # fmt: skip
+    resultant = np.polysub(
+        np.polymul([other[2], other[0]], [one[3], one[1]]), np.polymul([other[3], other[1]], [one[2], one[0]])
+    )
+    if not np.any(resultant):  # the rates vanish together, or nowhere in common
+        return all(min(r[k] for r in rates) <= 0 <= max(r[k] for r in rates) for k in (0, 1))
+    for v in np.roots(resultant):
+        slopes = [one[1] + one[3] * v.real, other[1] + other[3] * v.real]
+        heights = [one[0] + one[2] * v.real, other[0] + other[2] * v.real]
+        steeper = int(abs(slopes[1]) > abs(slopes[0]))
+        near = abs(v.imag) < 1e-7 and abs(v.real) <= 1 + 1e-9
+        if near and abs(heights[steeper]) <= (1 + 1e-9) * abs(slopes[steeper]):
+            return True
+    return False
 
 
 def along(key, k, lines, fields):
@@ -136,26 +152,20 @@ def is_nearly_met(line: tuple[Fraction, Fraction, Fraction], before: Vector, her
 
 
 def beyond(key, met, lines, fields):
-    """The region that follows where some lines are met, and the status."""
-    ways = set()
-    for signs in product("-+", repeat=len(met)):
-        around = list(key)
-        for k, s in zip(met, signs, strict=True):
-            around[k] = s
-        u, v = fields["".join(around)]
-        ways.add(tuple(np.sign(float(lines[k][0] * u + lines[k][1] * v)) for k in met))
+    """The region that follows where one line is met, or three at once, the line along which it slides, and the status.
+
+    Where three meet, all fields around have to lead to one region.
+    """
     if len(met) == 1:
         (k,) = met
         other = key[:k] + ("+" if key[k] == "-" else "-") + key[k + 1 :]
         out = lines[k][0] * fields[other][0] + lines[k][1] * fields[other][1]
         way = 1 if other[k] == "+" else -1
-        return (other, "COMPLETED") if way * out > 0 else (key, "SLIDING" if way * out < 0 else "GRAZING")
+        return other if way * out > 0 else key, k if way * out < 0 else None, "COMPLETED" if out else "GRAZING"
+    ways = {tuple(int(np.sign(a * u + b * v)) for a, b, _ in lines) for u, v in fields.values()}
     if len(ways) > 1 or 0 in next(iter(ways)):
-        return key, "CORNER"
-    after = list(key)
-    for k, s in zip(met, ways.pop(), strict=True):
-        after[k] = "+" if s > 0 else "-"
-    return "".join(after), "COMPLETED"
+        return key, None, "CORNER"
+    return "".join("+" if s > 0 else "-" for s in ways.pop()), None, "COMPLETED"
 
 
 def drawn(rng: np.random.Generator, near: float | None) -> tuple[dict[str, float], tuple[float, float]]:

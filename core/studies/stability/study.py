@@ -17,7 +17,7 @@ from core.studies.stability.largest import LargestTau
 from core.studies.stability.outcomes import OutcomeMap
 from core.studies.stability.plan import Plan, checked_plan
 from core.studies.stability.verdict import REFERENCE
-from core.system import PiecewiseSystem, Start
+from core.system import Start
 from core.systems import System, system_of
 
 __all__ = ["PARTS", "StabilityStudy", "stability_study"]
@@ -131,7 +131,7 @@ def stability_study(
         On arguments that make no sense, naming the value and what would do.
     """
     system = system_of(system)
-    wanted = _checked_parts(parts, system)
+    wanted = _checked_parts(parts)
     plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps, transition, sliding, cancel)
     name = system.variables[plan.coordinate]
     study = StabilityStudy(system.name, plan.methods, plan.t_span, plan.x0, plan.coordinate, name, REFERENCE)
@@ -154,13 +154,8 @@ def _never() -> bool:
     return False
 
 
-def _checked_parts(parts: Sequence[str], system: PiecewiseSystem) -> list[str]:
+def _checked_parts(parts: Sequence[str]) -> list[str]:
     given = listed(parts, "parts", "a tuple is needed, as in ('map', 'drift')", str)
     if not given or any(not isinstance(part, str) or part not in PARTS for part in given):
         raise ValueError(f"parts = {parts!r}: choose from {', '.join(PARTS)}")
-    if "grazing" in given and not system.two_sided:
-        if parts is not PARTS:
-            regions = ", ".join(map(repr, system.regions))
-            raise ValueError(f"parts = {parts!r}: grazing is studied at one surface, and the regions are {regions}")
-        return [part for part in PARTS if part != "grazing"]
     return [part for part in PARTS if part in given]

@@ -15,6 +15,7 @@ from core.kernels.arrays import Floats
 from core.reference import Solution, reference_solution
 from core.studies.stability.plan import Plan
 from core.studies.stability.verdict import ENDINGS, reference_run, start_at
+from core.system import PiecewiseSystem
 
 __all__ = ["Tangency", "exact_times", "find_tangency"]
 
@@ -151,20 +152,29 @@ def _first_difference(more: Trajectory, less: Trajectory, apart: float) -> int:
 
 def _is_touch(plan: Plan, run: Trajectory, k: int) -> bool:
     """Whether a run that starts off the surface meets it nearly tangentially at crossing k, and does not rest there."""
-    system, met = plan.system, run.crossings
-    before = int(met.side[k - 1] if k else run.side[0])
-    if before == 0:  # it slides up to there
+    system, met, laws = plan.system, run.crossings, plan.system.laws
+    before, surface = int(met.mode[k - 1] if k else run.mode[0]), int(met.surface_met[k])
+    if not 0 <= before < len(laws.regions):  # it slides up to there
         return False
     span = (plan.t_span[0], float(met.t[k]))
     steps = reference_run(system, tuple(run.x[0]), span, record="steps", sliding=plan.sliding)
-    heights, rates, speeds = np.abs(system.switching(steps.t, steps.x)), np.zeros(len(steps.t)), np.zeros(len(steps.t))
-    for side in (-1, 1):
-        rows = steps.side == side
-        rates[rows] = np.abs(system.switching_rate(side, steps.t[rows], steps.x[rows]))
-        speeds[rows] = np.linalg.norm(system.field(side, steps.t[rows], steps.x[rows]), axis=1)
-    speed = np.linalg.norm(system.field(before, met.t[k], met.x[k]))
-    off, flat = heights[0] > _OFF * heights.max(), abs(met.rate_before[k]) < _FLAT * rates.max()
+    g = laws.surfaces[surface]
+    heights = laws.evaluate(("g", surface), (g,), steps.t, steps.x, system.parameter_array)[:, 0]
+    rates, speeds = np.zeros((2, len(steps.t)))
+    for number in set(steps.mode[~steps.sliding].tolist()):
+        rows = steps.mode == number
+        rates[rows], *field = _along(system, number, surface, steps.t[rows], steps.x[rows]).T
+        speeds[rows] = np.linalg.norm(field, axis=0)
+    speed = np.linalg.norm(_along(system, before, surface, met.t[k : k + 1], met.x[k : k + 1])[0, 1:])
+    off, flat = abs(heights[0]) > _OFF * np.abs(heights).max(), abs(met.rate_before[k]) < _FLAT * np.abs(rates).max()
     return bool(off and flat and speed > _FLAT * speeds.max())
+
+
+def _along(system: PiecewiseSystem, mode: int, surface: int, t: Floats, x: Floats) -> Floats:
+    """(k, 1 + d) the rate of the switching function of a surface with the field of a region, and that field."""
+    law = system.laws.mode(mode)
+    wanted = (law.rate_of(system.laws.surfaces[surface]), *law.field)
+    return system.laws.evaluate(("along", mode, surface), wanted, t, x, system.parameter_array)
 
 
 def _refined(plan: Plan, tangency: Tangency, cancel: Cancel | None) -> Tangency:

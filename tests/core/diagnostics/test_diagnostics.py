@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import core
-from core.diagnostics import constants, diagnose, diagnosis, step_warning
+from core.diagnostics import diagnose, diagnosis, encounters, step_warning
 from core.diagnostics.scheme import Scheme
 from tests.core import sample_systems as systems
 
@@ -168,7 +168,7 @@ def test_mean_velocity_is_the_increment_that_a_run_records(system):
     run = core.integrate(system, (0.0, h), tau=h)
     assert len(run.crossings) == 0
     start = run.x[:1]
-    v = Scheme(system, "dmm2").velocity(int(run.side[0]), np.zeros(1), start, np.array([h]))
+    v = Scheme(system, "dmm2").velocity(int(run.mode[0]), np.zeros(1), start, np.array([h]))
     expected = (run.x[-1] - run.x[0]) / h
     # Solved to 1e-13; a difference of states loses eps/h of them.
     assert np.abs(v[0] - expected).max() <= 1e-13 * np.abs(expected).max() + 4 * EPS / h * np.abs(start).max()
@@ -337,6 +337,15 @@ def test_a_step_that_breaks_the_discrete_transversality_is_warned_of():
     assert any(w.startswith("tau = 1 breaks the discrete transversality condition at") for w in found.warnings)
 
 
+@pytest.mark.parametrize("angle", np.geomspace(0.1, 1.5, 12))  # that an oscillator turns by in a step
+@pytest.mark.parametrize("method", ["rk2", "rk4"])
+def test_a_step_that_changes_the_energy_by_some_percent_in_half_a_period_is_warned_of(method, angle):
+    oscillator = core.CATALOGUE["harmonic_oscillator"].with_parameters(omega2_minus=1.0, omega2_plus=1.0)
+    run = run_of(oscillator, 4.0, float(angle), x0=(1e-3, 1.0), method=method)
+    change = abs(run.crossings.x[0] @ run.crossings.x[0] / (run.x[0] @ run.x[0]) - 1)
+    assert change < 0.04 or "is too long for this field" in step_warning(run)
+
+
 def test_every_constant_names_its_place_in_the_paper():
     tree = ast.parse(Path(diagnosis.__file__).read_text(encoding="utf-8"))
     labels = {}
@@ -354,17 +363,18 @@ def test_a_run_whose_crossings_accumulate_is_not_blamed_on_its_step():
     assert run.message == run.outcome
 
 
-def test_a_side_without_crossings_costs_nothing():
+def test_a_region_without_crossings_costs_nothing():
     asked = []
 
-    def ask(side, t):
-        asked.append(side)
-        return side * t
+    def ask(number, t):
+        asked.append(number)
+        return number * t
 
     t = np.array([1.0, 2.0])
-    for sides in ([1, 1], [-1, -1], [-1, 1], []):
+    for regions in ([1, 1], [0, 0], [0, 1], [-1, 1], []):
         asked.clear()
-        side = np.array(sides, dtype=int)
-        found = constants._by_side(side, ask, t[: len(sides)])
-        assert found.tolist() == (side * t[: len(sides)]).tolist()
-        assert len(asked) == max(1, len(set(sides)))
+        number = np.array(regions, dtype=int)
+        found = encounters.by_number(number, ask, t[: len(regions)])
+        assert found.tolist() == pytest.approx([math.nan if n < 0 else n * u for n, u in zip(regions, t, strict=False)],
+                                               nan_ok=True)  # fmt: skip
+        assert len(asked) == max(1, len(set(regions) - {-1}))

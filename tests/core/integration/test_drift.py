@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import core
-from core.integration.runner import Runner, Settings
+from core.integration.run_settings import Settings
+from core.integration.runner import Runner
 from tests.core.frames import levels
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import sympy
 
-from core.reference import ReferenceSolution, exact_solution, external_solution, two_sides
+from core.reference import ReferenceSolution, exact_solution, two_sides
+from tests.core.reference.by_sides import by_sides
 
 mp.mp.dps = 40
 X, Y = VARIABLES = sympy.symbols("x y")
@@ -32,7 +33,7 @@ def ball(left: float, t0: float = 0.0) -> ReferenceSolution:
 
 
 def peer_ball(left: float) -> ReferenceSolution:
-    return external_solution(
+    return by_sides(
         lambda side, t, x: [x[1], -9.8], lambda t, x: x[0], lambda side, t, x: x[1], 0.0, (1.0, 0.0),
         jump=lambda t, x: [0.0, -left * x[1]],
     )  # fmt: skip

@@ -8,7 +8,8 @@ import pytest
 import sympy
 
 import core
-from core.reference import ReferenceSolution, exact_solution, external_solution, two_sides
+from core.reference import ReferenceSolution, exact_solution, two_sides
+from tests.core.reference.by_sides import by_sides
 
 mp.mp.dps = 40
 X, Y, Z = VARIABLES = sympy.symbols("x y z")
@@ -28,7 +29,7 @@ def both(
     field = {s: sympy.lambdify([T, *names], list(f), "math") for s, f in fields.items()}
     rate = {s: sympy.lambdify([T, *names], r, "math") for s, r in rates.items()}
     height = sympy.lambdify([T, *names], g, "math")
-    return solution, external_solution(
+    return solution, by_sides(
         lambda s, t, x: field[s](t, *x), lambda t, x: height(t, *x), lambda s, t, x: rate[s](t, *x), 0.0, x0
     )
 

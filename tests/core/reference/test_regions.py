@@ -139,9 +139,22 @@ def test_a_corner_is_passed_where_all_fields_around_lead_the_same_way_out():
 
 
 def test_at_a_corner_without_a_way_out_the_solution_ends_in_words():
-    solution = core.reference_solution(all_round(**{**FLOW, "++": ("-1", "2")}))
-    with pytest.raises(ValueError, match=r"ends at t = 1,.*two surfaces at once"):
+    solution = core.reference_solution(all_round(**{**FLOW, "+-": ("1", "-2")}))
+    with pytest.raises(ValueError, match=r"ends at t = 1,.*several surfaces at once, and .* more than one way"):
         solution.crossing(1)
+    repelled = core.reference_solution(all_round(**{**FLOW, "++": ("-1", "-2"), "-+": ("-1", "-2"), "+-": ("-1", "1")}))
+    with pytest.raises(ValueError, match=r"ends at t = 1,.*several surfaces at once, and"):
+        repelled.crossing(1)
+
+
+def test_a_corner_left_along_one_of_its_surfaces_is_passed_by_sliding():
+    # "++" points back to x = 0, "-+" on to it: from the corner it slides up x = 0, by Filippov's weights at rate 2.
+    system = all_round(**{**FLOW, "++": ("-1", "2")})
+    with pytest.raises(ValueError, match=r"ends at t = 1,.*slides along the surface"):
+        core.reference_solution(system).crossing(1)
+    solution = core.reference_solution(system, sliding="continue")
+    assert system.laws.name(solution.entered(1)) == "0+"
+    assert np.array_equal(solution.state(3.0), [0.0, 4.0])
 
 
 @pytest.mark.parametrize("miss", [1e-3, 1e-9, 2.0**-52])
@@ -196,3 +209,26 @@ def test_motion_along_a_surface_nearer_than_round_off_of_doubles_is_no_tangency(
     solution = core.reference_solution(system)
     assert solution.crossing(1)[0] == 1.0
     assert np.array_equal(solution.state(2.0), [1 + 2.0**-50, 1.0])
+
+
+@pytest.mark.parametrize("slowest", ["1e-6", "1e-10", "1e-30", "1e-45"])
+def test_a_crossing_is_none_the_less_one_for_being_slow(slowest):
+    # x = (1 + s) exp(-t) - s falls at rate 1 first, and through 0 at rate s; beyond it goes on at that rate.
+    s = mp.mpf(slowest)
+    system = core.PiecewiseSystem(
+        "slow", ("x",), f_minus=(f"-{slowest}",), f_plus=(f"-x - {slowest}",), g="x", x0=(1.0,)
+    )
+    solution = core.reference_solution(system)
+    assert solution.crossing(1)[0] == float(mp.log(1 + 1 / s))
+    assert solution.entered(1) == -1
+    assert solution.exact
+
+
+def test_a_touch_stays_one_in_more_digits():
+    system = core.PiecewiseSystem(
+        "touch", ("x", "y"), f_minus=("y", "-x"), f_plus=("y", "-x"), g="x - 1", x0=(-1.0, 0.0)
+    )
+    solution = core.reference_solution(system)
+    with pytest.raises(ValueError, match=r"ends at t = 3\.14159265358979.*touches the surface tangentially"):
+        solution.crossing(1)
+    assert solution.exact

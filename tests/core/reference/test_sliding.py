@@ -92,7 +92,7 @@ def test_sliding_goes_on_beyond_another_surface_if_both_fields_there_point_to_it
 
 def test_sliding_that_reaches_a_surface_beyond_which_it_does_not_go_on_ends_in_words():
     system = strips(**{"--": UP, "-+": DOWN, "+-": DOWN, "++": UP})
-    with pytest.raises(ValueError, match=r"ends at t = 1,.*beyond which it does not simply go on"):
+    with pytest.raises(ValueError, match=r"ends at t = 1,.*in more than one way"):
         core.reference_solution(system, (-1.0, 0.0), sliding="continue").state(2.0)
 
 
@@ -141,3 +141,35 @@ def test_the_taylor_method_goes_on_where_no_closed_form_of_sliding_is_known():
     assert solution.state(1.8) == pytest.approx([x, np.sqrt(1.0 - x * x)], rel=1e-11)
     assert not solution.exact
     assert "Taylor" in solution.name
+
+
+def ends(solution):
+    """What `.stop` is where the solution ends: time and reason are those of the error."""
+    assert solution.stop is None
+    with pytest.raises(ValueError, match="the solution ends at") as ended:
+        solution.state(30.0)
+    assert f"t = {solution.stop.t:.16g}" in str(ended.value)
+    assert solution.stop.reason in str(ended.value)
+    return solution.stop
+
+
+def test_every_kind_of_reference_says_by_the_same_word_where_and_why_it_ends():
+    # It slides along y = 0, by a field without a closed form, to x = 1, beyond which no law is declared.
+    waves = {key: Region(("sin(x) + 1", v)) for key, v in (("--", "1"), ("-+", "-1"))}
+    system = core.PiecewiseSystem("waves", ("x", "y"), surfaces=("x - 1", "y"), regions=waves, x0=(-1.0, 0.5))
+    stops = [ends(core.reference_solution(system, sliding="continue", independent=u)) for u in (False, True)]
+    assert stops[0].t == pytest.approx(stops[1].t, abs=1e-11)
+    assert all("not declared" in stop.reason for stop in stops)
+    leaves = strips(**{"--": UP, "-+": DOWN, "+-": DOWN, "++": UP})
+    stop = ends(core.reference_solution(leaves, (-1.0, 0.0), sliding="continue"))
+    assert (stop.t, stop.unknown) == (1.0, False)
+
+
+@pytest.mark.parametrize("independent", [False, True])
+def test_a_solution_that_is_continued_does_not_stop_where_closed_forms_do(independent):
+    fields = {"f_minus": ("1", "1"), "f_plus": ("x", "x - 1")}
+    system = core.PiecewiseSystem("turns", ("x", "y"), **fields, g="y", x0=(0.25, 0.5))
+    solution = core.reference_solution(system, sliding="continue", independent=independent)
+    assert [solution.entered(k) for k in (1, 2)] == [0, 1]
+    assert not solution.exact
+    assert solution.stop is None

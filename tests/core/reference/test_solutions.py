@@ -9,7 +9,8 @@ import sympy
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from core.reference import ExactSolution, ReferenceSolution, exact_solution, external_solution, two_sides
+from core.reference import ExactSolution, ReferenceSolution, exact_solution, two_sides
+from tests.core.reference.by_sides import by_sides
 from tests.levels import tries
 
 mp.mp.dps = 50
@@ -47,7 +48,7 @@ def elliptic(minus: float, plus: float, x0: Sequence[float], radius: float = 1.0
 
 def peer_elliptic(x0: Sequence[float]) -> ReferenceSolution:
     a = {-1: -3.0, 1: -2.0}
-    return external_solution(
+    return by_sides(
         lambda side, t, x: [2 * x[1], 3 * x[0] ** 2 + a[side]],
         lambda t, x: x[0] ** 2 + x[1] ** 2 - 1,
         lambda side, t, x: 2 * x[1] * (2 * x[0] + 3 * x[0] ** 2 + a[side]),
@@ -341,7 +342,7 @@ def test_peer_agrees_with_the_exact_solution_to_its_tolerance() -> None:
 
 
 def test_peer_finds_three_roots_that_fall_in_one_step() -> None:
-    solution = external_solution(
+    solution = by_sides(
         lambda side, t, x: [3 * t**2 + 12 * t - 4],
         lambda t, x: x[0],
         lambda side, t, x: 3 * t**2 + 12 * t - 4,
@@ -356,7 +357,7 @@ def test_peer_follows_a_field_switched_by_the_clock() -> None:
     def field(side: int, t: float, x: np.ndarray) -> list[float]:
         return [x[1], 0.2 * x[1] - (np.pi**2 + 0.01) * x[0] + side]
 
-    solution = external_solution(
+    solution = by_sides(
         field,
         lambda t, x: float(np.sin(np.pi * t)),
         lambda side, t, x: float(np.pi * np.cos(np.pi * t)),
@@ -369,9 +370,9 @@ def test_peer_follows_a_field_switched_by_the_clock() -> None:
 
 
 def test_peer_stops_on_a_sliding_surface_and_at_a_blow_up() -> None:
-    slides = external_solution(lambda s, t, x: [1, -s], lambda t, x: x[1], lambda s, t, x: -s, 0.0, (0.0, 1.0))
+    slides = by_sides(lambda s, t, x: [1, -s], lambda t, x: x[1], lambda s, t, x: -s, 0.0, (0.0, 1.0))
     with pytest.raises(ValueError, match=r"ends at t = (1|0\.99999).*slides along the surface"):
         slides.crossing(1)
-    bursts = external_solution(lambda s, t, x: [x[0] ** 2], lambda t, x: x[0], lambda s, t, x: x[0] ** 2, 0.0, (1.0,))
+    bursts = by_sides(lambda s, t, x: [x[0] ** 2], lambda t, x: x[0], lambda s, t, x: x[0] ** 2, 0.0, (1.0,))
     with pytest.raises(ValueError, match=r"integrator stops at t = 0\.99|integrator stops at t = 1"):
         bursts.crossing(1)

@@ -2,9 +2,11 @@
 
 import time
 
+import numpy as np
 import pytest
 import sympy
 
+from core.symbolic.sampling import Samples
 from core.symbolic.zero_testing import (
     Domain,
     counterexample,
@@ -75,6 +77,18 @@ def test_what_vanishes_in_a_part_only_is_not_zero_and_a_place_is_shown_where_it_
     exact = {symbol: sympy.Rational(value) for symbol, value in found.point.items()}
     assert float(expression.subs(exact).evalf(50)) == pytest.approx(found.value, rel=1e-9)
     assert found.value != 0
+
+
+@pytest.mark.parametrize("name", "akqtxyz")
+@pytest.mark.parametrize("layer", [3.0, -20.0, 0.5])
+def test_a_thin_layer_in_one_of_many_coordinates_is_met_on_many_lines(name: str, layer: float) -> None:
+    names = sympy.symbols("a k q t x y z")
+    a, _, q, t, x, y, z = names
+    thin = sympy.tanh(80000 * (sympy.Symbol(name) - sympy.Rational(layer)))
+    rest = sympy.exp(a * q) + sympy.exp(t / 3) * sympy.log(y**2) + sum(u**2 for u in names)
+    samples = Samples((thin.diff(sympy.Symbol(name)) + rest,), Domain(positive=(sympy.cos(t) - x / 4 - y / 8 - z / 9,)))
+    within = np.abs(samples.points[:, "akqtxyz".index(name)] - layer) < 1e-6
+    assert within.sum() >= 10
 
 
 @pytest.mark.parametrize(

@@ -11,10 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import core
+from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.examples import EXAMPLES
-from pwsviz.editor.validation import FIELDS, MAX_CHARACTERS, Draft, check
+from pwsviz.editor.regions import REGION_FIELDS
+from pwsviz.editor.validation import MAX_CHARACTERS, check
 from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene, can_use
+from tests.pwsviz.own_systems import OWN_SYSTEMS
 
 OSCILLATOR = Draft(
     name="Mine",
@@ -27,7 +30,7 @@ OSCILLATOR = Draft(
 )
 #: What our markup is made of; "all" is the test's own.
 TAGS = {
-    *("all", "math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "mfrac", "msup", "msub", "msubsup", "msqrt"),
+    *("all", "p", "math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "mfrac", "msup", "msub", "msubsup", "msqrt"),
     *("mroot", "mover", "mtable", "mtr", "mtd"),
 }
 #: Of processor time; on an idle machine no text below takes 0.9 s.
@@ -61,21 +64,118 @@ def test_a_built_in_system_written_out_and_read_again_is_the_same(key):
     assert [p.bounds for p in again.parameters] == [p.bounds for p in system.parameters]
 
 
-REGIONS = [key for key, system in core.CATALOGUE.items() if not system.two_sided]
+DECLARED = (
+    "name", "variables", "f_minus", "f_plus", "g", "psi_minus", "psi_plus", "x0", "jump", "values", "surfaces",
+    "regions", "jumps", "transitions", "f", "psi",
+)  # fmt: skip
 
 
-@pytest.mark.parametrize("key", REGIONS)
-def test_several_regions_are_written_out_as_one_field_or_refused_in_words(key):
-    system = core.CATALOGUE[key]
-    if system.jumps or system.transitions:
-        with pytest.raises(ValueError, match=f"{system.name} has .* which cannot be written here"):
-            Draft.of(system)
-        return
+@pytest.mark.parametrize(
+    "system", [*(one for one in core.CATALOGUE.values() if not one.two_sided), *OWN_SYSTEMS.values()], ids=str
+)
+def test_regions_walls_and_hysteresis_written_out_and_read_again_are_the_same(system):
     checked = check(Draft.of(system))
     assert checked.complaints == {}
-    before, after = (core.integrate(one, (0.0, 10.0), method="taylor") for one in (system, checked.system))
-    assert after.crossing_count == before.crossing_count > 0
-    assert np.allclose(after.x[-1], before.x[-1], rtol=0, atol=1e-11)
+    for name in DECLARED:
+        assert getattr(checked.system, name) == getattr(system, name), name
+
+
+WALLS = Draft(
+    name="Walls", variables="x, v", x0="0, 1", parameters="r = 0.9 in [0.1, 1]",
+    surfaces="x + 1\nx - 1", regions="+ −: x' = v, v' = -x^3", quantities="+-: v^2/2 + x^4/4",
+    resets="g1, g2 => x, -r*v",
+)  # fmt: skip
+HEATER = Draft(
+    name="Heater", variables="T, q", x0="0, 0", regions="on: 1 - T/9, 0\nstand by:\n  -T/9,\n  1",
+    transitions="on -> stand by: 1 - T\nstand by → on: T + 1 => T, q/2",
+)  # fmt: skip
+
+
+def test_walls_and_hysteresis_are_read_as_people_type_them_and_shown_as_read():
+    walls = check(WALLS)
+    assert walls.complaints == {}
+    assert dict(walls.system.regions) == {"+-": core.Region(("v", "-x**3"), ("v**2/2 + x**4/4",))}
+    assert dict(walls.system.jumps) == {0: ("x", "-r*v"), 1: ("x", "-r*v")}
+    assert "Region +-:" in walls.maths["regions"]
+    assert [walls.maths[name].count("<math") for name in REGION_FIELDS] == [2, 2, 1, 4, 0]
+    assert walls.conserved["quantities"][0].conserved
+    assert core.integrate(walls.system, (0.0, 9.0), method="prk8", tau=0.05).tally.jumps > 2
+    heater = check(HEATER)
+    assert heater.complaints == {}
+    assert heater.system.transitions == (
+        core.Transition("on", "1 - T", "stand by"), core.Transition("stand by", "T + 1", "on", ("T", "q/2")),
+    )  # fmt: skip
+    assert "stand by → on, where:" in heater.maths["transitions"]
+    assert heater.maths["transitions"].count("<math") == 4
+
+
+@pytest.mark.parametrize("draft", [WALLS, HEATER], ids=lambda draft: draft.name)
+def test_walls_and_hysteresis_come_back_from_a_link_as_they_were_read(draft):
+    scene = Scene()
+    scene.use(check(draft).system)
+    found, complaints = read(query(scene))
+    assert complaints == []
+    assert check(Draft.of(found["own"])).system == check(draft).system
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "says"),
+    [
+        ({"surfaces": "x + 1"}, "regions", "'+-' is no region: one sign, - or +, for each of 1 surface"),
+        ({"surfaces": "x + 1, x +"}, "surfaces", "g2 = 'x +': this is not an expression"),
+        ({"surfaces": "x + 1, 2x + 2"}, "surfaces", "g2 = '2*x + 2' is zero where g1 is"),
+        ({"surfaces": "", "resets": "", "quantities": ""}, "surfaces", "0 surfaces: from 1 to 6 are possible"),
+        ({"regions": "v, -x"}, "regions", "'v, -x' belongs to no region: begin each region with its signs"),
+        ({"regions": "+-: v, -x\n+ -: v, 0"}, "regions", "'+-' is there twice"),
+        ({"regions": "+-: v"}, "regions", "Region +-: 1 expression here, 2 are needed"),
+        ({"regions": "+-: v, -q*x", "quantities": ""}, "regions", "v′ in region +- = '-q*x': unknown name 'q'"),
+        ({"regions": ""}, "quantities", "'+-' is no region: write its field first"),
+        ({"regions": ": v, -x"}, "regions", "Nothing stands before a colon"),
+        ({"quantities": "+-: v^2"}, "quantities", "ψ in region +- = 'v**2' is not conserved by the field of region +-"),
+        ({"quantities": "++: v"}, "quantities", "'++' is no region: there are +-"),
+        ({"resets": "x, -v"}, "resets", "'x, -v' is at no surface: write the surface, an arrow"),
+        ({"resets": "wall => x, -v"}, "resets", "'wall' is no surface"),
+        ({"resets": "g3 => x, -v"}, "resets", "There is no surface g3: 2 switching functions are given"),
+        ({"resets": "g1 => x"}, "resets", "At g1: 1 expression here, 2 are needed"),
+        ({"resets": "g1 =>"}, "resets", "Nothing stands after an arrow"),
+        ({"resets": "g1 => x, -q"}, "resets", "v⁺ at g1 = '-q': unknown name 'q'"),
+        ({"resets": "g1 => x, -v\ng1 => x, v"}, "resets", "The surface g1 is there twice"),
+        ({"transitions": "on: x"}, "transitions", "'on: x' is no transition"),
+        ({"f_minus": "v, -x"}, "f_minus", "Leave this empty: the regions below have the laws of all regions"),
+        ({"f": "v, -abs(x)"}, "regions", "Leave this empty: the field f gives the laws of all regions"),
+        ({"psi": "v"}, "psi", "Leave this empty"),
+    ],
+)
+def test_a_mistake_in_regions_and_walls_is_told_beside_it(changes, field, says):
+    checked = check(replace(WALLS, **changes))
+    assert checked.system is None
+    assert says in checked.complaints[field]
+
+
+@pytest.mark.parametrize(
+    ("transitions", "says"),
+    [
+        ("on -> off: 1 - T\nstand by -> on: T + 1", "From on to off: 'off' is no region; there are 'on', 'stand by'"),
+        ("on -> stand by: 1 - T", "Region 'stand by' has no guard, so a run would never leave it"),
+        ("on -> stand by: 1 - T, q\nstand by -> on: T", "is no transition: write both regions, a colon and the guard"),
+        ("on -> stand by: 1 - s\nstand by -> on: T", "the guard of on → stand by = '1 - s': unknown name 's'"),
+        ("on -> stand by: 1 - T => T\nstand by -> on: T", "From on to stand by: 1 expression here, 2 are needed"),
+        ("on -> stand by: 1\nstand by -> on: T", "the guard of on → stand by = '1' names no variable"),
+    ],
+)
+def test_a_mistake_in_transitions_is_told_beside_them(transitions, says):
+    checked = check(replace(HEATER, transitions=transitions))
+    assert checked.system is None
+    assert says in checked.complaints["transitions"]
+
+
+@pytest.mark.parametrize("name", ["a: b", "a -> b", " a", "a\nb", ""])
+def test_a_name_that_the_fields_would_take_for_something_else_is_refused(name):
+    regions = {name: core.Region(("1", "0")), "off": core.Region(("-1", "0"))}
+    ways = (core.Transition(name, "1 - x", "off"), core.Transition("off", "x + 1", name))
+    system = core.PiecewiseSystem("odd", ("x", "y"), regions=regions, transitions=ways)
+    with pytest.raises(ValueError, match="names that cannot be written here"):
+        Draft.of(system)
 
 
 FRICTION = Draft(
@@ -282,6 +382,10 @@ def with_text(text: str) -> list[Draft]:
         replace(OSCILLATOR, f_minus=f"{text}\n0", f_plus=f"0\n{text}"),
         replace(OSCILLATOR, g=text, psi_minus=text, jump=f"{text}\n{text}"),
         replace(OSCILLATOR, parameters=f"k = {text}", x0=f"{text}, {text}"),
+        replace(WALLS, surfaces=f"{text}\nx", regions=f"+-: {text}\n+-: v, {text}", resets=f"g1 => {text}"),
+        replace(WALLS, regions=f"--: {text}, v\n+-: v, {text}", quantities=f"+-: {text}"),
+        replace(HEATER, transitions=f"on -> stand by: {text}\nstand by -> on: x => {text}, {text}"),
+        replace(HEATER, transitions=f"{text} -> on: T\nstand by -> {text}: T", regions=f"{text}: T, q"),
         Draft(*[text] * len(FIELDS)),
     ]
 
@@ -308,7 +412,8 @@ def test_hostile_texts_are_refused_or_read_in_bounded_time(text):
 @settings(max_examples=40)
 @given(st.sampled_from(list(FIELDS)), st.text(max_size=40) | st.text("xyk 0123.+-*/(),;=[]<&>\n", max_size=40))
 def test_no_text_in_any_field_raises(name, text):
-    assert_plain(replace(OSCILLATOR, **{name: text}))
+    for draft in (OSCILLATOR, WALLS, HEATER):
+        assert_plain(replace(draft, **{name: text}))
 
 
 def test_a_parameter_with_a_wrong_value_is_complained_of_where_it_stands_alone():

@@ -7,9 +7,9 @@ from threading import current_thread, main_thread
 import pytest
 
 import core
+from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.examples import EXAMPLES
-from pwsviz.editor.form import CURRENT, SystemEditor
-from pwsviz.editor.validation import FIELDS, Draft
+from pwsviz.editor.form import BLANK, CURRENT, SystemEditor
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 
@@ -52,6 +52,15 @@ def test_nothing_is_checked_before_something_is_filled_in():
     assert editor.settle(5)
     assert seen == []
     assert editor.use.disabled
+
+
+def test_one_can_start_from_empty_fields(desk):
+    assert BLANK in [item["label"] for item in desk.editor.menu.items]
+    desk.editor._choose({"label": BLANK})
+    assert desk.editor.settle(20)
+    assert desk.editor.draft == Draft()
+    assert not any(text.value_input for text in desk.editor.texts.values())
+    assert desk.editor.use.disabled
 
 
 def test_a_valid_system_is_used_at_a_click(desk):
@@ -185,11 +194,44 @@ def test_every_field_has_a_label():
     assert [text.label for text in editor.texts.values()] == list(FIELDS.values())
 
 
+@pytest.mark.parametrize("key", ["two_walls", "diode_bridge", "thermostat", "chua", "elliptic_curve"])
+def test_every_system_of_the_catalogue_can_be_started_from_and_changed(desk, key):
+    system = core.CATALOGUE[key]
+    assert {one.name for one in core.CATALOGUE.values()} <= {item["label"] for item in desk.editor.menu.items}
+    desk.editor._choose({"label": system.name})
+    assert desk.editor.settle(20)
+    assert errors(desk.editor) == {}
+    assert desk.editor.several.visible == (not system.two_sided)
+    desk.type(name="Mine")
+    desk.editor.use.clicks += 1
+    assert desk.used[-1].regions == system.regions
+    assert (desk.used[-1].name, desk.used[-1].transitions) == ("Mine", system.transitions)
+
+
+def test_fields_that_few_need_are_hidden_behind_more(desk):
+    assert not desk.editor.several.visible
+    desk.editor.more.clicks += 1
+    assert desk.editor.several.visible
+    desk.editor.more.clicks += 1
+    assert not desk.editor.several.visible
+
+
+def test_a_mistake_leaves_the_last_good_system_in_use(desk):
+    desk.editor.load(core.CATALOGUE["two_walls"])
+    assert desk.editor.settle(20)
+    desk.editor.use.clicks += 1
+    desk.type(resets="g1 => x")
+    assert set(errors(desk.editor)) == {"resets"}
+    desk.editor.use.clicks += 1
+    assert [system.name for system in desk.used] == ["Oscillator between walls"]
+
+
 def test_a_system_that_has_no_fields_here_is_told_of_and_nothing_else_happens():
-    for key in ("two_walls", "thermostat"):
-        editor = SystemEditor(lambda system: None, current=lambda key=key: core.CATALOGUE[key])
-        editor.start()
-        assert f"{core.CATALOGUE[key].name} has" in editor.status.object
-        assert "cannot be written here" in editor.status.object
-        assert editor.use.disabled
-        editor.close()
+    regions = {"a: b": core.Region(("1", "0")), "off": core.Region(("-1", "0"))}
+    ways = (core.Transition("a: b", "1 - x", "off"), core.Transition("off", "x + 1", "a: b"))
+    odd = core.PiecewiseSystem("odd", ("x", "y"), regions=regions, transitions=ways)
+    editor = SystemEditor(lambda system: None, current=lambda: odd)
+    editor.start()
+    assert "odd has regions with names that cannot be written here" in editor.status.object
+    assert editor.use.disabled
+    editor.close()

@@ -128,6 +128,12 @@ def test_an_error_that_comes_and_goes_is_no_drift():
     assert conserved_text([waves]) == "rk4 stays below 10⁻³."
 
 
+@pytest.mark.parametrize("rise", [0.3, 0.5, 0.9])
+def test_of_an_error_that_rises_it_is_not_said_that_it_stays(rise):
+    rising = curve(1e-3 * np.linspace(0, 1, 1000) ** rise, "rk4")
+    assert conserved_text([rising]) in (f"rk4 {word} 10⁻³ by t = 20." for word in ("reaches", "drifts to"))
+
+
 def test_an_error_beyond_the_axis_is_marked_where_it_leaves_with_its_size():
     gone = curve([0.0, 1e-3, 1.0, 4.5e16, 1.0], "rk2", t_end=4.0)
     assert conserved_text([gone]) == "rk2 leaves the plot at t = 3: |Δψ| reaches 5×10¹⁶."

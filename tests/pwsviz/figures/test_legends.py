@@ -30,3 +30,13 @@ def test_entries_of_a_legend_reach_no_figure_and_no_other_legend(plot):
         for item in legend.items:
             reached = item.references() - {item}
             assert not [model for model in reached if isinstance(model, Plot | Legend | LegendItem)], item.label
+
+
+def test_the_key_of_a_part_of_the_surface_is_painted_as_the_part_is():
+    ground = PortraitView(*[print] * 5).ground
+    *_, attracts, repels = ground._line_entries
+    for entry in (attracts, repels):
+        band, surface = entry.renderers
+        assert band.glyph.line_alpha == 1.0, "its colour is not mixed with that of the ground"
+        assert surface.data_source is ground.surface
+        assert ground.figure.renderers.index(band) < ground.figure.renderers.index(surface), "as in the key"

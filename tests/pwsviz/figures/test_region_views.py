@@ -86,6 +86,16 @@ def test_the_legend_of_the_portrait_names_what_is_tinted_and_nothing_if_nothing_
         assert entry.visible == any(np.isfinite(lines).any() for lines in part.values())
 
 
+@every_system
+def test_the_legend_of_the_portrait_tells_that_a_region_has_no_law(system):
+    view = PortraitView(*[lambda *_: None] * 5)
+    ground = backdrop(system, WINDOW, {})
+    view.show_backdrop(ground)
+    assert view.ground._bare_entry.label == value("no law")
+    assert view.ground._bare_entry.visible == bool(ground.bare_outer)
+    assert len(view.ground.bare.data["xs"]) == len(ground.bare_outer)
+
+
 def headings(text):
     return [unescape(found) for found in re.findall("<h4>(.*?)</h4>", text)]
 
@@ -139,11 +149,13 @@ def test_a_sliding_mode_that_was_entered_is_shown_under_its_surface():
     assert not any("Sliding" in words for words in headings(scheme_markup(system, "rk2")))
 
 
-def test_the_constants_of_the_theory_say_that_they_need_two_sides():
+def test_the_constants_of_the_theory_are_shown_of_several_surfaces():
     inputs = run_inputs(scene_of(STRIPS))[0]
     results = Results()
-    assert results.diagnosis(inputs) is None
-    assert "two sides of one surface" in scheme_markup(STRIPS, "rk4", None, results.run(inputs))
+    run, diagnosis = results.run(inputs), results.diagnosis(inputs)
+    assert len(run.crossings)
+    assert diagnosis.alpha_S2 == core.diagnose(run).alpha_S2
+    assert f"The worst over {len(run.crossings)} crossing" in scheme_markup(STRIPS, "rk4", diagnosis, run)
 
 
 def test_where_a_run_enters_a_region_without_law_its_end_is_marked():

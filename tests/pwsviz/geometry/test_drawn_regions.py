@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.phase_plane import GRID, ROWS, Window, backdrop
+from pwsviz.geometry.phase_plane import ARROWS, GRID, ROWS, Window, backdrop
 from pwsviz.geometry.shades import regions_of, shades_of
 from tests.pwsviz.own_systems import GATE, STRIPS, WALL, WEDGE
 
@@ -84,6 +84,32 @@ def test_the_tint_covers_the_regions_of_the_first_shade_and_nothing_else(system,
     height = highest(hand, names_of(system, -1), *points.T)
     clear = np.abs(height) > CELL
     assert np.array_equal(is_inside(rings, points[clear]), height[clear] > 0)
+
+
+@by_hand
+def test_where_no_law_is_declared_and_only_there_the_plane_is_bare(system, hand):
+    ground = backdrop(system, WINDOW, {})
+    rings = [*ground.bare_outer, *(ring for holes in ground.bare_holes for ring in holes)]
+    points = np.random.default_rng(5).uniform(WINDOW[::2], WINDOW[1::2], (4000, 2))
+    height = highest(hand, list(hand), *points.T)
+    clear = np.abs(height) > CELL
+    assert np.array_equal(is_inside(rings, points[clear]), height[clear] < 0)
+
+
+def test_the_backdrop_of_a_view_depends_on_its_place_and_size_alone():
+    rng = np.random.default_rng(6)
+    for _ in range(200):
+        x, y, width, height = rng.uniform(-5, 5, 4)
+        view = Window(x, x + np.exp(width), y, y + np.exp(height))
+        covered = view.surroundings()
+        assert covered.shows_well(view)
+        assert 1.3 * view.longest <= covered.longest * (1 + 1e-9) <= 2.7 * view.longest
+        nearby = Window(*(np.array(view) + 0.3 * view.longest))
+        assert covered.longest == pytest.approx(nearby.surroundings().longest), "after a pan arrows are as dense"
+        cell = covered.longest / ARROWS
+        shift = (covered.x_low - nearby.surroundings().x_low) / cell
+        assert shift == pytest.approx(round(shift), abs=1e-6), "and stand where they stood"
+        assert not covered.shows_well(view.scaled(0.4)), "a view of another size has a backdrop of its own"
 
 
 @by_hand

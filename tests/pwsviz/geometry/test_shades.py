@@ -62,13 +62,29 @@ def test_of_two_sides_the_shade_is_the_sign_of_g(name):
 
 
 @every_system
-def test_the_legend_names_the_regions_of_each_shade_or_counts_on(system):
+def test_the_legend_tells_all_regions_of_each_shade(system):
     if not system.two_sided:
         for shade in set(shades_of(system, np.arange(len(system.regions))).tolist()):
             names = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
             told = shade_names(system)[shade]
-            assert all(name in told for name in names[: MOST_NAMES if len(names) <= MOST_NAMES else 1])
-            assert told.endswith("…") == (len(names) > MOST_NAMES)
+            assert "…" not in told
+            assert all(name in told for name in names) or (len(names) > MOST_NAMES and "·g2" in told)
+
+
+def test_many_regions_are_told_by_the_sign_of_a_product_which_is_their_shade():
+    genes = core.CATALOGUE["gene_ring"]
+    assert shade_names(genes) == {-1: "g1·g2·g3 < 0", 1: "g1·g2·g3 > 0", SLIDING: "sliding"}
+    for shade in (-1, 1):
+        assert all(np.prod(genes.laws.regions[k].sides) == shade for k in regions_of(genes, shade))
+
+
+def test_of_many_named_regions_those_that_do_not_fit_are_counted():
+    names = [f"region number {k}" for k in range(4)]
+    hub = [core.Transition("hub", f"x + {k}", name) for k, name in enumerate(names)]
+    hub += [core.Transition(name, "3 - x", "hub") for name in names]
+    regions = {name: core.Region(("1", "0")) for name in ("hub", *names)}
+    star = core.PiecewiseSystem("star", ("x", "y"), regions=regions, transitions=hub, x0=(1.0, 0.0))
+    assert shade_names(star)[1] == "regions region number 0 and 3 more"
 
 
 def test_signs_are_printed_as_minus_signs_and_hyphens_of_names_as_hyphens():

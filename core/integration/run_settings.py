@@ -1,0 +1,28 @@
+"""Settings of a run other than its method."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+__all__ = ["Settings"]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of a run other than its method."""
+
+    tau: float
+    """Step size; infinite where the method chooses it."""
+    tolerance: float = math.nan
+    """Tolerance of a method that chooses its step size; else nan."""
+    transition: bool = True
+    """Whether crossings are located; else the surface is stepped over."""
+    shift: float = 0.0
+    """Perturbation c·τᵖ, added to every crossing time."""
+    max_crossings: int = 5_000_000
+    max_steps: int = 10**9
+    slides: bool = False
+    """Whether the run slides along the surface where both fields point to it; else it stops there."""
+    cancel: Callable[[], bool] | None = None

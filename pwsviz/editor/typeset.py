@@ -1,0 +1,46 @@
+"""Equations of the editor as MathML, with a plain-text version for screen readers."""
+
+from __future__ import annotations
+
+from html import escape
+
+from sympy import Expr, Symbol
+
+from core.symbolic import to_text
+from pwsviz.text.mathml import TOO_LONG, markup, too_long
+
+__all__ = ["equation", "is_zero", "rate", "state_after"]
+
+
+def equation(said: str, shown: str, right: Expr, more: str = "") -> str:
+    """Typeset an equation.
+
+    Parameters
+    ----------
+    said, shown : str
+        Its left-hand side, in plain characters and as markup.
+    right : sympy.Expr
+        Its right-hand side.
+    more : str
+        Markup that follows.
+    """
+    told = escape(f"{said} = {TOO_LONG if too_long(right) else to_text(right)}")
+    inside = f"{shown}<mo>=</mo>{markup(right)}{more}"
+    return f'<math display="block" alttext="{told}" aria-label="{told}"><mrow>{inside}</mrow></math>'
+
+
+def is_zero(left: Expr) -> str:
+    """Typeset the equation that an expression is zero."""
+    told = escape(f"{TOO_LONG if too_long(left) else to_text(left)} = 0")
+    inside = f"{markup(left)}<mo>=</mo><mn>0</mn>"
+    return f'<math display="block" alttext="{told}" aria-label="{told}"><mrow>{inside}</mrow></math>'
+
+
+def rate(variable: str) -> tuple[str, str]:
+    """Return x′ in plain characters and as markup."""
+    return f"{variable}′", f'<mrow>{markup(Symbol(variable))}<mo lspace="0" rspace="0">′</mo></mrow>'
+
+
+def state_after(variable: str) -> tuple[str, str]:
+    """Return x⁺, the value after a reset, in plain characters and as markup."""
+    return f"{variable}⁺", f"<msup><mrow>{markup(Symbol(variable))}</mrow><mo>+</mo></msup>"

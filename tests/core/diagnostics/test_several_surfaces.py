@@ -1,0 +1,137 @@
+"""diagnose() on systems with several surfaces, walls and hysteresis: against formulas by hand, and one surface."""
+
+import math
+
+import numpy as np
+import pytest
+
+import core
+from core import PiecewiseSystem, Region, Transition
+from core.diagnostics import diagnose
+from tests.core.diagnostics.test_diagnostics import ARRAYS
+from tests.levels import deep_but
+
+ELLIPTIC = core.CATALOGUE["elliptic_curve"]
+NAN = math.nan
+
+
+def along(run):
+    return diagnose(run), run.crossings
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_a_second_surface_that_is_never_met_changes_no_number(number):
+    # The same law on both sides of x = -50, which the orbit does not reach; the circle is surface 0 or 1.
+    keys = ("--", "-+", "+-", "++")
+    own = {"-": Region(ELLIPTIC.f_minus, ELLIPTIC.psi_minus), "+": Region(ELLIPTIC.f_plus, ELLIPTIC.psi_plus)}
+    surfaces = ["x + 50", "x + 50"]
+    surfaces[number] = ELLIPTIC.g
+    wide = PiecewiseSystem("wide", ELLIPTIC.variables, surfaces=tuple(surfaces), x0=ELLIPTIC.x0,
+                           regions={key: own[key[number]] for key in keys}, parameters=ELLIPTIC.parameters)  # fmt: skip
+    one, other = (core.integrate(s, (0.0, 20.0), tau=0.2, record="crossings") for s in (ELLIPTIC, wide))
+    assert set(other.crossings.surface_met.tolist()) == {number}
+    assert diagnose(one).warnings
+    for name in ARRAYS:
+        assert getattr(diagnose(other), name).tolist() == pytest.approx(getattr(diagnose(one), name).tolist()), name
+    assert (diagnose(other).warnings, diagnose(other).summary) == (diagnose(one).warnings, diagnose(one).summary)
+    assert other.message == one.message
+
+
+def test_each_surface_has_the_constants_of_the_regions_that_meet_there():
+    # x' = 1, 2, 4 in the three strips of x = 0, 1 and y' = 1: of g = x + k (y - 5)**2, g' = x' + 2 k (y - 5).
+    strips = PiecewiseSystem(
+        "strips", ("x", "y"), surfaces=("x + (y - 5)**2", "x - 1"),
+        regions={"--": Region(("1", "1")), "+-": Region(("2", "1")), "++": Region(("4", "1"))}, x0=(-5.0, 5.0),
+    )  # fmt: skip
+    run = core.integrate(strips, (0.0, 20.0), tau=0.01, method="rk4")
+    found, met = along(run)
+    assert met.surface_met.tolist() == [0, 1]
+    above = (met.x[0, 1] - 5) * 2
+    assert found.rate_minus == pytest.approx([1 + above, 2])
+    assert found.rate_plus == pytest.approx([2 + above, 4])
+    assert found.alpha2 == pytest.approx([1 + above, 2])
+    assert pytest.approx([1, 0]) == found.M  # g'' = 2 y'**2
+    assert found.M_hat == pytest.approx([1, 0])
+    assert found.alpha_hat2 == pytest.approx([1 + above, 2])  # the fields are constant, and so are the steps
+    assert found.window == pytest.approx([1 + above, np.inf])
+
+
+def test_a_ball_between_two_walls_has_the_constants_of_free_fall_at_both():
+    # It arrives at the ceiling h = 2 with v = 1 and leaves it with -1/2; at the floor v**2 is 1/4 + 8, and it leaves
+    # with half of that speed.
+    walls = PiecewiseSystem(
+        "walls", ("h", "v"), surfaces=("h", "h - 2"), regions={"+-": Region(("v", "-2"), ("v**2/2 + 2*h",))},
+        jumps={0: ("h", "-v/2"), 1: ("h", "-v/2")}, x0=(0.5, math.sqrt(7)),
+    )  # fmt: skip
+    found, met = along(core.integrate(walls, (0.0, 2.3), tau=0.001))
+    fall = math.sqrt(8.25)
+    assert met.surface_met.tolist() == [1, 0]
+    assert found.rate_minus == pytest.approx([1, NAN], nan_ok=True)  # beyond the walls no law is declared
+    assert found.rate_plus == pytest.approx([NAN, -fall], nan_ok=True)
+    assert found.alpha2 == pytest.approx([0.5, fall / 2])
+    assert found.alpha_hat2 == pytest.approx([0.5, fall / 2 - 0.001])
+    assert pytest.approx([1, 1]) == found.M
+    assert found.window == pytest.approx([0.5, fall / 2])
+
+
+def test_a_relay_with_hysteresis_is_judged_by_how_it_arrives():
+    # On: T' = 3 - T arrives at T = 1 with 2. Off: T' = -2 - T arrives at T = -1 with -1.
+    relay = PiecewiseSystem(
+        "relay", ("T",), regions={"on": Region(("3 - T",)), "off": Region(("-2 - T",))}, x0=(0.0,),
+        transitions=(Transition("on", "1 - T", "off"), Transition("off", "T + 1", "on")),
+    )  # fmt: skip
+    tau = 0.01
+    found, met = along(core.integrate(relay, (0.0, 3.0), tau=tau, method="rk4"))
+    assert len(met) >= 2
+    odd = np.arange(len(met)) % 2 == 1
+    assert found.alpha2 == pytest.approx(np.where(odd, 1.0, 2.0))
+    assert found.alpha_hat2 == pytest.approx(found.alpha2)  # farther back it is faster
+    # T'' = -T': within tau before the surface the largest is T' e**tau.
+    assert pytest.approx(np.where(odd, 0.5, 1.0) * math.exp(tau), rel=1e-9) == found.M
+    assert (found.M_hat == 0.0).all()
+
+
+def test_where_a_run_slides_or_stops_there_is_no_bound_for_that_branch():
+    # Stick-slip: it arrives at the belt, sticks, and slips again.
+    system = core.CATALOGUE["stick_slip"]
+    run = core.integrate(system, (0.0, 40.0), tau=0.01, method="rk4", sliding="continue")
+    found, met = along(run)
+    begins, ends = met.kind == "sliding", met.kind == "leaving"
+    assert begins.any()
+    assert ends.any()
+    assert np.isnan(found.alpha2[begins | ends]).all()
+    assert np.isnan(found.tau_plus[begins]).all()
+    assert np.isnan(found.tau_minus[ends]).all()
+    assert (found.tau_minus[begins] == np.inf).all()
+    assert (found.tau_plus[ends] == np.inf).all()
+    assert np.isfinite(found.rate_minus).all()
+    assert np.isfinite(found.rate_plus).all()
+
+
+def test_a_corner_and_an_undeclared_region_are_not_transversal():
+    quarter = PiecewiseSystem(
+        "quarter", ("x", "y"), surfaces=("x", "y"), x0=(-1.0, -1.0),
+        regions={key: Region(("1", "1")) for key in ("--", "-+", "+-", "++")},
+    )  # fmt: skip
+    found, met = along(core.integrate(quarter, (0.0, 3.0), tau=0.1, method="rk4"))
+    assert met.kind.tolist() == ["corner"]
+    assert np.isnan(found.alpha2).all()
+    edge = PiecewiseSystem("edge", ("x", "y"), surfaces=("x", "y"), x0=(-1.0, -2.0),
+                           regions={"--": Region(("1", "1"))})  # fmt: skip
+    run = core.integrate(edge, (0.0, 3.0), tau=0.1, method="rk4")
+    found, _ = along(run)
+    assert run.status is core.Status.UNDECLARED
+    assert np.isnan(found.alpha2).all()
+    assert found.rate_minus == pytest.approx([1.0])
+    assert np.isnan(found.rate_plus).all()
+
+
+@pytest.mark.parametrize("name", deep_but(("chua", "two_walls", "thermostat"), sorted(core.CATALOGUE)))
+def test_every_system_of_the_catalogue_is_diagnosed(name):
+    run = core.integrate(core.CATALOGUE[name], (0.0, 10.0), tau=0.02, method="rk4", record="crossings",
+                         max_crossings=40)  # fmt: skip
+    found = diagnose(run)
+    assert len(found.alpha2) == len(run.crossings)
+    through = ~np.isnan(found.alpha2)
+    assert (found.alpha2[through] > 0.0).all()
+    assert np.isfinite(found.M[through]).all()
