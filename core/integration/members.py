@@ -140,9 +140,9 @@ class _Run:
         self.wanted = np.array([tuple(wanted)], dtype=WANTED)
         self.settings = replace(members.settings, cancel=members.told)
         t0, t1 = members.t_span
-        self.first_rows = np.full(n, NO_MODE)
-        if t0 != t1:
-            self.first_rows[:] = first_places(members.system.laws, t0, members.x, members.p).rows
+        self.first_rows, self.first_guards, _ = first_places(members.system.laws, t0, members.x, members.p)
+        if t0 == t1:  # nothing begins
+            self.first_rows[:] = NO_MODE
         self.rows, self.rows_x = np.empty(1, dtype=ROW), np.empty((1, d))
         self.hits, self.places = np.empty(_HITS, dtype=HIT), np.empty((_HITS, 3, d))
 
@@ -166,8 +166,8 @@ class _Run:
             compiled_march(), blank.functions, blank.guards, blank.record, blank.frame, members.system.dimension,
             blank.coefficients, blank.nodes, blank.pieces, blank.record.copy(), blank.frame.copy(), self.rows,
             self.rows_x, self.hits, self.places, blank.envelope, blank.samples, blank.budget,
-            self.settings.max_steps, self.first_rows, members.p, members.x, self.ends, self.x, self.wanted,
-            self.kept, self.kept_places, self.counters, members.told.flag,
+            self.settings.max_steps, self.first_rows, self.first_guards, members.p, members.x, self.ends, self.x,
+            self.wanted, self.kept, self.kept_places, self.counters, members.told.flag,
         )  # fmt: skip
 
     def _integrate_one(self, k: int) -> None:
@@ -182,16 +182,15 @@ class _Run:
         start, settings = tuple(members.x[k].tolist()), replace(self.settings, cancel=stops)
         runner = Runner(members.one(k), members.method, members.t_span[0], start, settings)
         status = runner.advance(members.t_span[1], keep_hits=wanted is not None)
-        if status is Status.CANCELLED:
-            if members.told():
-                return
-            status = Status.CROSSING_LIMIT
+        if status is Status.CANCELLED and members.told():
+            return
         self._put_aside()
         if wanted is not None:
             hits, places = runner.hits()
             which = wanted.of(hits)
             self.aside.append((hits[which], places[which][:, self._columns]))
             met = int(which.sum())
+            status = Status.CROSSING_LIMIT if met == wanted.most else status
         self.ends[k] = runner.t, status, runner.mode, runner.steps, runner.evaluations, runner.crossing_count, met
         self.x[k] = runner.x
         self.counters[NEXT] = k + 1

@@ -79,10 +79,10 @@ def stops_at_surface(status):
 
 
 @internal
-def begin(blank, frame, row, x, records, w, head):
-    """Make a run that has not begun from the blank one; row is that of its first region."""
+def begin(blank, frame, row, guard, x, records, w, head):
+    """Make a run that has not begun from the blank one; row and guard are those of its first region."""
     records[0] = blank[0]
-    records[0].row = row
+    records[0].row, records[0].guard = row, guard
     for i in range(w.size):
         w[i] = frame[i]
     for i in range(x.size):
@@ -132,7 +132,7 @@ def _signature() -> Any:
     return whole(
         types.FunctionType(march_signature()), whole[:, ::1], guards, blank, vector, whole, matrix, matrix, matrix,
         run, vector, row, matrix, hit, places, places, matrix, whole, whole,
-        whole[::1], matrix, matrix, ends, matrix, wanted, hit, places, whole[::1], whole[::1],
+        whole[::1], whole[::1], matrix, matrix, ends, matrix, wanted, hit, places, whole[::1], whole[::1],
     )  # fmt: skip
 
 
@@ -144,12 +144,13 @@ def compiled_members() -> Callable[..., int]:
     -------
     members(march, functions, guards, blank, frame, d, scratch, nodes, pieces,
             records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
-            first_rows, p, x, ends, x_ends, wanted, kept, kept_places, counters, told) -> int
+            first_rows, first_guards, p, x, ends, x_ends, wanted, kept, kept_places, counters, told) -> int
         One of the codes above. It takes the members from counters[NEXT] on, until told[0] is not 0. `march` is the time
         loop, and the names of its arguments are those there. `blank` and `frame` are the record and the frame of a run
-        that has not begun. first_rows (n,) are the rows of the members' first regions, `NO_MODE` where `Runner` has
-        to find it; p (n, parameters) and x (n, d) are those of the members, and x_ends (n, d) their last
-        states. A member that has had all crossings that are wanted of it ends there: CROSSING_LIMIT.
+        that has not begun. first_rows (n,) are the rows of the members' first regions, `NO_MODE` where `Runner` has to
+        find it, and first_guards (n,) the guards at which they begin; p (n, parameters) and x (n, d) are their
+        parameters and states, and x_ends (n, d) their last states. A member that has had all crossings that are wanted
+        of it ends there: CROSSING_LIMIT.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
@@ -157,15 +158,15 @@ def compiled_members() -> Callable[..., int]:
     def members(
         march, functions, guards, blank, frame, d, scratch, nodes, pieces,
         records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
-        first_rows, p, x, ends, x_ends, wanted, kept, kept_places, counters, told,
+        first_rows, first_guards, p, x, ends, x_ends, wanted, kept, kept_places, counters, told,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         run = records[0]
         for k in range(counters[NEXT], first_rows.size):
             counters[NEXT] = k
-            if first_rows[k] == NO_MODE:
+            if first_rows[k] == NO_MODE or functions[first_rows[k], STEP] == 0:
                 return ASKS
-            begin(blank, frame, first_rows[k], x[k], records, w, head)
+            begin(blank, frame, first_rows[k], first_guards[k], x[k], records, w, head)
             counters[OWN], counters[HAD], status = 0, 0, _RUNNING
             while status == _RUNNING:
                 if told[0] != 0:

@@ -15,8 +15,9 @@ from core.transition.records import NO_MODE
 __all__ = ["Places", "first_places"]
 
 _EPS = 2.0**-52
-#: A switching function within so many bounds on the rounding of the state is in doubt: `starting` takes one as zero.
-_MARGIN = 4.0
+#: A switching function of less than so many bounds on the rounding of the state is surely zero for `starting`, of more
+#: than the second surely not; between them `Runner` decides.
+_ZERO, _NOT_ZERO = 0.5, 4.0
 
 
 class Places(NamedTuple):
@@ -25,6 +26,8 @@ class Places(NamedTuple):
     rows: NDArray[np.int64]
     """(n,) row of the first guard of the region; `NO_MODE` where it has to be found by `starting.first_place`. Of two
     sides of one surface it is that of the first: the loop itself tells them apart."""
+    guards: NDArray[np.int64]
+    """(n,) number of the guard of that region at which the state lies; 0 if it lies at none."""
     plain: NDArray[np.bool_]
     """(n,) whether the state lies inside a region, off all surfaces, and all that is needed there is finite."""
 
@@ -45,17 +48,21 @@ def first_places(laws: Laws, t: float, x: Floats, p: Floats) -> Places:
     parameters = np.ascontiguousarray(p.T)
     values = laws.evaluate("start", laws.at_start, t, x, parameters)
     both = laws.evaluate("surfaces", laws.surfaces_and_roundings, t, x, parameters)
-    heights, doubts, fields = values[:, :count], both[:, count:], values[:, count * (1 + d) :]
-    with np.errstate(invalid="ignore"):
-        plain = (np.isfinite(heights) & (np.abs(heights) > _MARGIN * _EPS * doubts)).all(axis=1)
-    region = np.full(len(x), NO_MODE)
+    heights, doubts, fields = values[:, :count], _EPS * both[:, count:], values[:, count * (1 + d) :]
+    met, off = np.abs(heights) <= _ZERO * doubts, np.abs(heights) > _NOT_ZERO * doubts  # both False of nan
+    clear = (met | off).all(axis=1) & (met.sum(axis=1) <= 1)
+    plain = (np.isfinite(heights) & off).all(axis=1)
+    region, guards = np.full(len(x), NO_MODE), np.zeros(len(x), dtype=np.int64)
     for k, ways in reversed(list(enumerate(laws.ways))):  # of several that contain a state, the first counts
-        inside = np.ones(len(x), dtype=bool)
-        for way in ways:
-            inside &= way.sign * heights[:, way.surface] > 0.0
-        region[inside] = k
+        inside, at = np.ones(len(x), dtype=bool), np.zeros(len(x), dtype=np.int64)
+        for n, way in reversed(list(enumerate(ways))):
+            on = met[:, way.surface]
+            inside &= on | (way.sign * heights[:, way.surface] > 0.0)
+            at[on] = n
+        region[inside], guards[inside] = k, at[inside]
         plain &= ~inside | np.isfinite(fields[:, k * d : (k + 1) * d]).all(axis=1)
     plain &= region != NO_MODE
     if laws.two_sided:
-        return Places(np.zeros(len(x), dtype=np.int64), plain)
-    return Places(np.where(plain, guard_table(laws).first_rows[region], NO_MODE), plain)
+        return Places(np.zeros(len(x), dtype=np.int64), np.zeros(len(x), dtype=np.int64), plain)
+    found = clear & (region != NO_MODE)
+    return Places(np.where(found, guard_table(laws).first_rows[region], NO_MODE), guards, plain)

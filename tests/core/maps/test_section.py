@@ -1,0 +1,102 @@
+"""Poincaré sections: the points at which runs meet a surface, whether anything switches there or not."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import core
+from core import Status
+
+FINE = {"method": "taylor", "tolerance": 1e-13}
+VAN_DER_POL = core.PiecewiseSystem(
+    "Van der Pol", ("x", "v"), g="x - 50", f_minus=("v", "mu*(1 - x**2)*v - x"), f_plus=("v", "-x"),
+    parameters={"mu": 1.0}, x0=(0.5, 0.0),
+)  # fmt: skip
+
+
+def found_by_scipy(system, side, h, x0, t_end, direction):
+    """States at which h vanishes, by DOP853 within one region."""
+    event = h
+    event.direction = direction
+    return solve_ivp(
+        lambda t, x: system.field(side, t, x), (0.0, t_end), x0, "DOP853", events=event, rtol=1e-12, atol=1e-14
+    ).y_events[0]
+
+
+@pytest.mark.parametrize("direction", [1, -1, 0])
+def test_a_surface_at_which_nothing_switches_is_met_where_an_event_of_scipy_is(direction):
+    found = core.section(VAN_DER_POL, (0.0, 50.0), of="v - x/4", points=100, direction=direction, **FINE)
+    wanted = found_by_scipy(VAN_DER_POL, -1, lambda t, x: x[1] - x[0] / 4, (0.5, 0.0), 50.0, direction)
+    assert len(found) == len(wanted) > 6
+    assert np.abs(found.points - wanted).max() < 1e-9
+    assert found.ensemble.outcomes == {Status.COMPLETED: 1}
+
+
+def test_the_own_surface_gives_the_crossings_of_integrate_that_go_its_way():
+    x0 = [[-1.0, -1.0], [-1.1, -0.9]]
+    found = core.section("elliptic_curve", (0.0, 60.0), x0, points=5, discard=2, direction=-1, tau=0.02)
+    for k, start in enumerate(x0):
+        run = core.integrate("elliptic_curve", (0.0, 60.0), start, tau=0.02)
+        inward = run.crossings[run.crossings.side == -1]
+        assert np.array_equal(found.points[found.member == k], inward.x[2:7])
+    assert (found.ensemble.status == Status.CROSSING_LIMIT).all()
+
+
+def test_states_keep_their_invariants_through_surfaces_of_sections():
+    start = core.CATALOGUE["henon_heiles"].x0
+    found = core.section("henon_heiles", (0.0, 1e5), of="y", points=300, direction=1, coordinates=("x", "u"), tau=0.05)
+    assert found.coordinates == ("x", "u")
+    assert found.points.shape == (300, 2)
+    energy = core.CATALOGUE["henon_heiles"].conserved(-1, 0.0, found.ensemble.crossings.x)
+    assert np.abs(energy - core.CATALOGUE["henon_heiles"].conserved(-1, 0.0, np.array(start))).max() < 1e-15
+
+
+def test_sections_go_through_walls_and_through_regions_with_names():
+    walls = core.section("two_walls", (0.0, 40.0), of="x", points=50, **FINE)
+    run = core.integrate("two_walls", (0.0, 40.0), **FINE)
+    speed = np.abs(walls.points[:, 1])
+    assert len(walls) > 10
+    assert np.abs(walls.points[:, 0]).max() < 1e-12
+    for k, t in enumerate(walls.ensemble.crossings.t):
+        assert run.at(t) == pytest.approx(walls.points[k], abs=1e-9)
+    assert (np.diff(speed) <= 1e-9).all() or (np.diff(speed) >= -1e-9).all() or len(np.unique(speed.round(9))) > 1
+    room = core.section("thermostat", (0.0, 30.0), of="T", points=50, direction=1, **FINE)
+    run = core.integrate("thermostat", (0.0, 30.0), **FINE)
+    assert len(room) > 3
+    for k, t in enumerate(room.ensemble.crossings.t):
+        assert run.at(t) == pytest.approx(room.points[k], abs=1e-9)
+        assert run.at(t + 1e-3)[0] > 0.0 > run.at(t - 1e-3)[0]
+
+
+def test_a_return_map_pairs_each_point_with_the_next_of_its_member():
+    x0 = [[0.5, 0.0], [1.0, 0.0]]
+    found = core.section(VAN_DER_POL, (0.0, 100.0), x0, of="v", points=6, direction=-1, **FINE)
+    pairs = found.return_map("x")
+    assert pairs.shape == (10, 2)
+    assert np.array_equal(pairs[:5, 1], found.points[1:6, 0])
+    assert np.array_equal(pairs[5:, 0], found.points[6:11, 0])
+    assert abs(pairs[-1, 1] - 2.0086198608748433) < 1e-6  # amplitude of the limit cycle at mu = 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"points": 0}, "points = 0"),
+        ({"direction": 2}, "direction = 2"),
+        ({"discard": -1}, "discard = -1"),
+        ({"of": "x +"}, "surfaces"),
+        ({"of": "q"}, "q"),
+        ({"coordinates": ("q",)}, "'q' is no variable; coordinates are some of x, v"),
+        ({"coordinates": ()}, "at least one"),
+    ],
+    ids=lambda part: part if isinstance(part, str) else "",
+)
+def test_what_makes_no_sense_is_refused(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        core.section(VAN_DER_POL, (0.0, 1.0), **{"points": 1, "method": "rk4", **arguments})
+
+
+def test_a_coordinate_that_the_section_has_not_is_refused_by_its_return_map():
+    found = core.section(VAN_DER_POL, (0.0, 20.0), of="v", points=2, coordinates=("x",), **FINE)
+    with pytest.raises(ValueError, match="choose from x"):
+        found.return_map("v")
