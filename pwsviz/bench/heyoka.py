@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Any
 
@@ -12,7 +13,7 @@ import core
 from core.studies import heyoka_integrator
 from pwsviz.bench.problems import Problem
 
-__all__ = ["HeyokaByRegion", "HeyokaRun", "has_heyoka"]
+__all__ = ["HeyokaByRegion", "HeyokaEnsemble", "HeyokaRun", "has_heyoka"]
 
 
 def has_heyoka() -> bool:
@@ -36,17 +37,9 @@ class HeyokaRun:
     """
 
     def __init__(self, problem: Problem, tolerance: float, fast_math: bool = False) -> None:
-        import heyoka as hy
-
         self._problem = problem
         self._start = np.array(problem.system.x0)
-        variables = hy.make_vars(*problem.system.variables)
-        names = dict(zip(problem.system.laws.x, variables, strict=True)) | {problem.coefficient: hy.par[0]}
-        field = [(v, hy.from_sympy(f, names)) for v, f in zip(variables, problem.field, strict=True)]
-        event = hy.t_event(hy.from_sympy(problem.surface, names), callback=self._switch())
-        self._integrator = hy.taylor_adaptive(
-            field, self._start, pars=[0.0], tol=tolerance, t_events=[event], fast_math=fast_math
-        )
+        self._integrator = _integrator(problem, tolerance, self._switch(), fast_math)
         self._parameters = self._integrator.pars  # looked up once: each access costs as much as the event
 
     def _switch(self) -> Any:
@@ -74,6 +67,57 @@ class HeyokaRun:
     def state(self) -> NDArray[np.float64]:
         """State (d,) at the time that the integrator has reached."""
         return self._integrator.state.copy()  # type: ignore[no-any-return]
+
+
+class HeyokaEnsemble:
+    """heyoka's ensemble_propagate_until on a problem whose sides differ in one coefficient.
+
+    Parameters
+    ----------
+    problem, tolerance
+        As for `HeyokaRun`.
+    """
+
+    def __init__(self, problem: Problem, tolerance: float) -> None:
+        self._problem = problem
+        below, above = problem.levels[-1], problem.levels[1]
+        self._integrator = _integrator(problem, tolerance, _Switch(below, above), fast_math=False)
+
+    def ends(self, x0: NDArray[np.float64], end: float) -> NDArray[np.float64]:
+        """Return the last states (n, d) of members that begin at x0 (n, d)."""
+        import heyoka as hy
+
+        signs = self._problem.system.switching(0.0, x0)
+        levels = [self._problem.levels[1 if sign > 0 else -1] for sign in signs]
+
+        def begin(one: Any, k: int) -> Any:
+            one.state[:], one.pars[0] = x0[k], levels[k]
+            return one
+
+        return np.array([one[0].state for one in hy.ensemble_propagate_until(self._integrator, end, len(x0), begin)])
+
+
+class _Switch:
+    """Sets the coefficient of the integrator that crosses; heyoka copies it with the integrator."""
+
+    def __init__(self, below: float, above: float) -> None:
+        self.below, self.above = below, above
+
+    def __call__(self, integrator: Any, direction: int) -> bool:
+        integrator.pars[0] = self.above if direction > 0 else self.below
+        return True
+
+
+def _integrator(problem: Problem, tolerance: float, switch: Callable[[Any, int], bool], fast_math: bool) -> Any:
+    """heyoka's integrator of a problem, with the surface as terminal event."""
+    import heyoka as hy
+
+    variables = hy.make_vars(*problem.system.variables)
+    names = dict(zip(problem.system.laws.x, variables, strict=True)) | {problem.coefficient: hy.par[0]}
+    field = [(v, hy.from_sympy(f, names)) for v, f in zip(variables, problem.field, strict=True)]
+    event = hy.t_event(hy.from_sympy(problem.surface, names), callback=switch)
+    start = np.array(problem.system.x0)
+    return hy.taylor_adaptive(field, start, pars=[0.0], tol=tolerance, t_events=[event], fast_math=fast_math)
 
 
 class HeyokaByRegion:

@@ -37,6 +37,10 @@ class Plan:
     """Orders p of the perturbations τᵖ of crossing times."""
     orders: tuple[str, ...]
     """Systems for which the orders of all methods are fitted."""
+    ensembles: tuple[str, ...]
+    """Systems of which many members are integrated at once."""
+    members: int
+    """Number of members of each."""
 
 
 STANDARD = Plan(
@@ -52,6 +56,8 @@ STANDARD = Plan(
     drift_steps=(10**5, 10**6),
     perturbation_orders=(1, 2, 3),
     orders=("harmonic_oscillator", "elliptic_curve"),
+    ensembles=("elliptic_curve", "pendulum"),
+    members=100_000,
 )
 LONG = replace(STANDARD, drawn=40, drift_steps=(10**6, 10**7, 10**8), orders=tuple(core.CATALOGUE))
 QUICK = Plan(
@@ -67,4 +73,6 @@ QUICK = Plan(
     drift_steps=(10**3,),
     perturbation_orders=(),
     orders=("elliptic_curve",),
+    ensembles=("elliptic_curve",),
+    members=100,
 )

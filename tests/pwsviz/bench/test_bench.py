@@ -11,7 +11,7 @@ import core
 from pwsviz.bench import QUICK, Table, sections
 from pwsviz.bench.comparison import drawn, named, time_to_error
 from pwsviz.bench.costs import first_calls
-from pwsviz.bench.heyoka import HeyokaByRegion, HeyokaRun
+from pwsviz.bench.heyoka import HeyokaByRegion, HeyokaEnsemble, HeyokaRun
 from pwsviz.bench.machine import machine_lines
 from pwsviz.bench.problems import ENDS, Problem, drawn_problems, named_problem
 from pwsviz.bench.table import milliseconds
@@ -35,8 +35,8 @@ def without_heyoka(monkeypatch):
 
 def test_every_section_has_figures(quick):
     assert list(quick) == [
-        "Time to a state error", "Problems drawn at random", "Cost of a step", "First call", "Moved slider",
-        "Conservation", "Drift", "Orders",
+        "Time to a state error", "Problems drawn at random", "Ensembles", "Cost of a step", "First call",
+        "Moved slider", "Conservation", "Drift", "Orders",
     ]  # fmt: skip
     for title, table in quick.items():
         assert table.rows or title in ("Problems drawn at random", "First call")
@@ -98,6 +98,14 @@ def test_heyoka_with_one_event_finds_the_state():
         other.run()
         exact = core.reference_solution(problem.system).state(problem.end)
         assert np.abs(other.state - exact).max() < 1e-13  # ten crossings, some eps each
+
+
+def test_an_ensemble_of_heyoka_comes_to_the_same_states():
+    pytest.importorskip("heyoka")
+    problem = named_problem("elliptic_curve")
+    x0 = np.array(problem.system.x0) + np.array([[0.0, 0.0], [0.02, 0.01], [-0.03, 0.02]])
+    exact = [core.reference_solution(problem.system, tuple(x)).state(20.0) for x in x0]
+    assert np.abs(HeyokaEnsemble(problem, 1e-14).ends(x0, 20.0) - exact).max() < 1e-11
 
 
 def test_a_problem_whose_sides_differ_in_more_than_a_coefficient_is_refused():
