@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -153,10 +154,23 @@ def test_quick_and_long_exclude_each_other():
     assert "not allowed with" in done.stderr
 
 
-@pytest.mark.deep
-def test_a_first_call_that_compiles_takes_longer_than_one_that_loads():
+def test_a_first_call_is_timed_in_two_processes_that_share_a_folder_which_is_empty_at_first(monkeypatch):
+    """What they do is tested in tests/core/compilation; with empty caches it takes half a minute."""
+    seen = []
+
+    def run(command, env, **_):
+        folder = Path(env["PWSVIZ_CACHE"])
+        seen.append((folder, sorted(folder.iterdir()), command[-1]))
+        (folder / "compiled").touch()
+        return subprocess.CompletedProcess(command, 0, stdout=f"0.5 {5.0 - 4.0 * (len(seen) - 1)}\n")
+
+    monkeypatch.setattr("pwsviz.bench.costs.subprocess.run", run)
     columns = first_calls(QUICK).columns
-    assert all(float(a) > float(b) for a, b in zip(columns["compiles"], columns["loads"], strict=True))
+    assert [float(columns[name][0]) for name in ("import", "compiles", "loads")] == [0.5, 5.0, 1.0]
+    (folder, before, method), (same, after, again) = seen
+    assert folder == same
+    assert (len(before), len(after)) == (0, 1)
+    assert method == again == "dmm2"
 
 
 def test_heyoka_changes_between_the_regions_of_chuas_circuit_as_we_do():
