@@ -223,7 +223,10 @@ def _several_surfaces() -> tuple[Preset, ...]:
             "chua", "Chua’s double scroll", "",
             "Two surfaces divide the space in three. The orbit is chaotic: rk4 and taylor part by 0.1 at t = 44.",
             "Take a smaller τ: they part later, but not much.",
-            {"system": "chua", "methods": ["rk4", "taylor"], "tau": 0.02, "t_end": 60.0, "view": "state"},
+            {
+                "system": "chua", "methods": ["rk4", "taylor"], "tau": 0.02, "t_end": 60.0, "view": "state",
+                "axes": (0, 2),
+            },
         ),
     )  # fmt: skip
 
