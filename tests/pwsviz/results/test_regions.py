@@ -72,6 +72,5 @@ def test_a_run_between_walls_jumps_and_others_cross(results, system, jumps):
 
 
 @every_system
-def test_there_are_constants_of_the_theory_for_two_sides_only(results, system):
-    assert results.diagnosis(inputs_of(system)) is None
-    assert results.diagnosis(inputs_of(core.CATALOGUE["elliptic_curve"])) is not None
+def test_there_are_constants_of_the_theory_for_each_of_them(results, system):
+    assert results.diagnosis(inputs_of(system)) is not None
