@@ -88,7 +88,13 @@ def _simplify(points, tolerance, fixed, kept):
     return count
 
 
-def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None = None, limit: int = 4000) -> Floats:
+def screen_path(
+    points: Floats,
+    pinned: Mask | None = None,
+    shown: Mask | None = None,
+    limit: int = 4000,
+    pixel: float | None = None,
+) -> Floats:
     """Reduce a trajectory to at most `limit` vertices that draw the same picture.
 
     First it is simplified to within a quarter of a pixel. If too many vertices remain, the orbit repeats itself on the
@@ -105,6 +111,8 @@ def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None =
         Vertices to draw; the others leave a gap.
     limit : int
         Bound on the rows returned.
+    pixel : float, optional
+        Size of a pixel; by default such that the vertices drawn fill `RESOLUTION` pixels.
 
     Returns
     -------
@@ -119,12 +127,14 @@ def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None =
         curve = _Curve(points, fixed, np.zeros(max(len(points) - 1, 0), dtype=bool))
     else:
         curve = _Curve(points[valid], fixed[valid], np.diff(np.flatnonzero(valid)) > 1)
-    pixel = max(box[1] - box[0], box[3] - box[2]) / RESOLUTION if len(curve.points) else 0.0
-    if pixel == 0.0:
+    coarsest = max(box[1] - box[0], box[3] - box[2]) / RESOLUTION if len(curve.points) else 0.0
+    if coarsest == 0.0:
         return curve.points[:1]
-    while len(path := curve.path(pixel / 4)) > limit:
-        curve = curve.unpainted(pixel)
-        pixel *= 1.5
+    size = coarsest if pixel is None else pixel
+    while len(path := curve.path(size / 4)) > limit:
+        size = max(size, coarsest)
+        curve = curve.unpainted(size)
+        size *= 1.5
     return path
 
 

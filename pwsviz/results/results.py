@@ -19,7 +19,7 @@ from pwsviz.geometry.projection import Axes
 from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.orbits import FAR, Levels, Orbit, orbit_of
+from pwsviz.results.orbits import Levels, Orbit, drawn_within, orbit_of
 from pwsviz.results.requests import (
     CostInputs,
     InitialValueProblem,
@@ -157,7 +157,7 @@ class Results:
         axes = inputs.axes
         self._begin(inputs.selected, cancel)
         first = self.orbit(inputs.selected[0], None, axes, cancel)
-        near = Window.around(first.path).scaled(FAR)
+        near = drawn_within(first)
         return Pictures(
             inputs=inputs,
             orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
@@ -208,13 +208,18 @@ class Results:
     def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
         """Return the states that the player shows of each run; of many runs fewer each."""
         limit = min(MOST_FRAMES, max(FEWEST_FRAMES, ALL_FRAMES // len(inputs)))
+        first = self.orbit(inputs[0], None, axes, cancel)
+        near = drawn_within(first)
+        windows = [near if first.runs_off else None, *(near for _ in inputs[1:])]
         return [
-            self._get("frames", (one, axes, limit), cancel, partial(self._frames, one, axes, limit, cancel))
-            for one in inputs
+            self._get(
+                "frames", (one, axes, limit, window), cancel, partial(self._frames, one, axes, limit, window, cancel)
+            )
+            for one, window in zip(inputs, windows, strict=True)
         ]
 
-    def _frames(self, inputs: RunInputs, axes: Axes, limit: int, cancel: Cancel) -> Frames:
-        return frames(self.run(inputs, cancel), axes, limit)
+    def _frames(self, inputs: RunInputs, axes: Axes, limit: int, near: Window | None, cancel: Cancel) -> Frames:
+        return frames(self.run(inputs, cancel), axes, limit, near)
 
     def states(self, inputs: RunInputs, cancel: Cancel = never) -> StateCurves:
         """Return each coordinate of a run against time."""
