@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 import core
 from core.integration import KINDS
-from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats, simplify
 from pwsviz.geometry.projection import PLANE, Axes, in_plane
 from pwsviz.results.curves import curve, pixel_size
-from pwsviz.results.orbits import RUNS_OFF
 
 FEW = 500
 """Steps below which states between them are shown, so that the marker moves smoothly along the curve."""
@@ -27,9 +24,6 @@ MOST_CROSSINGS = 100_000
 
 MET = KINDS[:3]
 """What is counted while a run plays: an end of sliding follows from its beginning."""
-
-ROUND_OFF = 2.0
-"""Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
 
 
 @dataclass(frozen=True)
@@ -74,13 +68,10 @@ class Landmarks:
         Place of each crossing in the portrait.
     kinds : tuple of str
         Kind of each crossing.
-    round_off : float
-        Size of the round-off of ψ; 0 if no ψ is known, NaN of a run that may have run off, along which it varies.
     """
 
     places: Floats
     kinds: tuple[str, ...]
-    round_off: float
 
 
 def frames(run: core.Trajectory, axes: Axes, limit: int = 2000, near: Window | None = None) -> Frames:
@@ -150,5 +141,4 @@ def _drawn(run: core.Trajectory, axes: Axes, near: Window | None, most: int) -> 
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:
     """Return what the plot of the conserved quantity marks of a run."""
     kinds = tuple(str(kind) for kind in run.crossings.kind)
-    round_off = math.nan if run.status in RUNS_OFF else ROUND_OFF * MACHINE_EPSILON * run.psi_size()
-    return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds, round_off)
+    return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds)

@@ -101,7 +101,9 @@ BLUE = """canvas => {
     const {width, height} = canvas
     const pixels = canvas.getContext("2d").getImageData(0, 0, width, height).data
     let count = 0
-    for (let k = 0; k < pixels.length; k += 4) { count += pixels[k] == 0 && pixels[k + 1] == 114 && pixels[k + 2] == 178 }
+    for (let k = 0; k < pixels.length; k += 4) {
+        count += pixels[k] == 0 && pixels[k + 1] == 114 && pixels[k + 2] == 178
+    }
     return count
 }"""
 
