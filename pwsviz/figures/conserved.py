@@ -159,7 +159,7 @@ class ConservedView:
         self._show_segments(errors[0])
         self._show_ticks(errors[0], landmarks)
         self._show_round_off(errors[0])
-        top = max(float(np.nanmax(y, initial=1e-14)) for y in heights)
+        top = max(float(np.fmax.reduce(y, initial=1e-14)) for y in (*heights, self.round_off.data["y"]))
         end = max(curve.t_end for curve in errors)
         assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
         describe(self.figure, f"{SUMMARY}. {conserved_text(errors)}")
