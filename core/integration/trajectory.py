@@ -225,14 +225,24 @@ class Trajectory:
         float
             0 where no conserved quantity is known.
         """
-        rows = np.arange(0, len(self.t), max(1, len(self.t) // _SAMPLE))
-        largest = 0.0
-        modes = self.mode[rows]
+        return float(self.psi_sizes()[1].max(initial=0.0))
+
+    def psi_sizes(self) -> tuple[Floats, Floats]:
+        """`psi_size` along the run: of one that blows up it grows by many powers of ten.
+
+        Returns
+        -------
+        (k,), (k,)
+            Times of about 500 recorded states, with all of the last 500; sizes there, 0 where no conserved quantity is
+            known.
+        """
+        count = len(self.t)
+        rows = np.union1d(np.arange(0, count, max(1, count // _SAMPLE)), np.arange(max(0, count - _SAMPLE), count))
+        modes, found = self.mode[rows], np.zeros(len(rows))
         for number in np.unique(modes[modes >= 0]).tolist():
-            there = rows[modes == number]
-            sizes = psi_size(self.system, number, self.t[there], self.x[there])
-            largest = max(largest, float(sizes.max(initial=0.0)))
-        return largest
+            there = modes == number
+            found[there] = psi_size(self.system, number, self.t[rows[there]], self.x[rows[there]])
+        return self.t[rows], found
 
     def at(self, t: ArrayLike, before: bool = False) -> Floats:
         """States at any times within the run (dense output).

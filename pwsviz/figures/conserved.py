@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
-from bokeh.models.glyphs import Scatter
+from bokeh.models.glyphs import Line, Scatter
 
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
+    LEVEL,
     OCCUPIED,
     assign,
     describe,
@@ -32,8 +32,8 @@ from pwsviz.figures.style import (
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.results.animation import ROUND_OFF, Landmarks
-from pwsviz.results.results import ErrorCurve
+from pwsviz.results.animation import Landmarks
+from pwsviz.results.results import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import rounded_up
 
@@ -109,6 +109,8 @@ class ConservedView:
         plot = self.figure
         columns = ("xs", "ys", "method", "colour", "dash")
         self.methods, self.keys = legend_lines(plot)
+        self.round_off = ColumnDataSource({"t": [], "y": []})
+        plot.add_glyph(self.round_off, Line(x="t", y="y", **LEVEL))
         self.curves = ColumnDataSource({name: [] for name in columns})
         self.lines = plot.add_glyph(self.curves, run_lines())
         rows = [("integrator", "@method"), ("time", "$snap_x{6}"), ("|Δψ|", "$snap_y{3}")]
@@ -156,11 +158,11 @@ class ConservedView:
         show_methods(self.methods, [curve.method for curve in errors])
         self._show_segments(errors[0])
         self._show_ticks(errors[0], landmarks)
-        self._show_round_off(math.nan if landmarks is None else landmarks.round_off)
-        top = max(float(np.nanmax(y, initial=1e-14)) for y in heights)
+        self._show_round_off(errors[0])
+        top = max(float(np.fmax.reduce(y, initial=1e-14)) for y in (*heights, self.round_off.data["y"]))
         end = max(curve.t_end for curve in errors)
         assign(self.corners, x=[0.0, end or 1.0], y=[FLOOR / 2, 2 * top])
-        describe(self.figure, f"{SUMMARY}. {conserved_text(errors, landmarks)}")
+        describe(self.figure, f"{SUMMARY}. {conserved_text(errors)}")
 
     def _show_exits(self, errors: Sequence[ErrorCurve], heights: Sequence[Floats]) -> None:
         """Mark where curves leave the plot at its upper end, and say how large their |Δψ| becomes."""
@@ -200,10 +202,15 @@ class ConservedView:
             method=[first.method] * count,
         )
 
-    def _show_round_off(self, level: float) -> None:
-        """Mark the round-off of ψ, unless it is unknown, or too close to machine epsilon, which has its own mark."""
-        told = np.isfinite(level) and max(level / MACHINE_EPSILON, MACHINE_EPSILON / max(level, NOWHERE)) >= TELLABLE
-        self.levels.move(MACHINE_EPSILON, FLOOR, max(level, FLOOR) if told else NOWHERE)
+    def _show_round_off(self, first: ErrorCurve) -> None:
+        """Mark the round-off of ψ at the end, unless it is too close to machine epsilon; draw it where it grows."""
+        level = first.round_off
+        last, grows = float(level[-1]), bool(level[-1] > TELLABLE * level[0] > 0.0)
+        told = max(last / MACHINE_EPSILON, MACHINE_EPSILON / max(last, NOWHERE)) >= TELLABLE
+        self.levels.move(MACHINE_EPSILON, FLOOR, max(last, FLOOR) if told else NOWHERE)
+        self.levels.spans[-1].visible = not grows
+        drawn = slice(None) if grows else slice(0)
+        assign(self.round_off, t=first.t[drawn], y=np.clip(level, FLOOR, CEILING)[drawn])
 
 
 def drawable(error: Floats) -> Floats:
@@ -213,42 +220,34 @@ def drawable(error: Floats) -> Floats:
     return np.where(after, np.nan, np.clip(error, FLOOR, CEILING))
 
 
-def conserved_text(curves: Sequence[ErrorCurve], landmarks: Landmarks | None = None) -> str:
-    """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known.
-
-    Parameters
-    ----------
-    curves : sequence of ErrorCurve
-        One for each integrator.
-    landmarks : Landmarks, optional
-        Of the first run, with the round-off of ψ that is drawn; that of a ψ of size 1 where it is not given.
-    """
-    round_off = ROUND_OFF * MACHINE_EPSILON if landmarks is None else landmarks.round_off
-    told = [words for curve in curves for words in (_drift(curve, round_off), _off_surface(curve)) if words]
+def conserved_text(curves: Sequence[ErrorCurve]) -> str:
+    """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known."""
+    told = [words for curve in curves for words in (_drift(curve), _off_surface(curve)) if words]
     many = len(curves[0].crossings)
     missing = f" {many:,} crossings are too many to mark them or to shade the sides." * (many > MOST_BANDS)
     whose = f" Shades and marks are those of {curves[0].method}." * (len(curves) > 1)
     return "; ".join(told) + "." + missing + whose if told else ""
 
 
-def _drift(curve: ErrorCurve, round_off: float) -> str:
+def _drift(curve: ErrorCurve) -> str:
     """Say whether the error of one integrator is round-off, stays below a bound, rises or drifts; empty without ψ."""
     known = (np.isfinite(curve.error) | np.isinf(curve.error)) & ~curve.sliding
-    t, error = curve.t[known], curve.error[known]
+    t, error, round_off = curve.t[known], curve.error[known], curve.round_off[known]
     if not len(error):
         return ""
-    worst, size = float(error.max()), round_off / (ROUND_OFF * MACHINE_EPSILON)
+    worst, size = float(error.max()), float(curve.psi_size[-1])
     if worst > CEILING:
         left = f"leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}"
         return f"{curve.method} {left}: {_largest(error)}"
-    if math.isnan(round_off):  # of a run that runs off, ψ has no size
-        return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {t[-1]:.4g}, where it runs off"
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if worst == 0:
         return f"{curve.method} conserves ψ exactly"
-    if worst <= round_off or worst <= STEADY * size:
-        kind = "round-off" if worst <= round_off else "accumulated round-off"
+    small, steady = bool((error <= round_off).all()), STEADY / (ROUND_OFF * MACHINE_EPSILON)
+    if small or (error <= steady * round_off).all():
+        kind = "round-off" if small else "accumulated round-off"
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
+    if curve.runs_off:
+        return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {t[-1]:.4g}, where it runs off"
     if late <= SEEN_TO_RISE * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
     word = "drifts to" if late > DRIFT * early else "reaches"

@@ -25,21 +25,22 @@ def extent(pictures: Pictures) -> Window:
     """Return the box of the first orbit that stays, closed surfaces of comparable size, and the orbits near it.
 
     Of the orbits from other starts those of the first integrator count, farther out (`OTHERS`) than the orbits of other
-    integrators (`NEAR`). Of one that runs off only the start counts, unless all do.
+    integrators (`NEAR`). Of one that runs off only the start counts, unless all do. All starts are shown.
     """
     stay = [orbit for orbit in (*pictures.orbits, *pictures.others) if not orbit.runs_off]
     base = stay[0] if stay else pictures.orbits[0]
     orbits, others = (
-        [np.array([orbit.start]) if orbit.runs_off and stay else orbit.path for orbit in given]
+        [orbit.focus for orbit in given if not (orbit.runs_off and stay)]
         for given in (pictures.orbits, pictures.others[:: len(pictures.orbits)])
     )
     system, axes = pictures.inputs.selected[0].problem.build(), pictures.inputs.axes
-    surface = closed_surface(system, Window.around(base.path).scaled(COMPARABLE), axes)
-    first = Window.around(np.concatenate([base.path, surface]))
-    points = np.concatenate([base.path, surface, *orbits])
+    surface = closed_surface(system, Window.around(base.focus).scaled(COMPARABLE), axes)
+    first = Window.around(np.concatenate([base.focus, surface]))
+    points = np.concatenate([base.focus, surface, *orbits])
     there = np.concatenate([np.empty((0, 2)), *others])
+    starts = np.array([orbit.start for orbit in (*pictures.orbits, *pictures.others)])
     near, far = first.scaled(NEAR).holds(points), first.scaled(OTHERS).holds(there)
-    return Window.around(np.concatenate([points[near], there[far]]))
+    return Window.around(np.concatenate([points[near], there[far], starts]))
 
 
 def power_of_ten(size: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import core
 from core.studies import NOT_YET, OutcomeMap
-from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.figures.stability_outcomes import OUTCOMES, lasts, outcomes_shown
 from pwsviz.figures.style import GREY, assign, fit_to_corners, legend_below, line_of, plain_figure, tips
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -35,6 +35,11 @@ FLOOR = MACHINE_EPSILON / 8
 
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
+
+HATCH: Mapping[str, Any] = {
+    "hatch_pattern": "right_diagonal_line", "hatch_color": "#FFFFFF", "hatch_alpha": 0.6, "hatch_scale": 8.0,
+}  # fmt: skip
+"""What tells the colour of an outcome from one of the scale of |Δψ|."""
 
 _CELLS = ("left", "right", "bottom", "top", "tau", "value", "words", "met", "expected", "error")
 
@@ -64,6 +69,8 @@ class MapFigure:
         self.heat = ColumnDataSource({name: [] for name in (*_CELLS, "height")})
         mapper = LogColorMapper(palette=Cividis256, low=FLOOR, high=CEILING)
         errors = plot.quad(**edges, source=self.heat, color={"field": "height", "transform": mapper})
+        self.ended = ColumnDataSource({name: [] for name in (*_CELLS, "colour")})
+        ended = plot.quad(**edges, source=self.ended, color="colour", **HATCH)
         self.blank = ColumnDataSource({name: [] for name in _CELLS})
         blanks = plot.quad(**edges, source=self.blank, color=GREY)
         self.bar = ColorBar(color_mapper=mapper, title="|Δψ|", visible=False, width=12)
@@ -79,9 +86,9 @@ class MapFigure:
             ("solution", "@expected"),
             ("|Δψ|", "@error"),
         ]
-        plot.add_tools(tips(rows, renderers=[outcomes, errors, blanks]))
-        entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks)]
-        self._outcomes, self._blanks = legend_below(plot, 2, entries, usual=4, widest=300)
+        plot.add_tools(tips(rows, renderers=[outcomes, errors, ended, blanks]))
+        entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks), ({"field": "words"}, ended)]
+        self._outcomes, self._blanks, self._ended = legend_below(plot, 2, entries, usual=4, widest=300)
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> None:
@@ -105,15 +112,18 @@ class MapFigure:
         """Draw what is computed of the map of one integrator, and the largest step size of each integrator."""
         self.figure.yaxis[0].axis_label = f"{study.coordinate_name} at the start"
         cells = {} if study.map is None else _cells(study.map, study.methods.index(method))
-        known = np.isfinite(cells.get("height", np.empty(0)))
-        rows = {"outcome": np.ones(len(known), dtype=bool), "error": known, "blank": ~known}
+        known, whole = np.isfinite(cells.get("height", np.empty(0))), cells.get("lasts", np.empty(0, dtype=bool))
+        every = np.ones(len(known), dtype=bool)
+        rows = {"outcome": every, "error": known & whole, "blank": ~known & whole, "ended": ~whole}
         for source, which, wanted in (
             (self.cells, "outcome", "outcome"), (self.heat, "error", "error"), (self.blank, "blank", "error"),
+            (self.ended, "ended", "error"),
         ):  # fmt: skip
             kept = rows[which] & (what == wanted)
             assign(source, **{name: cells[name][kept] if cells else [] for name in source.data})
         self._outcomes.visible, self.bar.visible = what == "outcome", what == "error"
-        self._blanks.visible = what == "error" and bool((~known).any())
+        self._blanks.visible = what == "error" and bool(rows["blank"].any())
+        self._ended.visible = what == "error" and bool(rows["ended"].any())
         self._show_limits(study)
         if study.map is not None:
             across, up = _edges(np.log(study.map.taus)), _edges(study.map.values)
@@ -167,4 +177,5 @@ def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
         "error": np.array([printed(f"{e:.1e}") if np.isfinite(e) else "no value" for e in error]),
         "colour": np.array([OUTCOMES[code].colour for code in codes]),
         "height": np.maximum(error, FLOOR),
+        "lasts": lasts(found, k)[row, column],
     }

@@ -12,7 +12,7 @@ from core import Status
 from core.studies import ENDINGS, NO_START, NOT_YET, WENT_ON, WRONG_CROSSINGS, OutcomeMap
 from pwsviz.figures.style import BLUE, BROWN, GREEN, GREY, OCHRE, ORANGE, PURPLE, SKY, VERMILION, VIOLET
 
-__all__ = ["OUTCOMES", "UNJUDGED", "Outcome", "outcomes_shown"]
+__all__ = ["OUTCOMES", "UNJUDGED", "Outcome", "lasts", "outcomes_shown"]
 
 UNJUDGED = -1
 """Outcome of a run that nothing can be compared with, since the reference gives up; not one of `core.studies`."""
@@ -55,3 +55,11 @@ def outcomes_shown(found: OutcomeMap, k: int) -> NDArray[np.int64]:
     judged = np.isin(found.expected, (*ENDINGS, NO_START))
     codes = np.where(found.works[k], Status.COMPLETED, found.outcome[k])
     return np.where(judged | (codes == NOT_YET), codes, UNJUDGED)
+
+
+def lasts(found: OutcomeMap, k: int) -> NDArray[np.bool_]:
+    """Return (m, n) which runs of integrator k last as long as they should: |Δψ| of others is that of a part of a run.
+
+    They reach the end time, or end as the solution does.
+    """
+    return np.asarray(found.works[k] | np.isin(found.outcome[k], (Status.COMPLETED, WRONG_CROSSINGS, WENT_ON)))

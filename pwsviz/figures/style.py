@@ -185,6 +185,10 @@ def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:
     return HoverTool(tooltips=f'<div style="{TIP_CELLS}">{cells}</div>', formatters=formatters, **options)
 
 
+LEVEL: dict[str, Any] = {"line_color": GREY, "line_dash": "dotted", "line_width": 1.5}
+"""Look of what marks a level."""
+
+
 @dataclass(frozen=True)
 class NamedLevels:
     """Horizontal lines across a plot, labelled at its right edge."""
@@ -204,8 +208,7 @@ class NamedLevels:
 def mark_levels(plot: figure, levels: dict[float, str]) -> NamedLevels:
     """Draw labelled lines across a logarithmic plot; the labels are at its right edge, where no curve runs."""
     ticker = FixedTicker(ticks=list(levels))
-    look: dict[str, Any] = {"line_color": GREY, "line_dash": "dotted", "line_width": 1.5}
-    spans = [Span(location=level, dimension="width", **look) for level in levels]
+    spans = [Span(location=level, dimension="width", **LEVEL) for level in levels]
     # Labels are looked up by height, since the browser numbers only the ticks in view.
     args = {"names": list(levels.values()), "levels": list(levels)}
     names = CustomJSTickFormatter(args=args, code="return names[levels.indexOf(tick)] ?? ''")

@@ -23,6 +23,12 @@ Mask = NDArray[np.bool_]
 RESOLUTION = 1500
 """Pixels assumed along the longer side of a plot, more than most screens give it."""
 
+RECENT = 8
+"""Pixels of a path that are near what follows since they lead to it."""
+
+MOST_CELLS = 10_000_000
+"""Pixels of a picture that it is looked up in whether they have been painted: four times those of a square one."""
+
 _compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
 
 
@@ -88,12 +94,18 @@ def _simplify(points, tolerance, fixed, kept):
     return count
 
 
-def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None = None, limit: int = 4000) -> Floats:
+def screen_path(
+    points: Floats,
+    pinned: Mask | None = None,
+    shown: Mask | None = None,
+    limit: int = 4000,
+    pixel: float | None = None,
+) -> Floats:
     """Reduce a trajectory to at most `limit` vertices that draw the same picture.
 
     First it is simplified to within a quarter of a pixel. If too many vertices remain, the orbit repeats itself on the
     screen; then only the pieces that reach pixels not painted before are kept. If even these are too many (a trajectory
-    that fills an area), the pixels are enlarged until the bound is met.
+    that fills an area), the pixels are enlarged until the bound is met. No edge is painted twice: see `painted_once`.
 
     Parameters
     ----------
@@ -105,6 +117,8 @@ def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None =
         Vertices to draw; the others leave a gap.
     limit : int
         Bound on the rows returned.
+    pixel : float, optional
+        Size of a pixel; by default such that the vertices drawn fill `RESOLUTION` pixels.
 
     Returns
     -------
@@ -119,13 +133,75 @@ def screen_path(points: Floats, pinned: Mask | None = None, shown: Mask | None =
         curve = _Curve(points, fixed, np.zeros(max(len(points) - 1, 0), dtype=bool))
     else:
         curve = _Curve(points[valid], fixed[valid], np.diff(np.flatnonzero(valid)) > 1)
-    pixel = max(box[1] - box[0], box[3] - box[2]) / RESOLUTION if len(curve.points) else 0.0
-    if pixel == 0.0:
+    coarsest = max(box[1] - box[0], box[3] - box[2]) / RESOLUTION if len(curve.points) else 0.0
+    if coarsest == 0.0:
         return curve.points[:1]
-    while len(path := curve.path(pixel / 4)) > limit:
-        curve = curve.unpainted(pixel)
-        pixel *= 1.5
+    finest = size = coarsest if pixel is None else pixel
+    path = curve.path(size / 4)
+    while len(path) > limit or len(path := painted_once(path, finest)) > limit:
+        size = max(size, coarsest)
+        curve = curve.unpainted(size)
+        size *= 1.5
+        path = curve.path(size / 4)
     return path
+
+
+def painted_once(path: Floats, pixel: float) -> Floats:
+    """Leave out the edges of a path that lie within about a pixel of earlier ones, as later turns of an orbit do.
+
+    Painted again, dashes fill the gaps between dashes, and the edges of thin lines become opaque, in each renderer and
+    at each size differently.
+
+    Parameters
+    ----------
+    path : (n, 2) array
+        Vertices, with rows of NaN between pieces.
+    pixel : float
+        Size of a pixel.
+
+    Returns
+    -------
+    (k, 2) array
+        The rest of the path, with a row of NaN between pieces.
+    """
+    x_low, x_high, y_low, y_high = _bounds(path, np.ones(len(path), dtype=bool))
+    columns, rows = (3 + int(size / pixel) for size in (x_high - x_low, y_high - y_low))
+    if len(path) < 3 or columns * rows > MOST_CELLS:
+        return path
+    new = np.zeros(len(path) - 1, dtype=bool)
+    _first_painted(path, x_low - pixel, y_low - pixel, pixel, np.full((columns + 1, rows + 1), -1, np.int32), new)
+    there = np.zeros(len(path), dtype=bool)
+    there[:-1] |= new
+    there[1:] |= new
+    kept = np.flatnonzero(there)
+    return np.insert(path[kept], 1 + np.flatnonzero(~new[kept[:-1]]), np.nan, axis=0)
+
+
+@_compiled
+def _first_painted(path, x_low, y_low, pixel, painted, new):
+    passed = 0  # pixels of the path so far; each pixel has the number at which it was painted, or -1
+    for k in range(new.size):
+        x, y = path[k, 0], path[k, 1]
+        across, up = path[k + 1, 0] - x, path[k + 1, 1] - y
+        length = np.sqrt(across * across + up * up) / pixel
+        if not length < np.inf:
+            continue
+        count = 1 + int(length)
+        for i in range(count + 1):
+            column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
+            before = False
+            for a in range(max(column - 1, 0), min(column + 2, painted.shape[0])):
+                for b in range(max(row - 1, 0), min(row + 2, painted.shape[1])):
+                    before = before or (painted[a, b] >= 0 and passed + i - painted[a, b] > RECENT)
+            if not before:
+                new[k] = True
+                break
+        if new[k]:
+            for i in range(count + 1):
+                column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
+                if painted[column, row] < 0:
+                    painted[column, row] = passed + i
+        passed += count
 
 
 @dataclass(frozen=True)

@@ -64,12 +64,13 @@ export function render({ model, data, el }) {
     const there = ways.filter(way => way.t.length > 0)
     const at = there.map(way => Math.max(0, last(time, way.t)))
     const since = there.map(way => Math.max(0, last(time - end * model.trail / model.whole, way.t)))
-    const tail = name => there.map((way, k) => Array.from(way[name].slice(since[k], at[k] + 1)))
+    const tail = name => there.map((way, k) => way.traced ? Array.from(way[name].slice(since[k], at[k] + 1)) : [])
     const colour = there.map(way => way.colour)
     const shown = {
       t: there.length > 0 ? time : null,
       x: there.map((way, k) => way.x[at[k]]), y: there.map((way, k) => way.y[at[k]]),
       colour, marker: there.map(way => way.marker), size: there.map(way => way.size),
+      traced: there.some(way => way.traced),
       trails: { xs: tail("x"), ys: tail("y"), colour, width: there.map(way => Math.max(2, way.size / 4)) },
     }
     scrub.max = end
@@ -179,12 +180,12 @@ _CSS = """
 """
 
 _MOVE = """
-const { t, trails: ways, ...markers } = cb_obj.now
+const { t, traced, trails: ways, ...markers } = cb_obj.now
 moving.setv({ data: markers }, { sync: false })
 trails.setv({ data: ways }, { sync: false })
 played_time.setv({ data: { t: t == null ? [] : [t] } }, { sync: false })
 for (const [curve, alpha] of [[curves, 1.0], [beside, 0.55]]) {  // faint under the trails
-  const line_alpha = { value: t == null ? alpha : FAINT * alpha }
+  const line_alpha = { value: traced ? FAINT * alpha : alpha }
   if (curve.glyph.line_alpha?.value != line_alpha.value) { curve.glyph.setv({ line_alpha }, { sync: false }) }
 }
 clock.setv({ data: { t: [t ?? 0], running: [t != null] } }, { sync: false })
@@ -279,4 +280,5 @@ def _way(one: Frames, size: int, whose: str) -> dict[str, Any]:
     return {
         "t": one.t, "x": x, "y": y, "steps": one.steps, "met": list(one.met), "tally": list(one.tally),
         "whose": whose, "colour": line.colour, "marker": line.marker, "size": size,
+        "traced": one.traced,
     }  # fmt: skip

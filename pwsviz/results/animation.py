@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 import core
 from core.integration import KINDS
-from pwsviz.geometry.numbers import MACHINE_EPSILON
-from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import Axes, in_plane
-from pwsviz.results.orbits import RUNS_OFF
-from pwsviz.results.states import with_crossings
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.polyline_reduction import Floats, simplify
+from pwsviz.geometry.projection import PLANE, Axes, in_plane
+from pwsviz.results.curves import curve, pixel_size
 
 FEW = 500
 """Steps below which states between them are shown, so that the marker moves smoothly along the curve."""
+
+VERTICES = 10
+"""Vertices of a traced path at most for each state that may be shown: more are too much to send."""
 
 MOST_CROSSINGS = 100_000
 """Crossings whose times are sent to the browser."""
@@ -24,13 +25,10 @@ MOST_CROSSINGS = 100_000
 MET = KINDS[:3]
 """What is counted while a run plays: an end of sliding follows from its beginning."""
 
-ROUND_OFF = 2.0
-"""Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
-
 
 @dataclass(frozen=True)
 class Frames:
-    """The path of one run in the plane, at its own steps, and also between them if they are few.
+    """The path of one run in the plane, at its own steps, and also between them if they are few or the path bends.
 
     Attributes
     ----------
@@ -46,6 +44,9 @@ class Frames:
         Times of the crossings, jumps and beginnings of sliding, at most `MOST_CROSSINGS` each.
     tally : Tally
         How many there are of each.
+    traced : bool
+        Whether the lines from place to place are the drawn curve. Those of a run whose curve has too many vertices are
+        not: they are chords across it.
     """
 
     method: str
@@ -54,6 +55,7 @@ class Frames:
     steps: Floats
     met: tuple[Floats, ...]
     tally: core.Tally
+    traced: bool
 
 
 @dataclass(frozen=True)
@@ -66,17 +68,14 @@ class Landmarks:
         Place of each crossing in the portrait.
     kinds : tuple of str
         Kind of each crossing.
-    round_off : float
-        Size of the round-off of ψ; 0 if no ψ is known, NaN of a run that may have run off, along which it varies.
     """
 
     places: Floats
     kinds: tuple[str, ...]
-    round_off: float
 
 
-def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
-    """Return the states of a run, every k-th if it has more than `limit` steps.
+def frames(run: core.Trajectory, axes: Axes, limit: int = 2000, near: Window | None = None) -> Frames:
+    """Return the states of a run, every k-th if it has more than `limit` steps, and the vertices of its drawn curve.
 
     Parameters
     ----------
@@ -85,7 +84,10 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
     axes : (int, int)
         The variables that span the portrait.
     limit : int
-        Bound on the steps shown, at least 1, and on the jumps; there is one more state than there are steps.
+        Bound on the steps shown, at least 1, and on the jumps; there is one more state than there are steps, and up to
+        `VERTICES` times as many vertices. A curve that has more is left out.
+    near : Window, optional
+        The part of the plane in which the curve is drawn, as for `curve`.
 
     Raises
     ------
@@ -94,25 +96,49 @@ def frames(run: core.Trajectory, axes: Axes, limit: int = 2000) -> Frames:
     """
     if limit < 1:
         raise ValueError(f"limit = {limit}: at least 1 is needed, one step from the first state to the last")
+    steps, t, places = _evenly(run, axes, limit)
+    drawn, traced = _drawn(run, axes, near, VERTICES * limit)
+    new = ~np.isin(t, drawn[0])
+    t, x = np.concatenate([drawn[0], t[new]]), np.concatenate([drawn[1], places[new]])
+    order = np.argsort(t, kind="stable")
+    times, kinds = run.crossings.passed.t, run.kinds_met
+    met = tuple(times[kinds == kind][:MOST_CROSSINGS] for kind in range(len(MET)))
+    return Frames(run.method, t[order], np.ascontiguousarray(x[order]), steps, met, run.tally, traced)
+
+
+def _evenly(run: core.Trajectory, axes: Axes, limit: int) -> tuple[Floats, Floats, Floats]:
+    """Return times of steps that are shown, and times and places of the states shown, which may be more."""
     there = np.flatnonzero(np.isfinite(in_plane(run.x, axes)).all(axis=1))
     every = max(1, -(-(len(there) - 1) // limit))
     kept = there[::every] if (len(there) - 1) % every == 0 else np.append(there[::every], there[-1])
-    steps, t, x = run.t[kept], run.t[kept], run.x[kept]
+    steps, x = run.t[kept], run.x[kept]
+    t = steps
     if len(steps) < min(FEW, limit):
         t = np.union1d(steps, np.linspace(steps.min(), steps.max(), limit))
         try:
             x = run.at(t)
         except ValueError:  # a part of a step may have no solution where the whole step has one
             t = steps
-    jumps = run.crossings[run.crossings.kind == "jump"]
-    t, x = with_crossings(jumps[:: -(-len(jumps) // limit) or 1], t, x)
-    times, kinds = run.crossings.passed.t, run.kinds_met
-    met = tuple(times[kinds == kind][:MOST_CROSSINGS] for kind in range(len(MET)))
-    return Frames(run.method, t, np.ascontiguousarray(in_plane(x, axes)), steps, met, run.tally)
+    return steps, t, in_plane(x, axes)
+
+
+def _drawn(run: core.Trajectory, axes: Axes, near: Window | None, most: int) -> tuple[tuple[Floats, Floats], bool]:
+    """Return times and places of the vertices of the drawn curve, and True; if they are too many, the jumps alone."""
+    t, points, kinks = curve(run, axes, near)
+    gaps = kinks & ~np.isfinite(points).all(axis=1)
+    pinned = gaps.copy()
+    pinned[:-1] |= gaps[1:]
+    pinned[1:] |= gaps[:-1]
+    finite = np.isfinite(points).all(axis=1)
+    there = np.flatnonzero((finite | gaps) & ~np.logical_or.accumulate(~finite & ~gaps))  # up to the last finite state
+    kept = there[simplify(points[there], pixel_size(points, near) / 4, pinned[there])]
+    traced = len(kept) <= most
+    if not traced:
+        kept = np.flatnonzero(pinned).reshape(-1, 3)[:: -(-int(gaps.sum()) * PLANE // most) or 1].ravel()
+    return (t[kept], points[kept]), traced
 
 
 def landmarks(run: core.Trajectory, axes: Axes) -> Landmarks:
     """Return what the plot of the conserved quantity marks of a run."""
     kinds = tuple(str(kind) for kind in run.crossings.kind)
-    round_off = math.nan if run.status in RUNS_OFF else ROUND_OFF * MACHINE_EPSILON * run.psi_size()
-    return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds, round_off)
+    return Landmarks(np.ascontiguousarray(in_plane(run.crossings.x, axes)), kinds)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 import core
@@ -9,7 +11,10 @@ from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION, Floats, Mask, spliced
 from pwsviz.geometry.projection import PLANE, Axes, in_plane
 
-__all__ = ["curve", "jump_lines"]
+__all__ = ["FAR", "Curve", "curve", "jump_lines", "pixel_size"]
+
+FAR = 8.0
+"""Sizes of a view within which orbits are drawn: as far as a user may zoom out and still see them leave."""
 
 LONG_STEPS = 4000
 """States up to which steps may be long enough to show; more of them are as many as a drawn curve has vertices."""
@@ -27,8 +32,28 @@ PARTS = 4
 """Parts into which such a piece is divided, so that a piece with a turning point is seen to bend."""
 
 
-def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> tuple[Floats, Mask]:
-    """Return the curve of a run as vertices (n, 2), and which of them are kinks; a jump leaves a gap.
+class Curve(NamedTuple):
+    """The curve of a run in the plane."""
+
+    t: Floats
+    """(n,) times of the vertices, ascending; a jump has three, all equal."""
+    points: Floats
+    """(n, 2) vertices; NaN between the two ends of a jump."""
+    kinks: Mask
+    """(n,) which vertices are crossings or belong to jumps."""
+
+
+def pixel_size(points: Floats, near: Window | None) -> float:
+    """Return the size of a pixel of the view for which points (n, 2) are drawn within `near`, `FAR` times this view."""
+    there = np.isfinite(points).all(axis=1)
+    if near is not None:
+        there &= near.holds(points)
+    size = float(np.ptp(points[there], axis=0).max()) if there.any() else 0.0
+    return (size if near is None else min(size, near.longest / FAR)) / RESOLUTION
+
+
+def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> Curve:
+    """Return the curve of a run; a jump leaves a gap.
 
     Between steps that are long on a screen, vertices come from the method's own continuous extension, `run.at`.
 
@@ -39,7 +64,7 @@ def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> tuple
     axes : (int, int)
         The variables that span the plane.
     near : Window, optional
-        The part of the plane that matters; without it all of it does.
+        The part of the plane that matters, `FAR` times the view; without it all of the plane does.
     """
     crossings = run.crossings
     places = np.searchsorted(run.segment, np.arange(len(crossings)), side="right")
@@ -49,10 +74,9 @@ def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> tuple
     there[crossings.kind != "jump", 1:] = False
     inserted = np.repeat(places, there.sum(axis=1))
     points, kinks = spliced(in_plane(run.x, axes), rows[there], inserted)
-    if len(run.t) > LONG_STEPS:
-        return points, kinks
     t = np.insert(run.t, inserted, np.broadcast_to(crossings.t[:, None], there.shape)[there])
-    return _refined(run, axes, t, points, kinks, near)
+    given = Curve(t, points, kinks)
+    return given if len(run.t) > LONG_STEPS else _refined(run, axes, given, near)
 
 
 def jump_lines(before: Floats, after: Floats) -> Floats:
@@ -60,16 +84,15 @@ def jump_lines(before: Floats, after: Floats) -> Floats:
     return np.stack([before, after, np.full((len(before), PLANE), np.nan)], axis=1)
 
 
-def _refined(
-    run: core.Trajectory, axes: Axes, t: Floats, points: Floats, kinks: Mask, near: Window | None
-) -> tuple[Floats, Mask]:
+def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None) -> Curve:
     """Divide the pieces of a curve that bend visibly, until none does."""
+    t, points, kinks = given
     shown = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
     if near is not None:
         shown &= near.holds(points)
     if not shown.any():
-        return points, kinks
-    pixel = float(np.ptp(points[shown], axis=0).max()) / RESOLUTION
+        return given
+    pixel = pixel_size(points, near)
     lasts: Mask = np.diff(t) > 0.0
     corners = kinks.copy()
     corners[[0, -1]] = True
@@ -92,7 +115,7 @@ def _refined(
         inserted = np.repeat(k + 1, PARTS - 1)
         t, kinks = np.insert(t, inserted, times.ravel()), np.insert(kinks, inserted, False)
         points = np.insert(points, inserted, new, axis=0)
-    return points, kinks
+    return Curve(t, points, kinks)
 
 
 def _bent(points: Floats, corners: Mask, tolerance: float) -> Mask:

@@ -9,19 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
+from pwsviz.geometry.clipping import clipped
 from pwsviz.geometry.phase_plane import Window
-from pwsviz.geometry.polyline_reduction import RESOLUTION, Floats, distinct_pixels, screen_path
+from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
-from pwsviz.results.curves import curve, jump_lines
+from pwsviz.results.curves import FAR, curve, jump_lines, pixel_size
 from pwsviz.results.requests import RunInputs
 
-__all__ = ["FAR", "RUNS_OFF", "End", "Levels", "Orbit", "orbit_of"]
+__all__ = ["RUNS_OFF", "End", "Levels", "Orbit", "drawn_within", "orbit_of"]
 
 Levels = tuple[tuple[int, tuple[float, ...]], ...]
 """Values of ψ for each region, by its number."""
 
-FAR = 8.0
-"""Sizes of the window around the first orbit, within which the other orbits are drawn."""
+BEGINNING = 4.0
+"""Sizes of the box of its start, its first crossings and the origin in which a run that may have run off is viewed."""
 
 FEW_STEPS = 300
 """Most steps of a run that are marked on its curve."""
@@ -47,7 +48,7 @@ class End:
     t : float
         When.
     place : (float, float)
-        Where in the plane; of a run that goes beyond what is drawn, where its drawn part ends.
+        Where in the plane, be it beyond what is drawn: the last finite state.
     """
 
     status: core.Status
@@ -73,6 +74,8 @@ class Orbit:
     """Ends of the steps if they are few, else none."""
     end: End | None
     """Where and why it stopped early; None if it reached the end time."""
+    focus: Floats
+    """(k, 2) what a view of it is fitted to: all of it, or of a run that may have gone very far its beginning."""
 
     @property
     def runs_off(self) -> bool:
@@ -83,17 +86,22 @@ class Orbit:
 def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes: Axes) -> Orbit:
     """Return a run as the portrait draws it, as far as it stays within `near`.
 
-    Without such a window the whole of it, but of one that may have run off only the part near its beginning.
+    Without such a window the whole of it, but of one that may have run off only the part near its beginning, `FAR`
+    times as large as its view. A curve that leaves `near` ends on its border.
     """
-    if near is None and run.status in RUNS_OFF:
-        near = _surroundings(run, axes)
-    points, kinks = curve(run, axes, near)
+    view = _surroundings(run, axes) if run.status in RUNS_OFF else None
+    if near is None and view is not None:
+        near = view.scaled(FAR)
+    _, points, kinks = curve(run, axes, near)
     crossings = run.crossings.passed
     at = in_plane(crossings.x, axes)
     marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))
     marks = marks[distinct_pixels(at[marks])]
     jumped = marks[crossings.kind[marks] == "jump"]
-    path = screen_path(points, kinks, near.holds(points) if near else None)
+    pixel, within = pixel_size(points, near), None
+    if near is not None:
+        points, kinks, within = clipped(points, kinks, near)
+    path = screen_path(points, kinks, within, pixel=pixel)
     return Orbit(
         method=inputs.scheme.method,
         path=path,
@@ -105,33 +113,43 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
         start=(inputs.problem.x0[axes[0]], inputs.problem.x0[axes[1]]),
         levels=_levels(run),
         steps=_steps(run, near, axes),
-        end=_end(run, near, axes, path),
+        end=_end(run, axes),
+        focus=path if view is None else _part(path, view),
     )
+
+
+def drawn_within(first: Orbit) -> Window:
+    """Return the part of the plane in which the orbits beside the first one are drawn."""
+    return Window.around(first.focus).scaled(FAR)
+
+
+def _part(path: Floats, view: Window) -> Floats:
+    """Return the points of a curve within a view, and where it leaves it; the start, if none is."""
+    points, _, within = clipped(path, np.zeros(len(path), dtype=bool), view)
+    return points[within] if within.any() else path[:1]
 
 
 def _steps(run: core.Trajectory, near: Window | None, axes: Axes) -> Floats:
     """Return the states at the ends of steps, if they are few and far enough apart to be told from one another."""
     at = in_plane(run.x, axes) if len(run.t) <= FEW_STEPS + 1 else np.empty((0, PLANE))
     at = at[np.isfinite(at).all(axis=1) & (near.holds(at) if near else True)]
-    apart = APART * np.ptp(at, axis=0).max() / RESOLUTION if len(at) else 0.0
+    apart = APART * pixel_size(at, near)
     long = np.hypot(*np.diff(at, axis=0).T) > apart
     return np.ascontiguousarray(at) if 2 * long.sum() > len(long) else np.empty((0, PLANE))
 
 
-def _end(run: core.Trajectory, near: Window | None, axes: Axes, path: Floats) -> End | None:
+def _end(run: core.Trajectory, axes: Axes) -> End | None:
     if run.status is core.Status.COMPLETED:
         return None
-    last = in_plane(run.x[-1:], axes)
-    if not np.isfinite(last).all() or (near is not None and not near.holds(last).all()):
-        last = path[np.isfinite(path).all(axis=1)][-1:]
-    x, y = last[0].tolist()
+    at = in_plane(run.x, axes)
+    x, y = at[np.flatnonzero(np.isfinite(at).all(axis=1))[-1]].tolist()
     return End(run.status, float(run.t[-1]), (x, y))
 
 
 def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
     """Return a window many times as large as the first part of a run."""
     anchors = np.concatenate([in_plane(run.x[:1], axes), in_plane(run.crossings.x[:12], axes), np.zeros((1, PLANE))])
-    return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(FAR / 2)
+    return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(BEGINNING)
 
 
 def _levels(run: core.Trajectory) -> Levels:

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop
 from pwsviz.geometry.polyline_reduction import Floats, envelope
 from pwsviz.geometry.projection import Axes
 from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.orbits import FAR, Levels, Orbit, orbit_of
+from pwsviz.results.orbits import RUNS_OFF, Levels, Orbit, drawn_within, orbit_of
 from pwsviz.results.requests import (
     CostInputs,
     InitialValueProblem,
@@ -34,6 +35,9 @@ from pwsviz.results.studies import studied_cost, studied_order, studied_stabilit
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
+
+ROUND_OFF = 2.0
+"""Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
 
 STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
 """Long computations at the same time, over all sessions; one processor stays free for short ones, such as sliders."""
@@ -80,6 +84,15 @@ class ErrorCurve:
     ended. Of one surface it is the side."""
     names: Mapping[int, str] = field(default_factory=lambda: {-1: "g < 0", 1: "g > 0", 0: "sliding"})
     """What a legend calls each shade."""
+    psi_size: Floats = field(default_factory=lambda: np.ones(1))
+    """(n,) greatest `Trajectory.psi_sizes` up to each of the times, or (1,) of all: its round-off is that of Δψ."""
+    runs_off: bool = False
+    """Whether the run may have gone very far."""
+
+    @property
+    def round_off(self) -> Floats:
+        """(n,) size of the round-off of ψ at each of the times; 0 if no ψ is known."""
+        return np.broadcast_to(ROUND_OFF * MACHINE_EPSILON * self.psi_size, self.t.shape)
 
     @property
     def sliding(self) -> NDArray[np.bool_]:
@@ -157,7 +170,7 @@ class Results:
         axes = inputs.axes
         self._begin(inputs.selected, cancel)
         first = self.orbit(inputs.selected[0], None, axes, cancel)
-        near = Window.around(first.path).scaled(FAR)
+        near = drawn_within(first)
         return Pictures(
             inputs=inputs,
             orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
@@ -208,13 +221,18 @@ class Results:
     def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
         """Return the states that the player shows of each run; of many runs fewer each."""
         limit = min(MOST_FRAMES, max(FEWEST_FRAMES, ALL_FRAMES // len(inputs)))
+        first = self.orbit(inputs[0], None, axes, cancel)
+        near = drawn_within(first)
+        windows = [near if first.runs_off else None, *(near for _ in inputs[1:])]
         return [
-            self._get("frames", (one, axes, limit), cancel, partial(self._frames, one, axes, limit, cancel))
-            for one in inputs
+            self._get(
+                "frames", (one, axes, limit, window), cancel, partial(self._frames, one, axes, limit, window, cancel)
+            )
+            for one, window in zip(inputs, windows, strict=True)
         ]
 
-    def _frames(self, inputs: RunInputs, axes: Axes, limit: int, cancel: Cancel) -> Frames:
-        return frames(self.run(inputs, cancel), axes, limit)
+    def _frames(self, inputs: RunInputs, axes: Axes, limit: int, near: Window | None, cancel: Cancel) -> Frames:
+        return frames(self.run(inputs, cancel), axes, limit, near)
 
     def states(self, inputs: RunInputs, cancel: Cancel = never) -> StateCurves:
         """Return each coordinate of a run against time."""
@@ -340,7 +358,10 @@ def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve
     t, reduced = envelope(run.t, error)
     shades = shades_of(run.system, np.concatenate([run.mode[:1], run.crossings.mode]))
     names = shade_names(run.system)
-    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), run.crossings.t, shades, names)
+    when, sizes = run.psi_sizes()
+    size = np.interp(t, when, np.maximum.accumulate(sizes))
+    crossings, runs_off = run.crossings.t, run.status in RUNS_OFF
+    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), crossings, shades, names, size, runs_off)
 
 
 def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:

@@ -60,7 +60,7 @@ class ConservedTab(Tab):
         self.plots[0].visible = there
         if there:
             self.view.show(outcome.curves, outcome.marks)
-        said = conserved_text(outcome.curves, outcome.marks) if there else ""
+        said = conserved_text(outcome.curves) if there else ""
         return f"{said} {conserved_note(system)}".strip()
 
     def tables(self) -> Tables:

@@ -97,6 +97,26 @@ def test_all_starts_move_and_one_click_and_the_space_bar_play(shown):
     page.get_by_role("button", name="Play", exact=True).wait_for()
 
 
+BLUE = """canvas => {
+    const {width, height} = canvas
+    const pixels = canvas.getContext("2d").getImageData(0, 0, width, height).data
+    let count = 0
+    for (let k = 0; k < pixels.length; k += 4) {
+        count += pixels[k] == 0 && pixels[k + 1] == 114 && pixels[k + 2] == 178
+    }
+    return count
+}"""
+
+
+def test_a_long_run_that_is_animated_paints_no_chord_across_its_curve(shown):
+    page = shown(t_end=1000.0, methods=["dmm2"])
+    drawing = await_painted(page, "Phase portrait")
+    still = drawing.evaluate(BLUE)
+    at_time(page, animate(page), 600.0)
+    marker = 200  # pixels
+    assert 0.9 * still - marker < drawing.evaluate(BLUE) < 1.1 * still + marker
+
+
 def test_the_player_counts_every_crossing(shown):
     page = shown(t_end=5000.0, methods=["dmm2"])
     slider = animate(page)

@@ -1,15 +1,17 @@
 """The plot of the conserved quantity draws what the arrays say, within what its axis can show."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+import core
 from pwsviz.figures.conserved import CEILING, FLOOR, NOWHERE, ConservedView, conserved_text, drawable
 from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
-from pwsviz.results.animation import Landmarks, landmarks
+from pwsviz.results.animation import landmarks
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import ErrorCurve, Results
 from pwsviz.scene.scene import Scene
@@ -28,9 +30,12 @@ def shown(with_landmarks=True, **settings):
     return view, curves, run
 
 
-def curve(error, method="dmm2", t_end=20.0):
-    error = np.asarray(error, dtype=float)
-    return ErrorCurve(method, np.linspace(0, t_end, len(error)), error, t_end, np.empty(0), np.array([-1]))
+def curve(error, method="dmm2", t_end=20.0, size=1.0, runs_off=False):
+    error, t = np.asarray(error, dtype=float), np.linspace(0, t_end, len(error))
+    size = np.broadcast_to(size, t.shape)
+    return ErrorCurve(
+        method, t, error, t_end, np.empty(0), np.array([-1]), psi_size=np.asarray(size), runs_off=runs_off
+    )
 
 
 def test_zero_is_drawn_at_the_floor_and_overflow_not_at_all():
@@ -93,16 +98,44 @@ def test_without_landmarks_ticks_are_there_but_know_no_place():
 
 def test_round_off_is_marked_where_it_can_be_told_from_machine_epsilon():
     view, (curves, run) = ConservedView(), computed()
-    for level, marked in ((1e-12, 1e-12), (2 * MACHINE_EPSILON, NOWHERE), (np.nan, NOWHERE), (0.0, FLOOR)):
-        view.show(curves, replace(landmarks(run, (0, 1)), round_off=level))
-        assert view.levels.ticker.ticks == [MACHINE_EPSILON, FLOOR, marked]
+    for level, marked in ((1e-12, 1e-12), (2 * MACHINE_EPSILON, NOWHERE), (0.0, FLOOR)):
+        size = np.full(len(curves[0].t), level / (2 * MACHINE_EPSILON))
+        view.show([replace(curves[0], psi_size=size)], landmarks(run, (0, 1)))
+        assert view.levels.ticker.ticks == pytest.approx([MACHINE_EPSILON, FLOOR, marked])
+        assert len(view.round_off.data["t"]) == 0
+
+
+def test_round_off_that_grows_with_psi_is_a_curve_and_what_stays_below_it_is_round_off():
+    settings = {"starts": ((1.5, 2.0),), "t_end": 5.0}
+    view, curves, run = shown(**settings)
+    assert run.status is core.Status.ESCAPED
+    assert curves[0].error[-1] > 1e-7
+    assert re.fullmatch(
+        r"dmm2 conserves ψ to round-off, \|Δψ\| ≤ .×10⁻. \(.×10⁻¹. of the size of ψ, about .×10..\)\.",
+        conserved_text(curves[:1]),
+    )
+    drawn = view.round_off.data
+    assert np.array_equal(drawn["t"], curves[0].t)
+    assert drawn["y"][0] < 1e-14 < 1e-7 < drawn["y"][-1]
+    assert (curves[0].error <= drawn["y"]).all()
+    assert view.levels.ticker.ticks[-1] == drawn["y"][-1]
+    assert not view.levels.spans[-1].visible, "no line at the level of the end"
+    view.show(computed()[0])
+    assert view.levels.spans[-1].visible
+
+
+def test_an_early_drift_is_no_round_off_though_psi_grows_large_later():
+    sizes = np.array([1.0, 1.0, 1e9])
+    assert conserved_text([curve([0.0, 1e-8, 1e-8], size=sizes, runs_off=True)]) == (
+        "|Δψ| of dmm2 is at most 10⁻⁸ up to t = 20, where it runs off."
+    )
 
 
 def test_screen_readers_hear_the_same_sentence():
-    view, curves, run = shown()
+    view, curves, _ = shown()
     said = view.figure.html_attributes
     assert said["role"] == "img"
-    assert conserved_text(curves, landmarks(run, (0, 1))) in said["aria-label"]
+    assert conserved_text(curves) in said["aria-label"]
 
 
 def test_the_sentence_tells_round_off_from_drift():
@@ -115,7 +148,7 @@ def test_the_sentence_tells_round_off_from_drift():
 
 def test_what_is_round_off_depends_on_the_size_of_psi():
     def words(errors, size):
-        return conserved_text([curve(errors)], Landmarks(np.empty((0, 2)), (), 2 * MACHINE_EPSILON * size))
+        return conserved_text([curve(errors, size=size)])
 
     large, small = 4e-8 * np.arange(9), 1e-16 * np.arange(9)
     assert words(large, 1e9) == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4×10⁻⁷ (4×10⁻¹⁶ of the size of ψ, about 10⁹)."

@@ -64,8 +64,9 @@ def test_the_view_holds_trajectories_from_other_starts_but_none_that_is_far():
     assert extent(pictures).covers(Window.around(pictures.others[0].path))
     first = Window.around(pictures.orbits[0].path)
     far = np.array([[first.x_high + OTHERS * 5 * first.width, 0.0]])
-    away = [replace(one, path=far) for one in pictures.others]
-    assert extent(replace(pictures, others=away)) == extent(replace(pictures, others=[]))
+    away = [replace(one, path=far, focus=far) for one in pictures.others]
+    there = [replace(one, path=at, focus=at) for one in pictures.others for at in [np.array([one.start])]]
+    assert extent(replace(pictures, others=away)) == extent(replace(pictures, others=there))
 
 
 def test_the_view_suits_the_trajectory_that_stays_though_another_is_selected():
@@ -73,6 +74,25 @@ def test_the_view_suits_the_trajectory_that_stays_though_another_is_selected():
     _, pictures = pictured(((-1.0, -1.0), (1.4, 1.4)), 1)
     assert pictures.orbits[0].runs_off
     assert extent(pictures).width < 2 * extent(one).width
+
+
+def test_the_view_holds_every_start():
+    starts = ((1.5, 2.0), (-1.0, -0.5), (-1.2, 0.0))
+    for selected in range(3):
+        _, pictures = pictured(starts, selected)
+        assert extent(pictures).holds(np.array(starts)).all()
+
+
+def test_a_curve_that_runs_off_leaves_the_view_and_its_end_is_marked_where_it_is():
+    scene = Scene(starts=((1.5, 2.0),), methods=["dmm2", "rk2"], t_end=5.0)
+    pictures = Results().pictures(PortraitInputs.of(scene))
+    view = extent(pictures).scaled(3.0)
+    for orbit in pictures.orbits:
+        assert orbit.end.status is core.Status.ESCAPED
+        assert orbit.end.place[1] > 1e4
+        assert not view.holds(orbit.path[-1:]).any(), "nor does it end on a screen three times as wide as high"
+        pieces = np.linalg.norm(np.diff(orbit.path, axis=0), axis=1)
+        assert np.isfinite(pieces).all()
 
 
 def test_other_starts_are_drawn_thinner_and_the_legend_names_each_integrator_once():

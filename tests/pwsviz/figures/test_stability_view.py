@@ -94,16 +94,20 @@ def test_a_solution_that_runs_away_is_no_failure_of_the_run_that_does_too(study)
     assert view._made["map"].cells.data["words"][gone[0]] == "correct sequence of crossings"
 
 
+def lasting(found, k):
+    return found.works[k] | np.isin(found.outcome[k], (core.Status.COMPLETED, WRONG_CROSSINGS, WENT_ON))
+
+
 def test_the_error_map_has_a_colour_bar_and_the_outcome_map_a_legend(study):
     view = StabilityView(lambda *place: None)
-    without = int(np.isnan(study.map.error[0]).sum())
-    for what, heat, cells in (("error", 30 - without, 0), ("outcome", 0, 30)):
+    values = int((np.isfinite(study.map.error[0]) & lasting(study.map, 0)).sum())
+    for what, heat, cells in (("error", values, 0), ("outcome", 0, 30)):
         view.show(study, "map", "dmm2", what)
         drawn = view._made["map"]
         assert len(drawn.heat.data["left"]) == heat
         assert len(drawn.cells.data["left"]) == cells
         assert drawn.bar.visible == (what == "error")
-        assert [item.visible for item in drawn.figure.legend[0].items] == [what == "outcome", what == "error"]
+        assert [item.visible for item in drawn.figure.legend[0].items[:2]] == [what == "outcome", what == "error"]
 
 
 def test_cells_without_a_value_are_grey_and_the_legend_says_why(study):
@@ -111,9 +115,31 @@ def test_cells_without_a_value_are_grey_and_the_legend_says_why(study):
     for error, visible in ((study.map.error, True), (np.zeros_like(study.map.error), False)):
         view.show(replace(study, map=replace(study.map, error=error)), "map", "rk2", "error")
         drawn = view._made["map"]
-        assert len(drawn.blank.data["left"]) == np.isnan(error[1]).sum()
+        assert len(drawn.blank.data["left"]) == (np.isnan(error[1]) & lasting(study.map, 1)).sum()
         entry = drawn.figure.legend[0].items[1]
         assert (entry.visible, entry.label["value"]) == (visible, NO_VALUE)
+
+
+def test_the_error_map_shows_runs_that_end_early_as_they_end_and_not_by_their_small_error(study):
+    outcome = study.map.outcome.copy()
+    outcome[0, :, 1] = core.Status.NO_CONVERGENCE
+    error = np.full_like(study.map.error, 1e-16)
+    found = replace(study.map, outcome=outcome, error=error)
+    view = StabilityView(lambda *place: None)
+    view.show(replace(study, map=found), "map", "dmm2", "error")
+    drawn = view._made["map"]
+    ended, of_scale = drawn.ended.data, drawn.heat.data
+    there = ended["words"] == OUTCOMES[core.Status.NO_CONVERGENCE].words
+    value = printed(f"{study.map.values[1]:.4g}")
+    assert set(ended["value"][there]) == {value}
+    assert there.sum() == len(study.map.taus)
+    assert set(ended["colour"][there]) == {OUTCOMES[core.Status.NO_CONVERGENCE].colour}
+    assert value not in of_scale["value"]
+    assert len(of_scale["left"]) + len(ended["left"]) == 30
+    assert drawn.figure.legend[0].items[2].visible
+    view.show(replace(study, map=found), "map", "dmm2", "outcome")
+    assert len(drawn.ended.data["left"]) == 0
+    assert not drawn.figure.legend[0].items[2].visible
 
 
 def test_a_reference_that_gives_up_has_a_colour_of_its_own(study):
@@ -143,7 +169,7 @@ def test_a_click_on_the_map_chooses_its_place_and_a_cross_marks_the_present_one(
 def test_heights_of_the_error_map_are_the_errors_raised_to_the_floor(study):
     view = StabilityView(lambda *place: None)
     view.show(study, "map", "rk2", "error")
-    shown, errors = np.array(view._made["map"].heat.data["height"]), study.map.error[1].ravel()
+    shown, errors = np.array(view._made["map"].heat.data["height"]), study.map.error[1][lasting(study.map, 1)]
     known = errors[np.isfinite(errors)]
     assert len(shown) == len(known)
     assert np.allclose(shown[known > 1e-12], known[known > 1e-12], rtol=1e-15)

@@ -170,3 +170,40 @@ def _timed(points):
     start = time.perf_counter()
     screen_path(points)
     return time.perf_counter() - start
+
+
+def turns(count, drift=0.0, points=240):
+    angle = np.linspace(0.0, 2 * np.pi * count, int(count * points) + 1)
+    radius = 1.0 + drift * angle / (2 * np.pi)
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+
+
+def length(path):
+    return np.nansum(np.linalg.norm(np.diff(path, axis=0), axis=1))
+
+
+def test_an_orbit_that_repeats_itself_is_painted_once():
+    once, often = (screen_path(turns(count)) for count in (1.0, 10.3))
+    assert length(often) == pytest.approx(length(once), rel=0.02)
+    assert not np.isnan(often).any(), "in one piece, of which dashes are dashes"
+
+
+def test_turns_that_can_be_told_apart_are_all_painted():
+    spiral = turns(10, drift=5 * 2.0 / RESOLUTION)
+    assert length(screen_path(spiral)) == pytest.approx(length(spiral), rel=0.02)
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.3, 1.0, 3.0])
+def test_what_is_left_out_lies_beside_what_is_painted(drift):
+    given = turns(12, drift=drift * 2.0 / RESOLUTION)
+    path, pixel = screen_path(given), np.ptp(given, axis=0).max() / RESOLUTION
+    a, b = path[:-1], path[1:]
+    for point in given[::37]:
+        share = ((point - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), 1e-300)
+        away = np.linalg.norm(a + share.clip(0.0, 1.0)[:, None] * (b - a) - point, axis=1)
+        assert np.nanmin(away) < 3 * pixel
+
+
+def test_curves_that_cross_stay_whole():
+    cross = np.array([[-1.0, -1.0], [1.0, 1.0], [np.nan, np.nan], [-1.0, 1.0], [1.0, -1.0]])
+    assert length(screen_path(cross)) == pytest.approx(length(cross))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import core
+from pwsviz.geometry.polyline_reduction import RESOLUTION
 from pwsviz.results.animation import FEW, frames, landmarks
 
 
@@ -14,10 +15,12 @@ def run():
     return core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, 20.0), tau=1e-2)
 
 
-def test_few_steps_are_all_there(run):
+def test_few_steps_are_all_there_with_the_crossings(run):
     shown = frames(run, (0, 1))
-    assert np.array_equal(shown.t, run.t)
-    assert np.array_equal(shown.places, run.x)
+    steps = np.isin(shown.t, run.t)
+    assert np.array_equal(shown.t[steps], run.t)
+    assert np.array_equal(shown.places[steps], run.x)
+    assert set(shown.t[~steps]) <= set(run.crossings.t)
     assert np.array_equal(shown.steps, run.t)
     assert np.array_equal(shown.met[0], run.crossings.t)
     assert shown.tally == (len(run.crossings), 0, 0, 0)
@@ -30,13 +33,34 @@ def test_of_many_steps_every_kth_is_kept_and_both_ends(run, limit):
     if len(shown.steps) < min(FEW, limit):
         assert np.abs(run.at(shown.t) - shown.places).max() == 0.0, "states between few steps are the method's own"
         return
-    at = np.searchsorted(run.t, shown.t)
-    assert len(shown.t) <= limit + 1
-    assert np.array_equal(run.t[at], shown.t), "no time is made up"
-    assert np.array_equal(run.x[at], shown.places)
+    at = np.searchsorted(run.t, shown.steps)
+    assert len(shown.steps) <= limit + 1
+    assert np.array_equal(run.t[at], shown.steps), "no time is made up"
     assert at[0] == 0
     assert at[-1] == len(run.t) - 1
     assert len(set(np.diff(at)[:-1])) <= 1
+    given = dict(zip([*run.t, *run.crossings.t], [*run.x, *run.crossings.x], strict=True))
+    assert set(shown.steps) <= set(shown.t)
+    assert all(np.array_equal(given[t], place) for t, place in zip(shown.t, shown.places, strict=True))
+
+
+def away_from_chords(run, shown):
+    """Largest distance of states of a run from the line between the places before and after them, in pixels."""
+    t = np.linspace(0.0, run.t[-1], 20_001)[1:-1]
+    x, k = run.at(t), np.searchsorted(shown.t, t, side="right")
+    a, b = shown.places[k - 1], shown.places[k]
+    share = np.clip(((x - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), 1e-300), 0.0, 1.0)
+    away = np.linalg.norm(a + share[:, None] * (b - a) - x, axis=1)
+    return np.nanmax(away) * RESOLUTION / np.ptp(run.x, axis=0).max()
+
+
+@pytest.mark.parametrize(("method", "t_end"), [("dmm2", 20.0), ("dmm2", 200.0), ("taylor", 100.0), ("dmm2", 1000.0)])
+def test_the_lines_from_place_to_place_are_the_curve_or_are_said_not_to_be(method, t_end):
+    tau = {"tau": 1e-2} if method == "dmm2" else {"tolerance": 1e-10}
+    run = core.integrate(core.CATALOGUE["elliptic_curve"], (0.0, t_end), method=method, **tau)
+    shown = frames(run, (0, 1))
+    assert shown.traced == (t_end < 1000.0)
+    assert (away_from_chords(run, shown) < 1.0) == shown.traced
 
 
 def test_of_few_steps_states_between_them_are_shown_too():

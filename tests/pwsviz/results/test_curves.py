@@ -25,7 +25,7 @@ def distance(point, path):
 )
 def test_the_curve_between_long_steps_is_that_of_the_method(method, tau, system):
     run = long_steps(method, tau, system)
-    path, _ = curve(run, (0, 1))
+    path = curve(run, (0, 1)).points
     pixel = np.nanmax(np.ptp(path[np.isfinite(path).all(axis=1)], axis=0)) / RESOLUTION
     times = np.linspace(run.t[0], run.t[-1], 501)
     assert max(distance(point, path) for point in run.at(times)) < pixel
@@ -35,7 +35,7 @@ def test_the_curve_between_long_steps_is_that_of_the_method(method, tau, system)
 def test_short_steps_are_drawn_as_they_are():
     run = long_steps("dmm2", 1e-2)
     assert len(run.t) < LONG_STEPS
-    assert len(curve(run, (0, 1))[0]) == len(run.t) + len(run.crossings)
+    assert len(curve(run, (0, 1)).points) == len(run.t) + len(run.crossings)
 
 
 def test_a_step_without_solution_between_its_ends_is_left_a_chord(monkeypatch):
@@ -45,4 +45,4 @@ def test_a_step_without_solution_between_its_ends_is_left_a_chord(monkeypatch):
         raise ValueError
 
     monkeypatch.setattr(core.Trajectory, "at", refuse)
-    assert len(curve(run, (0, 1))[0]) == len(run.t) + len(run.crossings)
+    assert len(curve(run, (0, 1)).points) == len(run.t) + len(run.crossings)
