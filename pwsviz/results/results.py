@@ -34,6 +34,7 @@ from pwsviz.results.studies import studied_cost, studied_order, studied_stabilit
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
+from pwsviz.text.advice import on_page
 
 STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
 """Long computations at the same time, over all sessions; one processor stays free for short ones, such as sliders."""
@@ -351,5 +352,5 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
         status=run.status,
-        message=run.message if run.status is not core.Status.COMPLETED else "",
+        message=on_page(run.message) if run.status is not core.Status.COMPLETED else "",
     )
