@@ -25,6 +25,7 @@ from bokeh.plotting import figure
 from numpy.typing import NDArray
 
 import core
+from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
 
@@ -162,6 +163,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
         wheel.update(modifiers="ctrl", zoom_on_axis=False)
+    print_ticks(plot)
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
     return plot

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 
 __all__ = ["PRINTED", "RAISED", "printed"]
 
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+")
 """Characters of an exponent, raised; a plus sign is left out."""
+
+PLAIN = 2
+"""Powers of ten up to which, and down to whose inverse, a number is printed without one."""
 
 _QUOTED = r"“[^”]*”|(?<!\w)'[^']*'(?!\w)"
 """What a message quotes, and so has to stay as it was typed."""
@@ -27,7 +31,7 @@ const printed = text => {  // a single number, as `printed` in Python
 
 
 def printed(text: str) -> str:
-    """Return a text with its numbers as they are printed: 2e-06 as 2×10⁻⁶ and -3 as −3; what it quotes stays."""
+    """Return a text with its numbers as they are printed: 2e-06 as 2×10⁻⁶, 3e+01 as 30, -3 as −3; quotations stay."""
     return _WRITTEN.sub(_print, text)
 
 
@@ -35,6 +39,6 @@ def _print(found: re.Match[str]) -> str:
     factor, power = found["factor"], found["power"]
     if power is None:
         return "−" if found[0] == "-" else found[0]
-    if int(power) == 0:
-        return factor
+    if abs(int(power)) <= PLAIN:
+        return f"{Decimal(found[0]):f}"
     return f"{'' if factor == '1' else f'{factor}×'}10{str(int(power)).translate(RAISED)}"
