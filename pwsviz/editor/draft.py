@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import core
 from pwsviz.editor.regions import region_texts
+from pwsviz.text.typed import as_typed
 
 __all__ = ["FIELDS", "Draft"]
 
@@ -84,18 +85,18 @@ class Draft:
             If its regions have names that cannot be written in the fields.
         """
         if system.f:
-            lists = {"f": "\n".join(system.f), "psi": "\n".join(system.psi)}
+            texts = {"f": "\n".join(system.f), "psi": "\n".join(system.psi)}
         elif system.two_sided:
             names = ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump")
-            lists = {n: "\n".join(getattr(system, n) or ()) for n in names} | {"g": system.g}
+            texts = {n: "\n".join(getattr(system, n) or ()) for n in names} | {"g": system.g}
         else:
-            lists = region_texts(system)
+            texts = region_texts(system)
         return cls(
             name=system.name,
             variables=", ".join(system.variables),
             parameters="\n".join(_declared(p, system.values[p.name]) for p in system.parameters),
             x0=", ".join(map(_typed, system.x0)),
-            **lists,
+            **{field: as_typed(text) for field, text in texts.items()},
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
 import sympy
@@ -12,14 +13,14 @@ from sympy import Symbol
 
 import core
 from core.integrate import checked_start
-from core.symbolic import OPERATORS, SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted
+from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted
 from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.one_field import OneField, called_by_variables, where
-from pwsviz.editor.regions import REGION_FIELDS, Regions, read_parts
+from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
 from pwsviz.editor.typeset import equation, rate, state_after
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
 from pwsviz.text.mathml import markup
-from pwsviz.text.typed import as_python, rates, split
+from pwsviz.text.typed import Typed, rates, split
 from pwsviz.text.words import listed
 
 __all__ = ["Checked", "Finding", "check", "split"]
@@ -97,15 +98,16 @@ class _Check:
     def __init__(self, draft: Draft) -> None:
         self.texts = {name: getattr(draft, name).replace("−", "-") for name in FIELDS}  # U+2212, as copied from a page
         self.complaints: dict[str, list[str]] = {}
+        self.typed = Typed()
         self.refuse_long_texts()
         self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name not in _WHOLE}
         for name in ("f_minus", "f_plus", "f"):
             self.items[name] = tuple(rates(self.texts[name], self.items["variables"]))
-        self.items |= {name: tuple(map(as_python, self.items[name])) for name in _EXPRESSIONS}
+        self.items |= {name: tuple(map(self.typed.read, self.items[name])) for name in _EXPRESSIONS}
         self.require_names()
         self.variables = self.each("variables", str, MAX_VARIABLES)
-        self.parameters = self.each("parameters", _parameter, MAX_PARAMETERS)
-        self.x0 = self.each("x0", _coordinate, MAX_VARIABLES)
+        self.parameters = self.each("parameters", partial(_parameter, formula=self.typed.read), MAX_PARAMETERS)
+        self.x0 = self.each("x0", partial(_coordinate, formula=self.typed.read), MAX_VARIABLES)
         self.read: OneField | Regions | None = None
         self.in_one_field = bool(draft.f.strip())
         self.in_regions = not self.in_one_field and any(getattr(draft, name).strip() for name in REGION_FIELDS)
@@ -128,7 +130,7 @@ class _Check:
 
     def complain(self, name: str, words: str) -> None:
         """Add a complaint about a field, as a sentence."""
-        words = words.replace(OPERATORS, f"{OPERATORS} ^")  # which `as_python` reads
+        words = self.typed.message(words)
         words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
         self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
 
@@ -189,7 +191,7 @@ class _Check:
     ) -> Regions | None:  # fmt: skip
         """Read regions by their signs or names; where that fails, complain."""
         self.refuse_other_fields((*_SIDES, "psi"), "the regions below have")
-        parts = dict(read_parts(self.texts, self.variables))
+        parts = dict(read_parts(self.texts, self.variables, self.typed.read))
         for name, part in parts.items():
             if isinstance(part, ValueError):
                 self.complain(name, _capital(str(part)))
@@ -327,27 +329,27 @@ def _without_quantity(word: str, system: core.PiecewiseSystem | None) -> str:
     )
 
 
-def _parameter(text: str) -> core.Parameter:
+def _parameter(text: str, formula: Formula) -> core.Parameter:
     """Read ``k = 3 in [0.1, 10]``."""
     name, equals, rest = (part.strip() for part in text.partition("="))
     value, within, bounds = (part.strip() for part in re.sub(r"\bin\b", "\0", rest, count=1).partition("\0"))
     ends = split(bounds[1:-1]) if bounds.startswith("[") and bounds.endswith("]") else []
     if not equals or (within and len(ends) != 2):
         raise ValueError(f"{quoted(text)} is not a parameter: write k = 3, or k = 3 in [0.1, 10]")
-    numbers = [_number(part, f"Parameter {name}") for part in (value, *ends)]
+    numbers = [_number(part, f"Parameter {name}", formula) for part in (value, *ends)]
     return core.Parameter(name, numbers[0], (numbers[1], numbers[2]) if within else None)
 
 
-def _coordinate(text: str) -> float:
-    number = _number(text, "Start x₀")
+def _coordinate(text: str, formula: Formula) -> float:
+    number = _number(text, "Start x₀", formula)
     if abs(number) > MAX_COORDINATE:
         raise ValueError(f"{quoted(text)} is too large: take numbers between ±{MAX_COORDINATE:,.0f}")
     return number
 
 
-def _number(text: str, what: str) -> float:
+def _number(text: str, what: str, formula: Formula) -> float:
     """Read a number, such as 0.1, 1/3 or sqrt(2)."""
-    constant = parse(as_python(text), (), what)
+    constant = parse(formula(text), (), what)
     if constant.free_symbols:
         raise ValueError(f"{what} = {quoted(text)} is not a number: write one such as 0.1, 1/3 or sqrt(2)")
     return float(constant)
