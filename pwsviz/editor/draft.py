@@ -75,6 +75,9 @@ class Draft:
     transitions: str = ""
     """Entries such as ``on -> off: 1 - x``, with ``=>`` and the state after it where that jumps."""
 
+    known: tuple[core.Parameter, ...] = ()
+    """Parameters with a symbol or a description of the system it was filled in from, which those of their names keep."""
+
     @classmethod
     def of(cls, system: core.PiecewiseSystem) -> Draft:
         """Return a system as a user would type it, at its current parameter values.
@@ -96,6 +99,7 @@ class Draft:
             variables=", ".join(system.variables),
             parameters="\n".join(_declared(p, system.values[p.name]) for p in system.parameters),
             x0=", ".join(map(_typed, system.x0)),
+            known=tuple(p for p in system.parameters if p.latex or p.doc),
             **{field: as_typed(text) for field, text in texts.items()},
         )
 

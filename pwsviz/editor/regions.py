@@ -12,6 +12,7 @@ from sympy import Expr
 import core
 from core.symbolic import SIDES, Declaration, Problem, RegionText, TransitionText, quoted
 from pwsviz.editor.typeset import equation, is_zero, rate, state_after
+from pwsviz.text.mathml import Names as LatexNames
 from pwsviz.text.typed import as_python, rates, split
 from pwsviz.text.words import as_text
 
@@ -157,11 +158,11 @@ class Regions:
     def _between(self, k: int) -> str:
         return f"from {self.declaration.transitions[k].mode} to {self.declaration.transitions[k].to}"
 
-    def maths(self) -> dict[str, str]:
-        """The expressions that could be read, typeset, by the field of the page."""
+    def maths(self, symbols: LatexNames) -> dict[str, str]:
+        """The expressions that could be read, typeset, by the field of the page; symbols as in `markup`."""
         declared, found = self.declaration, dict.fromkeys(REGION_FIELDS, "")
         for field in declared.texts:
-            lines = [self._typeset(field, k, u) for k, u in declared.expressions(field).items()]
+            lines = [self._typeset(field, k, u, symbols) for k, u in declared.expressions(field).items()]
             kind, _, part = self.names.place(field)
             if lines and part and (kind, part) != ("transitions", "jump"):  # which follows its guard
                 where = self.names.where(field)
@@ -172,14 +173,14 @@ class Regions:
             found[self.names.field(field)] += "".join(lines)
         return found
 
-    def _typeset(self, field: str, k: int, found: Expr) -> str:
+    def _typeset(self, field: str, k: int, found: Expr, symbols: LatexNames) -> str:
         part = self.names.place(field).part
         if part == "guard":
-            return is_zero(found)
+            return is_zero(found, symbols)
         if part in ("f", "jump"):
-            return equation(*(rate if part == "f" else state_after)(self.declaration.variables[k]), found)
+            return equation(*(rate if part == "f" else state_after)(self.declaration.variables[k]), found, symbols)
         shown = ("ψ", "<mi>ψ</mi>") if part else (f"g{k + 1}", f"<msub><mi>g</mi><mn>{k + 1}</mn></msub>")
-        return equation(*shown, found)
+        return equation(*shown, found, symbols)
 
 
 def _capital(words: str) -> str:

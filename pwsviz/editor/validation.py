@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
@@ -19,6 +19,7 @@ from pwsviz.editor.one_field import OneField, called_by_variables, where
 from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
 from pwsviz.editor.typeset import equation, rate, state_after
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
+from pwsviz.text.math_names import name_markup
 from pwsviz.text.mathml import markup
 from pwsviz.text.typed import Typed, rates, split
 from pwsviz.text.words import listed
@@ -106,7 +107,10 @@ class _Check:
         self.items |= {name: tuple(map(self.typed.read, self.items[name])) for name in _EXPRESSIONS}
         self.require_names()
         self.variables = self.each("variables", str, MAX_VARIABLES)
+        known = {p.name: p for p in draft.known}
         self.parameters = self.each("parameters", partial(_parameter, formula=self.typed.read), MAX_PARAMETERS)
+        self.parameters = tuple(_as_known(p, known.get(p.name)) for p in self.parameters)
+        self.symbols = {Symbol(p.name): p.symbol for p in self.parameters}
         self.x0 = self.each("x0", partial(_coordinate, formula=self.typed.read), MAX_VARIABLES)
         self.read: OneField | Regions | None = None
         self.in_one_field = bool(draft.f.strip())
@@ -116,8 +120,8 @@ class _Check:
     def run(self) -> Checked:
         self.check_declaration()
         maths = {name: "" if self.in_regions else self.typeset(name) for name in _SIDES}
-        maths |= {"f": self.read.markup(self.variables)} if isinstance(self.read, OneField) else {}
-        maths |= self.read.maths() if isinstance(self.read, Regions) else {}
+        maths |= {"f": self.read.markup(self.variables, self.symbols)} if isinstance(self.read, OneField) else {}
+        maths |= self.read.maths(self.symbols) if isinstance(self.read, Regions) else {}
         maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
         maths["x0"] = self.typeset_start()
         system = None if self.complaints else self.build()
@@ -246,9 +250,12 @@ class _Check:
         """Return the name that messages use for the vector field of a side, or for one expression."""
         return f"f{_SIGNS[name.removeprefix('f_')][0]}" if entry is None else self.left(name, entry).said
 
+    def equation(self, left: _LeftSide, right: sympy.Expr) -> str:
+        return equation(*left, right, self.symbols)
+
     def typeset(self, name: str) -> str:
         """Typeset the expressions of a field that could be read."""
-        return "".join(equation(*self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
+        return "".join(self.equation(self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
 
     def typeset_start(self) -> str:
         """Typeset the coordinates of the start if one of them was typed as a formula."""
@@ -268,7 +275,7 @@ class _Check:
         found = () if system is None else system.laws.modes[side].conserved
         words = f"Found automatically, since the divergence of f{_SIGNS[word][0]} is 0:"
         none = Finding(_without_quantity(word, system), False)
-        return tuple(Finding(words, True, equation(*_quantity(word, 0, 1), psi)) for psi in found) or (none,)
+        return tuple(Finding(words, True, self.equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
     def findings_in_regions(self, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
         """Return what is conserved in the regions of one field, or of several."""
@@ -283,7 +290,7 @@ class _Check:
             Finding(
                 f"{'Conserved' if mode.name in typed else 'Found automatically'} {where(mode.name)}:",
                 True,
-                equation(*_LeftSide("ψ", "<mi>ψ</mi>"), psi),
+                self.equation(_LeftSide("ψ", "<mi>ψ</mi>"), psi),
             )
             for mode in system.laws.regions
             for psi in mode.conserved
@@ -297,7 +304,7 @@ class _Check:
         if verdict.left_over is None:
             return Finding("", False)
         derived = f"<mfrac><mi>d</mi><mrow><mi>d</mi><mi>t</mi></mrow></mfrac><mo>&#8290;</mo>{left.shown}"
-        return Finding("", False, equation(*_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
+        return Finding("", False, self.equation(_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
 
     def build(self) -> core.PiecewiseSystem | None:
         """Return the system, or None after a complaint if it is refused or cannot start."""
@@ -340,6 +347,11 @@ def _parameter(text: str, formula: Formula) -> core.Parameter:
     return core.Parameter(name, numbers[0], (numbers[1], numbers[2]) if within else None)
 
 
+def _as_known(parameter: core.Parameter, known: core.Parameter | None) -> core.Parameter:
+    """Return a parameter with the symbol and the description that it has in a known system."""
+    return parameter if known is None else replace(parameter, latex=known.latex, doc=known.doc)
+
+
 def _coordinate(text: str, formula: Formula) -> float:
     number = _number(text, "Start x₀", formula)
     if abs(number) > MAX_COORDINATE:
@@ -369,13 +381,13 @@ def _quantity(word: str, k: int, count: int) -> _LeftSide:
 
 
 def _parameter_maths(parameter: core.Parameter) -> str:
-    name, value = Symbol(parameter.name), sympy.Float(parameter.default)
+    value = sympy.Float(parameter.default)
     ends = parameter.bounds
     within = ""
     if ends is not None:
         low, high = (markup(sympy.Float(end)) for end in ends)
         within = f"<mo>∈</mo><mrow><mo>[</mo>{low}<mo>,</mo>{high}<mo>]</mo></mrow>"
-    return equation(*_LeftSide(parameter.name, markup(name)), value, within)
+    return equation(*_LeftSide(parameter.name, name_markup(parameter.symbol)), value, more=within)
 
 
 def _capital(words: str) -> str:

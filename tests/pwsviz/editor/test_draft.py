@@ -17,6 +17,7 @@ from pwsviz.editor.regions import REGION_FIELDS
 from pwsviz.editor.validation import MAX_CHARACTERS, check
 from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene, can_use
+from pwsviz.text.math_names import name_markup
 from tests.pwsviz.own_systems import OWN_SYSTEMS
 
 OSCILLATOR = Draft(
@@ -38,7 +39,7 @@ SECONDS = 5.0
 
 
 def test_fields_are_those_of_a_draft():
-    assert set(FIELDS) == {field.name for field in fields(Draft)}
+    assert set(FIELDS) == {field.name for field in fields(Draft)} - {"known"}
 
 
 @pytest.mark.parametrize("title", EXAMPLES)
@@ -61,7 +62,20 @@ def test_a_built_in_system_written_out_and_read_again_is_the_same(key):
     again = check(Draft.of(system)).system
     for name in ("name", "variables", "f_minus", "f_plus", "g", "psi_minus", "psi_plus", "x0", "jump", "values"):
         assert getattr(again, name) == getattr(system, name)
-    assert [p.bounds for p in again.parameters] == [p.bounds for p in system.parameters]
+    assert again.parameters == system.parameters, "with their bounds, symbols and descriptions"
+
+
+@pytest.mark.parametrize(("key", "name"), [("pendulum", "angle"), ("kepler", "radius")])
+def test_parameters_of_a_system_started_from_keep_their_symbols_while_it_is_edited(key, name):
+    system = core.CATALOGUE[key]
+    draft = Draft.of(system)
+    checked = check(replace(draft, parameters=f"{draft.parameters}\nnew = 1"))
+    symbols = {p.name: p.symbol for p in checked.system.parameters}
+    assert symbols == {p.name: p.symbol for p in system.parameters} | {"new": "new"}
+    assert symbols[name] != name
+    for field in ("parameters", "g"):
+        assert name_markup(symbols[name]) in checked.maths[field]
+        assert f"<mi>{name}</mi>" not in checked.maths[field]
 
 
 DECLARED = (
