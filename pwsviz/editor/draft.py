@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import core
 from pwsviz.editor.regions import region_texts
+from pwsviz.text.numbers import shortest
 from pwsviz.text.typed import as_typed
 
 __all__ = ["FIELDS", "Draft"]
@@ -76,7 +77,7 @@ class Draft:
     """Entries such as ``on -> off: 1 - x``, with ``=>`` and the state after it where that jumps."""
 
     known: tuple[core.Parameter, ...] = ()
-    """Parameters with a symbol or a description of the system it was filled in from, which those of their names keep."""
+    """Parameters of the system it was filled in from; those of the same names keep their symbols and descriptions."""
 
     @classmethod
     def of(cls, system: core.PiecewiseSystem) -> Draft:
@@ -111,4 +112,4 @@ def _declared(parameter: core.Parameter, value: float) -> str:
 
 def _typed(number: float) -> str:
     """Return the shortest text of a number."""
-    return repr(float(number)).removesuffix(".0")
+    return shortest(float(number)).removesuffix(".0")
