@@ -15,6 +15,8 @@ import sympy
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
+from core.symbolic.mistakes import mistake
+
 __all__ = ["FUNCTIONS", "OPERATORS", "SWITCHING", "TIME", "check_name", "parse", "quoted", "to_text"]
 
 #: The symbol of time in every expression.
@@ -211,8 +213,7 @@ class _Reader:
         try:
             tree = ast.parse(self.source, mode="eval")
         except (SyntaxError, ValueError, MemoryError, RecursionError):
-            hint = "write powers as **" if "^" in self.source else "write products with *, powers with **"
-            raise self.fail(f"this is not an expression; {hint}") from None
+            raise self.fail(f"this is not an expression; {mistake(self.source)}") from None
         expression, _ = self.visit(tree.body, 0)
         self.check_whole(expression)
         return expression
@@ -254,6 +255,8 @@ class _Reader:
         """The error that a part of the text is not in the whitelist."""
         piece = ast.get_source_segment(self.source, node) or type(node).__name__
         hint = "; powers are written **" if isinstance(getattr(node, "op", None), ast.BitXor) else ""
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in self.symbols:
+            return self.fail(f"{node.func.id} is no function; write a product as {node.func.id}*(…)")
         if self.switches and isinstance(getattr(node, "op", None), ast.BitAnd | ast.BitOr):
             hint = "; conditions are written as (x > 0) & (y > 0), with these parentheses"
         elif self.switches and isinstance(node, ast.Compare):

@@ -8,6 +8,8 @@ from types import MappingProxyType
 
 import core
 from pwsviz.editor.regions import region_texts
+from pwsviz.text.numbers import shortest
+from pwsviz.text.typed import as_typed
 
 __all__ = ["FIELDS", "Draft"]
 
@@ -74,6 +76,9 @@ class Draft:
     transitions: str = ""
     """Entries such as ``on -> off: 1 - x``, with ``=>`` and the state after it where that jumps."""
 
+    known: tuple[core.Parameter, ...] = ()
+    """Parameters of the system it was filled in from; those of the same names keep their symbols and descriptions."""
+
     @classmethod
     def of(cls, system: core.PiecewiseSystem) -> Draft:
         """Return a system as a user would type it, at its current parameter values.
@@ -84,18 +89,19 @@ class Draft:
             If its regions have names that cannot be written in the fields.
         """
         if system.f:
-            lists = {"f": "\n".join(system.f), "psi": "\n".join(system.psi)}
+            texts = {"f": "\n".join(system.f), "psi": "\n".join(system.psi)}
         elif system.two_sided:
             names = ("f_minus", "f_plus", "psi_minus", "psi_plus", "jump")
-            lists = {n: "\n".join(getattr(system, n) or ()) for n in names} | {"g": system.g}
+            texts = {n: "\n".join(getattr(system, n) or ()) for n in names} | {"g": system.g}
         else:
-            lists = region_texts(system)
+            texts = region_texts(system)
         return cls(
             name=system.name,
             variables=", ".join(system.variables),
             parameters="\n".join(_declared(p, system.values[p.name]) for p in system.parameters),
             x0=", ".join(map(_typed, system.x0)),
-            **lists,
+            known=tuple(p for p in system.parameters if p.latex or p.doc),
+            **{field: as_typed(text) for field, text in texts.items()},
         )
 
 
@@ -106,4 +112,4 @@ def _declared(parameter: core.Parameter, value: float) -> str:
 
 def _typed(number: float) -> str:
     """Return the shortest text of a number."""
-    return repr(float(number)).removesuffix(".0")
+    return shortest(float(number)).removesuffix(".0")

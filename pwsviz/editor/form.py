@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -185,9 +185,9 @@ class SystemEditor(pn.viewable.Viewer):
         """Fill in a draft, and check it at once."""
         self._filling = True
         try:
-            for each in fields(draft):
-                text = getattr(draft, each.name)
-                self.texts[each.name].param.update(value=text, value_input=text)
+            for name, field in self.texts.items():
+                text = getattr(draft, name)
+                field.param.update(value=text, value_input=text)
         finally:
             self._filling = False
         self._open(any(getattr(draft, name) for name in REGION_FIELDS))
@@ -209,7 +209,8 @@ class SystemEditor(pn.viewable.Viewer):
 
     def _take(self, name: str, event: Any) -> None:
         if not self._filling:
-            self._check(replace(self.draft, **{name: str(event.new or "")}), quiet=QUIET)
+            changed: dict[str, Any] = {name: str(event.new or "")}
+            self._check(replace(self.draft, **changed), quiet=QUIET)
 
     # Checking it -----------------------------------------------------------------------------------------------------
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from core.symbolic import Declaration, Found, Problem, RegionText, parse, read_switching
 from pwsviz.editor.typeset import equation, rate
+from pwsviz.text.mathml import Names
 from pwsviz.text.words import as_text
 
 __all__ = ["OneField", "called_by_variables", "where"]
@@ -45,8 +46,8 @@ class OneField:
             problems.setdefault((place, entry), problem)
         return list(problems.values())
 
-    def markup(self, variables: Sequence[str]) -> str:
-        """The surfaces, and the law of each region, with a plain-text version for screen readers."""
+    def markup(self, variables: Sequence[str], symbols: Names) -> str:
+        """The surfaces, and the law of each region; the LaTeX of symbols as in `markup`."""
         names, found = (*variables, *self.declaration.parameters), self.found
         one = len(found.surfaces) == 1
         parts = [
@@ -56,11 +57,11 @@ class OneField:
         ]
         for k, text in enumerate(found.surfaces, start=1):
             shown = "<mi>g</mi>" if one else f"<msub><mi>g</mi><mn>{k}</mn></msub>"
-            parts.append(equation("g" if one else f"g{k}", shown, parse(text, names, "g")))
+            parts.append(equation("g" if one else f"g{k}", shown, parse(text, names, "g"), symbols))
         for key, law in found.fields.items():
             parts.append(as_text(f"{where(key)[:1].upper()}{where(key)[1:]}:", "finding"))
             for variable, text in zip(variables, law, strict=True):
-                parts.append(equation(*rate(variable), parse(text, names, "f")))
+                parts.append(equation(*rate(variable), parse(text, names, "f"), symbols))
         return "".join(parts)
 
 

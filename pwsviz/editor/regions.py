@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ from sympy import Expr
 import core
 from core.symbolic import SIDES, Declaration, Problem, RegionText, TransitionText, quoted
 from pwsviz.editor.typeset import equation, is_zero, rate, state_after
+from pwsviz.text.mathml import Names as LatexNames
 from pwsviz.text.typed import as_python, rates, split
 from pwsviz.text.words import as_text
 
@@ -22,6 +23,9 @@ REGION_FIELDS = ("surfaces", "regions", "quantities", "resets", "transitions")
 
 MAX_SHOWN = 40
 """Characters of a refused name that a message quotes."""
+
+Formula = Callable[[str], str]
+"""Returns what `core` reads for a formula as it was typed."""
 
 _RESET = "=>"
 #: What people type or paste for the arrows.
@@ -154,11 +158,11 @@ class Regions:
     def _between(self, k: int) -> str:
         return f"from {self.declaration.transitions[k].mode} to {self.declaration.transitions[k].to}"
 
-    def maths(self) -> dict[str, str]:
-        """The expressions that could be read, typeset, by the field of the page."""
+    def maths(self, symbols: LatexNames) -> dict[str, str]:
+        """The expressions that could be read, typeset, by the field of the page; symbols as in `markup`."""
         declared, found = self.declaration, dict.fromkeys(REGION_FIELDS, "")
         for field in declared.texts:
-            lines = [self._typeset(field, k, u) for k, u in declared.expressions(field).items()]
+            lines = [self._typeset(field, k, u, symbols) for k, u in declared.expressions(field).items()]
             kind, _, part = self.names.place(field)
             if lines and part and (kind, part) != ("transitions", "jump"):  # which follows its guard
                 where = self.names.where(field)
@@ -169,14 +173,14 @@ class Regions:
             found[self.names.field(field)] += "".join(lines)
         return found
 
-    def _typeset(self, field: str, k: int, found: Expr) -> str:
+    def _typeset(self, field: str, k: int, found: Expr, symbols: LatexNames) -> str:
         part = self.names.place(field).part
         if part == "guard":
-            return is_zero(found)
+            return is_zero(found, symbols)
         if part in ("f", "jump"):
-            return equation(*(rate if part == "f" else state_after)(self.declaration.variables[k]), found)
+            return equation(*(rate if part == "f" else state_after)(self.declaration.variables[k]), found, symbols)
         shown = ("ψ", "<mi>ψ</mi>") if part else (f"g{k + 1}", f"<msub><mi>g</mi><mn>{k + 1}</mn></msub>")
-        return equation(*shown, found)
+        return equation(*shown, found, symbols)
 
 
 def _capital(words: str) -> str:
@@ -190,19 +194,21 @@ def _declared(laws: Iterable[str]) -> str:
 # Reading -------------------------------------------------------------------------------------------------------------
 
 
-def read_parts(texts: Mapping[str, str], variables: Sequence[str]) -> Iterator[tuple[str, Any]]:
+def read_parts(
+    texts: Mapping[str, str], variables: Sequence[str], formula: Formula = as_python
+) -> Iterator[tuple[str, Any]]:
     """Read the fields of the page one by one; what cannot be read comes as the ValueError that says so."""
     read = {
-        "surfaces": lambda text: [as_python(one) for one in split(text)],
+        "surfaces": lambda text: [formula(one) for one in split(text)],
         "regions": lambda text: {
-            name: [as_python(one) for one in rates(law, variables)] for name, law in _blocks(text, _AS_REGION)
+            name: [formula(one) for one in rates(law, variables)] for name, law in _blocks(text, _AS_REGION)
         },
         "quantities": lambda text: {
-            name: [as_python(one) for one in split(law)] for name, law in _blocks(text, _AS_REGION)
+            name: [formula(one) for one in split(law)] for name, law in _blocks(text, _AS_REGION)
         },
-        "resets": lambda text: _resets(text, variables),
+        "resets": lambda text: _resets(text, variables, formula),
         "transitions": lambda text: [
-            _transition(name, rest, variables) for name, rest in _blocks(text, _AS_TRANSITION, twice=True)
+            _transition(name, rest, variables, formula) for name, rest in _blocks(text, _AS_TRANSITION, twice=True)
         ],
     }
     for field in REGION_FIELDS:
@@ -236,7 +242,7 @@ def _name(typed: str) -> str:
     return name.replace(" ", "") if set(name) <= set("+- ") else name
 
 
-def _resets(text: str, variables: Sequence[str]) -> dict[int, list[str]]:
+def _resets(text: str, variables: Sequence[str], formula: Formula) -> dict[int, list[str]]:
     before, *rest = _SURFACES.split(text)
     if before.strip():
         raise ValueError(f"{quoted(before.strip())} is at no surface: {_AS_RESET}")
@@ -249,25 +255,25 @@ def _resets(text: str, variables: Sequence[str]) -> dict[int, list[str]]:
             k = int(number[1] or 1) - 1
             if k in found:
                 raise ValueError(f"the surface g{k + 1} is there twice: write one reset for each")
-            found[k] = _after(after, variables)
+            found[k] = _after(after, variables, formula)
     return found
 
 
-def _after(text: str, variables: Sequence[str]) -> list[str]:
+def _after(text: str, variables: Sequence[str], formula: Formula) -> list[str]:
     """Return the state after a reset; one of no expressions would be none."""
-    if not (after := [as_python(one) for one in split(text)]):
+    if not (after := [formula(one) for one in split(text)]):
         raise ValueError(f"nothing stands after an arrow: write the value of each of {', '.join(variables)}")
     return after
 
 
-def _transition(name: str, rest: str, variables: Sequence[str]) -> TransitionText:
+def _transition(name: str, rest: str, variables: Sequence[str], formula: Formula) -> TransitionText:
     mode, arrow, to = (part.strip() for part in name.partition("->"))
     guard, reset, after = rest.partition(_RESET)
     guards = split(guard)
     if not (mode and arrow and to) or len(guards) != 1:
         raise ValueError(f"{quoted(f'{name}:{rest}'.strip())} is no transition: {_AS_TRANSITION}")
     return TransitionText(
-        _name(mode), as_python(guards[0]), _name(to), tuple(_after(after, variables)) if reset else ()
+        _name(mode), formula(guards[0]), _name(to), tuple(_after(after, variables, formula)) if reset else ()
     )
 
 

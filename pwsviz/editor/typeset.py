@@ -7,12 +7,12 @@ from html import escape
 from sympy import Expr, Symbol
 
 from core.symbolic import to_text
-from pwsviz.text.mathml import TOO_LONG, markup, too_long
+from pwsviz.text.mathml import TOO_LONG, Names, markup, too_long
 
 __all__ = ["equation", "is_zero", "rate", "state_after"]
 
 
-def equation(said: str, shown: str, right: Expr, more: str = "") -> str:
+def equation(said: str, shown: str, right: Expr, names: Names | None = None, more: str = "") -> str:
     """Typeset an equation.
 
     Parameters
@@ -21,18 +21,20 @@ def equation(said: str, shown: str, right: Expr, more: str = "") -> str:
         Its left-hand side, in plain characters and as markup.
     right : sympy.Expr
         Its right-hand side.
+    names : mapping, optional
+        LaTeX of symbols, as in `markup`.
     more : str
         Markup that follows.
     """
     told = escape(f"{said} = {TOO_LONG if too_long(right) else to_text(right)}")
-    inside = f"{shown}<mo>=</mo>{markup(right)}{more}"
+    inside = f"{shown}<mo>=</mo>{markup(right, names)}{more}"
     return f'<math display="block" alttext="{told}" aria-label="{told}"><mrow>{inside}</mrow></math>'
 
 
-def is_zero(left: Expr) -> str:
+def is_zero(left: Expr, names: Names | None = None) -> str:
     """Typeset the equation that an expression is zero."""
     told = escape(f"{TOO_LONG if too_long(left) else to_text(left)} = 0")
-    inside = f"{markup(left)}<mo>=</mo><mn>0</mn>"
+    inside = f"{markup(left, names)}<mo>=</mo><mn>0</mn>"
     return f'<math display="block" alttext="{told}" aria-label="{told}"><mrow>{inside}</mrow></math>'
 
 

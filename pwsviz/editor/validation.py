@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
 import sympy
@@ -12,14 +13,15 @@ from sympy import Symbol
 
 import core
 from core.integrate import checked_start
-from core.symbolic import OPERATORS, SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted
+from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, parse, quoted
 from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.one_field import OneField, called_by_variables, where
-from pwsviz.editor.regions import REGION_FIELDS, Regions, read_parts
+from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
 from pwsviz.editor.typeset import equation, rate, state_after
 from pwsviz.scene.scene import MAX_COORDINATE, can_use
+from pwsviz.text.math_names import name_markup
 from pwsviz.text.mathml import markup
-from pwsviz.text.typed import as_python, rates, split
+from pwsviz.text.typed import Typed, rates, split
 from pwsviz.text.words import listed
 
 __all__ = ["Checked", "Finding", "check", "split"]
@@ -97,15 +99,19 @@ class _Check:
     def __init__(self, draft: Draft) -> None:
         self.texts = {name: getattr(draft, name).replace("−", "-") for name in FIELDS}  # U+2212, as copied from a page
         self.complaints: dict[str, list[str]] = {}
+        self.typed = Typed()
         self.refuse_long_texts()
         self.items = {name: tuple(split(text)) for name, text in self.texts.items() if name not in _WHOLE}
         for name in ("f_minus", "f_plus", "f"):
             self.items[name] = tuple(rates(self.texts[name], self.items["variables"]))
-        self.items |= {name: tuple(map(as_python, self.items[name])) for name in _EXPRESSIONS}
+        self.items |= {name: tuple(map(self.typed.read, self.items[name])) for name in _EXPRESSIONS}
         self.require_names()
         self.variables = self.each("variables", str, MAX_VARIABLES)
-        self.parameters = self.each("parameters", _parameter, MAX_PARAMETERS)
-        self.x0 = self.each("x0", _coordinate, MAX_VARIABLES)
+        known = {p.name: p for p in draft.known}
+        self.parameters = self.each("parameters", partial(_parameter, formula=self.typed.read), MAX_PARAMETERS)
+        self.parameters = tuple(_as_known(p, known.get(p.name)) for p in self.parameters)
+        self.symbols = {Symbol(p.name): p.symbol for p in self.parameters}
+        self.x0 = self.each("x0", partial(_coordinate, formula=self.typed.read), MAX_VARIABLES)
         self.read: OneField | Regions | None = None
         self.in_one_field = bool(draft.f.strip())
         self.in_regions = not self.in_one_field and any(getattr(draft, name).strip() for name in REGION_FIELDS)
@@ -114,8 +120,8 @@ class _Check:
     def run(self) -> Checked:
         self.check_declaration()
         maths = {name: "" if self.in_regions else self.typeset(name) for name in _SIDES}
-        maths |= {"f": self.read.markup(self.variables)} if isinstance(self.read, OneField) else {}
-        maths |= self.read.maths() if isinstance(self.read, Regions) else {}
+        maths |= {"f": self.read.markup(self.variables, self.symbols)} if isinstance(self.read, OneField) else {}
+        maths |= self.read.maths(self.symbols) if isinstance(self.read, Regions) else {}
         maths["parameters"] = "".join(map(_parameter_maths, self.parameters))
         maths["x0"] = self.typeset_start()
         system = None if self.complaints else self.build()
@@ -128,7 +134,7 @@ class _Check:
 
     def complain(self, name: str, words: str) -> None:
         """Add a complaint about a field, as a sentence."""
-        words = words.replace(OPERATORS, f"{OPERATORS} ^")  # which `as_python` reads
+        words = self.typed.message(words)
         words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
         self.complaints.setdefault(name, []).append(words if words.endswith((".", "…")) else f"{words}.")
 
@@ -189,7 +195,7 @@ class _Check:
     ) -> Regions | None:  # fmt: skip
         """Read regions by their signs or names; where that fails, complain."""
         self.refuse_other_fields((*_SIDES, "psi"), "the regions below have")
-        parts = dict(read_parts(self.texts, self.variables))
+        parts = dict(read_parts(self.texts, self.variables, self.typed.read))
         for name, part in parts.items():
             if isinstance(part, ValueError):
                 self.complain(name, _capital(str(part)))
@@ -244,9 +250,12 @@ class _Check:
         """Return the name that messages use for the vector field of a side, or for one expression."""
         return f"f{_SIGNS[name.removeprefix('f_')][0]}" if entry is None else self.left(name, entry).said
 
+    def equation(self, left: _LeftSide, right: sympy.Expr) -> str:
+        return equation(*left, right, self.symbols)
+
     def typeset(self, name: str) -> str:
         """Typeset the expressions of a field that could be read."""
-        return "".join(equation(*self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
+        return "".join(self.equation(self.left(name, k), u) for k, u in self.declaration.expressions(name).items())
 
     def typeset_start(self) -> str:
         """Typeset the coordinates of the start if one of them was typed as a formula."""
@@ -266,7 +275,7 @@ class _Check:
         found = () if system is None else system.laws.modes[side].conserved
         words = f"Found automatically, since the divergence of f{_SIGNS[word][0]} is 0:"
         none = Finding(_without_quantity(word, system), False)
-        return tuple(Finding(words, True, equation(*_quantity(word, 0, 1), psi)) for psi in found) or (none,)
+        return tuple(Finding(words, True, self.equation(_quantity(word, 0, 1), psi)) for psi in found) or (none,)
 
     def findings_in_regions(self, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
         """Return what is conserved in the regions of one field, or of several."""
@@ -281,7 +290,7 @@ class _Check:
             Finding(
                 f"{'Conserved' if mode.name in typed else 'Found automatically'} {where(mode.name)}:",
                 True,
-                equation(*_LeftSide("ψ", "<mi>ψ</mi>"), psi),
+                self.equation(_LeftSide("ψ", "<mi>ψ</mi>"), psi),
             )
             for mode in system.laws.regions
             for psi in mode.conserved
@@ -295,7 +304,7 @@ class _Check:
         if verdict.left_over is None:
             return Finding("", False)
         derived = f"<mfrac><mi>d</mi><mrow><mi>d</mi><mi>t</mi></mrow></mfrac><mo>&#8290;</mo>{left.shown}"
-        return Finding("", False, equation(*_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
+        return Finding("", False, self.equation(_LeftSide(f"d/dt {left.said}", derived), verdict.left_over))
 
     def build(self) -> core.PiecewiseSystem | None:
         """Return the system, or None after a complaint if it is refused or cannot start."""
@@ -327,27 +336,32 @@ def _without_quantity(word: str, system: core.PiecewiseSystem | None) -> str:
     )
 
 
-def _parameter(text: str) -> core.Parameter:
+def _parameter(text: str, formula: Formula) -> core.Parameter:
     """Read ``k = 3 in [0.1, 10]``."""
     name, equals, rest = (part.strip() for part in text.partition("="))
     value, within, bounds = (part.strip() for part in re.sub(r"\bin\b", "\0", rest, count=1).partition("\0"))
     ends = split(bounds[1:-1]) if bounds.startswith("[") and bounds.endswith("]") else []
     if not equals or (within and len(ends) != 2):
         raise ValueError(f"{quoted(text)} is not a parameter: write k = 3, or k = 3 in [0.1, 10]")
-    numbers = [_number(part, f"Parameter {name}") for part in (value, *ends)]
+    numbers = [_number(part, f"Parameter {name}", formula) for part in (value, *ends)]
     return core.Parameter(name, numbers[0], (numbers[1], numbers[2]) if within else None)
 
 
-def _coordinate(text: str) -> float:
-    number = _number(text, "Start x₀")
+def _as_known(parameter: core.Parameter, known: core.Parameter | None) -> core.Parameter:
+    """Return a parameter with the symbol and the description that it has in a known system."""
+    return parameter if known is None else replace(parameter, latex=known.latex, doc=known.doc)
+
+
+def _coordinate(text: str, formula: Formula) -> float:
+    number = _number(text, "Start x₀", formula)
     if abs(number) > MAX_COORDINATE:
         raise ValueError(f"{quoted(text)} is too large: take numbers between ±{MAX_COORDINATE:,.0f}")
     return number
 
 
-def _number(text: str, what: str) -> float:
+def _number(text: str, what: str, formula: Formula) -> float:
     """Read a number, such as 0.1, 1/3 or sqrt(2)."""
-    constant = parse(as_python(text), (), what)
+    constant = parse(formula(text), (), what)
     if constant.free_symbols:
         raise ValueError(f"{what} = {quoted(text)} is not a number: write one such as 0.1, 1/3 or sqrt(2)")
     return float(constant)
@@ -367,13 +381,13 @@ def _quantity(word: str, k: int, count: int) -> _LeftSide:
 
 
 def _parameter_maths(parameter: core.Parameter) -> str:
-    name, value = Symbol(parameter.name), sympy.Float(parameter.default)
+    value = sympy.Float(parameter.default)
     ends = parameter.bounds
     within = ""
     if ends is not None:
         low, high = (markup(sympy.Float(end)) for end in ends)
         within = f"<mo>∈</mo><mrow><mo>[</mo>{low}<mo>,</mo>{high}<mo>]</mo></mrow>"
-    return equation(*_LeftSide(parameter.name, markup(name)), value, within)
+    return equation(*_LeftSide(parameter.name, name_markup(parameter.symbol)), value, more=within)
 
 
 def _capital(words: str) -> str:

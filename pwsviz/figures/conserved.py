@@ -223,10 +223,16 @@ def drawable(error: Floats) -> Floats:
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known."""
     told = [words for curve in curves for words in (_drift(curve), _off_surface(curve)) if words]
-    many = len(curves[0].crossings)
-    missing = f" {many:,} crossings are too many to mark them or to shade the sides." * (many > MOST_BANDS)
-    whose = f" Shades and marks are those of {curves[0].method}." * (len(curves) > 1)
-    return "; ".join(told) + "." + missing + whose if told else ""
+    return "; ".join(told) + "." + _about_marks(curves) if told else ""
+
+
+def _about_marks(curves: Sequence[ErrorCurve]) -> str:
+    """Say that crossings are too many to be marked, or whose are marked where there are several integrators."""
+    first, many = curves[0], len(curves[0].crossings)
+    if many > MOST_BANDS:
+        whose = f" of {first.method}" * (len(curves) > 1)
+        return f" {many:,} crossings{whose} are too many to mark them or to shade the sides."
+    return f" Shades and marks are those of {first.method}." * (len(curves) > 1)
 
 
 def _drift(curve: ErrorCurve) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 import core
 from core.diagnostics import stand_in
 from core.kernels import Floats
+from pwsviz.text.advice import on_page
 from pwsviz.text.math_names import name_markup
 from pwsviz.text.numbers import printed
 
@@ -113,17 +114,8 @@ def _warnings(warnings: Sequence[str], zeno: bool) -> str:
         )
     if not warnings:
         return "<p>τ satisfies all bounds.</p>"
-    items = "".join(f"<li>{escape(_readable(words))}.</li>" for words in warnings)
+    items = "".join(f"<li>{escape(printed(on_page(words)))}.</li>" for words in warnings)
     return f'<ul class="warnings" role="alert">{items}</ul>'
-
-
-def _readable(warning: str) -> str:
-    """Return a warning of `core.diagnose` with the symbols of the table."""
-    for plain, symbol in (
-        ("alpha_hat^2/M_hat", "α̂²/M̂"), ("alpha^2/M", "α²/M"), ("tau_-^*", "τ₋*"), ("tau_+^*", "τ₊*"), ("tau", "τ"),
-    ):  # fmt: skip
-        warning = warning.replace(plain, symbol)
-    return printed(warning)
 
 
 def _stand_in(method: str) -> str:

@@ -31,6 +31,7 @@ from pwsviz.figures.style import (
     fit_to_corners,
     legend_below,
     line_of,
+    lowest,
     mark_levels,
     plain_figure,
     tips,
@@ -114,8 +115,9 @@ class CostView:
         self._hollow.visible = bool(self.wrong.data["x"])
         self.floor.move(level)
         if rows:
-            x, y = ([row[name] for row in rows] for name in ("x", "y"))
-            assign(self.corners, x=[min(x), max(x)], y=[min(*y, level), max(*y, 10 * level)])
+            x, y = (np.array([row[name] for row in rows]) for name in ("x", "y"))
+            end = lowest(y, level)
+            assign(self.corners, x=[x.min(), x.max()], y=[end, max(y.max(), 10 * end)])
 
 
 class _Drawn:

@@ -23,6 +23,7 @@ from pwsviz.figures.style import (
     fit_to_corners,
     legend_below,
     line_of,
+    lowest,
     mark_levels,
     plain_figure,
 )
@@ -252,7 +253,7 @@ class OrderView:
     def _show_guides(self, drawn: list[_Drawn], floor: float, orders: set[int]) -> None:
         """Draw lines of integer slopes through one point above the curves, and end the axes where the data do."""
         errors = np.concatenate([one.row.error[one.there] for one in drawn])
-        top, bottom = ROOM * float(errors.max(initial=floor)), min(float(errors.min(initial=1.0)), floor)
+        top, bottom = ROOM * float(errors.max(initial=floor)), lowest(errors, floor)
         used = np.concatenate([one.taus[one.there] for one in drawn] if len(errors) else [one.taus for one in drawn])
         near, far = float(used.min()), float(used.max())
         slopes = sorted({1, 2} | orders)

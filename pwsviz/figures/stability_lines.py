@@ -24,6 +24,7 @@ from pwsviz.figures.style import (
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
 
 __all__ = ["DriftFigure", "GrazingFigure"]
@@ -72,7 +73,7 @@ class DriftFigure:
             "y": [heights[k][n] for k, n in stopped],
             "colour": [line_of(methods[k]).colour for k, _ in stopped],
             "method": [methods[k] for k, _ in stopped],
-            "message": [printed(drift.message[k]) for k, _ in stopped],
+            "message": [printed(on_page(drift.message[k])) for k, _ in stopped],
         }
         self._stopping.visible = bool(stopped)
         assign(self.corners, x=drift.t[[0, -1]], y=np.array([FLOOR / 2, _top(heights)]))

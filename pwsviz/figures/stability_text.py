@@ -7,6 +7,7 @@ import numpy as np
 import core
 from core.studies import NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
+from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import plural, rounded_up
@@ -93,7 +94,12 @@ def stability_numbers(study: core.StabilityStudy, part: str, method: str) -> lis
 def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
     """Return the largest step size that works, for each integrator."""
     rows = tuple(
-        (name, _size(largest.tau[k]), _size(largest.beyond[k]), largest.reason[k] or "every step size tried works")
+        (
+            name,
+            _size(largest.tau[k]),
+            _size(largest.beyond[k]),
+            on_page(largest.reason[k]) or "every step size tried works",
+        )
         for k, name in enumerate(study.methods)
         if largest.done[k]
     )
@@ -142,7 +148,7 @@ def _drifts(study: core.StabilityStudy, drift: Drift) -> Numbers:
         known = np.flatnonzero(np.isfinite(error))
         until = f"{drift.t[known[-1]]:,.6g}" if len(known) else UNKNOWN
         going = "under way" if status is core.Status.RUNNING else "reaches the end"
-        rows.append((name, _at_most(float(np.fmax.reduce(error))), until, message or going))
+        rows.append((name, _at_most(float(np.fmax.reduce(error))), until, on_page(message) or going))
     return Numbers(("integrator", "|Δψ| at most", "up to t", "outcome"), tuple(rows))
 
 

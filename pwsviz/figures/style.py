@@ -25,6 +25,7 @@ from bokeh.plotting import figure
 from numpy.typing import NDArray
 
 import core
+from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
 
@@ -121,6 +122,9 @@ LOOKS: dict[str, tuple[Line, ...]] = {
 FEW = 40
 """Entries up to which a column of numbers is sent as text."""
 
+NEAR_ROUND_OFF = 100.0
+"""Ratio of the least error to the level of round-off up to which an axis goes down to that level."""
+
 LEGEND_WIDTH = 2.5
 """Width in pixels of a line in every legend, whatever its width in the plot."""
 
@@ -159,6 +163,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
         wheel.update(modifiers="ctrl", zoom_on_axis=False)
+    print_ticks(plot)
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
     return plot
@@ -226,6 +231,15 @@ def fit_to_corners(plot: figure, x: list[float], y: list[float]) -> ColumnDataSo
     for axis in ranges(plot):
         axis.renderers = [renderer]
     return corners
+
+
+def lowest(errors: Floats, level: float) -> float:
+    """Return where an axis of errors ends: at the level of round-off if the least positive one is near it, else there.
+
+    An axis without positive errors ends at the level, too.
+    """
+    least = float(errors[errors > 0].min(initial=np.inf))
+    return least if NEAR_ROUND_OFF * level < least < np.inf else min(least, level)
 
 
 def invisible(**place: Any) -> Scatter:

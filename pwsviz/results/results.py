@@ -35,6 +35,7 @@ from pwsviz.results.studies import studied_cost, studied_order, studied_stabilit
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
+from pwsviz.text.advice import on_page
 
 ROUND_OFF = 2.0
 """Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
@@ -372,5 +373,5 @@ def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
         status=run.status,
-        message=run.message if run.status is not core.Status.COMPLETED else "",
+        message=on_page(run.message) if run.status is not core.Status.COMPLETED else "",
     )

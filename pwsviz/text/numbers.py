@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import re
+from decimal import Decimal
+from fractions import Fraction
 
-__all__ = ["PRINTED", "RAISED", "printed"]
+__all__ = ["PRINTED", "RAISED", "printed", "shortest"]
 
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+")
 """Characters of an exponent, raised; a plus sign is left out."""
+
+PLAIN = 2
+"""Powers of ten up to which, and down to whose inverse, a number is printed without one."""
+
+MANY_DIGITS = 10
+"""Characters of a number from which a ratio of the same value is easier to read."""
+
+LARGEST_DENOMINATOR = 999
+"""Of such a ratio: a number that is none of these is closer to one of them than 1e-16 only by a rare chance."""
 
 _QUOTED = r"“[^”]*”|(?<!\w)'[^']*'(?!\w)"
 """What a message quotes, and so has to stay as it was typed."""
@@ -26,8 +38,18 @@ const printed = text => {  // a single number, as `printed` in Python
 """JavaScript of the same, for numbers that only the browser knows."""
 
 
+def shortest(value: float) -> str:
+    """Return the shortest text that determines a number: its digits, or a ratio as 100/7 where these are many."""
+    digits = repr(value)
+    if len(digits) <= MANY_DIGITS or not math.isfinite(value):
+        return digits
+    ratio = Fraction(value).limit_denominator(LARGEST_DENOMINATOR)
+    text = f"{ratio.numerator}/{ratio.denominator}"
+    return text if ratio.numerator / ratio.denominator == value and len(text) <= MANY_DIGITS else digits
+
+
 def printed(text: str) -> str:
-    """Return a text with its numbers as they are printed: 2e-06 as 2×10⁻⁶ and -3 as −3; what it quotes stays."""
+    """Return a text with its numbers as they are printed: 2e-06 as 2×10⁻⁶, 3e+01 as 30, -3 as −3; quotations stay."""
     return _WRITTEN.sub(_print, text)
 
 
@@ -35,6 +57,6 @@ def _print(found: re.Match[str]) -> str:
     factor, power = found["factor"], found["power"]
     if power is None:
         return "−" if found[0] == "-" else found[0]
-    if int(power) == 0:
-        return factor
+    if abs(int(power)) <= PLAIN:
+        return f"{Decimal(found[0]):f}"
     return f"{'' if factor == '1' else f'{factor}×'}10{str(int(power)).translate(RAISED)}"

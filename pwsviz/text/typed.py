@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-__all__ = ["as_python", "rates", "split"]
+from core.symbolic import quoted
+
+__all__ = ["Typed", "as_python", "as_typed", "rates", "split"]
 
 #: Signs that people type or paste, and what Python writes for them.
 _SIGNS = {"−": "-", "·": "*", "×": "*", "^": "**"}
@@ -34,6 +36,31 @@ def as_python(text: str) -> str:
         text = text.replace(sign, plain)
     text = _RAISED.sub(lambda found: f"**{found[0].translate(_LOWERED)}", text)
     return _PRODUCT.sub(lambda found: f"{found[1] or found[2]}*", text)
+
+
+def as_typed(text: str) -> str:
+    """Write a formula of `core` as people type it: with ``^`` for ``**``."""
+    return text.replace("**", "^")
+
+
+class Typed:
+    """Formulas as they were typed, by what `core` reads for them, so that its messages can quote the former."""
+
+    def __init__(self) -> None:
+        self._typed: dict[str, str] = {}
+
+    def read(self, text: str) -> str:
+        """Return what `core` reads for a formula, and remember the formula."""
+        written = as_python(text)
+        self._typed[written.strip()] = text.strip()
+        return written
+
+    def message(self, words: str) -> str:
+        """Return a message of `core` with formulas as they were typed, and ``^`` for ``**`` elsewhere."""
+        words = as_typed(words)
+        for written, text in self._typed.items():
+            words = words.replace(as_typed(quoted(written)), quoted(text))
+        return words
 
 
 def rates(text: str, variables: Sequence[str]) -> list[str]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
 
 
@@ -44,6 +45,6 @@ def rounded_up(value: float) -> str:
 def complaint(reason: Exception) -> str:
     """Return an exception as a paragraph for the user: the message of a ValueError; else that the program failed."""
     if isinstance(reason, ValueError):
-        return as_text(str(reason), "error")
+        return as_text(on_page(str(reason)), "error")
     words = f"The program failed here ({type(reason).__name__}: {reason}). The server's log has the details."
     return as_text(words, "error")

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import panel as pn
 import param
 
-from pwsviz.text.numbers import printed
+from pwsviz.text.numbers import printed, shortest
 from pwsviz.widgets.fields import FIELD_CSS
 
 SLIDER_DIGITS = 3
@@ -35,7 +35,7 @@ class NumberEntry(pn.custom.JSComponent):
     description = param.String(default="", doc="What the number is, shown when the field is pointed at or entered.")
     text = param.String(default="", doc="The text of the entry.")
     said = param.String(default="", doc="The number as it is printed, which the slider tells.")
-    note = param.String(default="", doc="How the text was read, where it is not a plain number.")
+    note = param.String(default="", doc="The value of the text, where it is not a plain number.")
     complaint = param.String(default="", doc="Why the text is refused.")
     disabled = param.Boolean(default=False, doc="Whether the number has no effect at present.")
     ends = param.Tuple(default=None, length=2, allow_None=True, doc="Ends of the slider; None for no slider.")
@@ -108,8 +108,7 @@ class NumberField(pn.viewable.Viewer):
         """Rebind to another number: ten times as fast as a new field."""
         self._read, self._accept = read, accept
         self._shown = value = read()
-        told = {"text": repr(value), "said": printed(repr(value)), "note": "", "complaint": ""}
-        self._tell(label=label, description=description, **told, **self._track(bounds, value))
+        self._tell(label=label, description=description, **_told(value), **self._track(bounds, value))
 
     def _tell(self, **changes: Any) -> None:
         """Change what the browser shows, each setting once: of two changes at once it may restore the first."""
@@ -152,10 +151,9 @@ class NumberField(pn.viewable.Viewer):
             self._show(value)
 
     def _show(self, value: float, typed: str = "") -> None:
-        """Show a number, and beside it the formula that was typed for it, if any."""
+        """Show a number, as it was typed if that is a formula."""
         self._shown = value
-        note = printed(f"{typed.strip()} = {value!r}") if typed and not _is_decimal(typed) else ""
-        changes: dict[str, Any] = {"text": repr(value), "said": printed(repr(value)), "complaint": "", "note": note}
+        changes: dict[str, Any] = _told(value, typed)
         if self.entry.ends is not None and self._from_slider(self.entry.place) != value:
             low, high = self.entry.ends
             changes["place"] = min(max(self._to_slider(value), low), high)
@@ -168,6 +166,14 @@ class NumberField(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """Return the field, and the slider below it."""
         return self.entry
+
+
+def _told(value: float, typed: str = "") -> dict[str, str]:
+    """Return what the field says of a number: a formula that was typed, or a ratio, with its value beside."""
+    text = typed.strip() if typed and not _is_decimal(typed) else shortest(value)
+    said = printed(repr(value))
+    note = "" if _is_decimal(text) or text == said else f"= {said}"
+    return {"text": text, "said": said, "note": note, "complaint": ""}
 
 
 def _is_decimal(text: str) -> bool:

@@ -105,8 +105,8 @@ def test_other_syntax_is_refused(text: str) -> None:
     [
         ("", "empty"),
         ("  ", "empty"),
-        ("x y", "write products with *"),
-        ("2x", "write products with *"),
+        ("x y", "write a product as x*y"),
+        ("2x", "write a product as 2*x"),
         ("x ^^ y", "powers"),
         ("x ^ 2", "powers are written **"),
         ("x = 1", "not an expression"),

@@ -1,7 +1,6 @@
 """The form for a system of one's own, without a browser: checked as one types, used when it is right."""
 
 import re
-from dataclasses import fields
 from threading import current_thread, main_thread
 
 import pytest
@@ -149,7 +148,7 @@ def test_what_is_conserved_and_what_is_left_over_is_shown(desk):
 def test_every_example_on_the_menu_fills_the_form(desk, title):
     desk.editor._choose({"label": title})
     assert desk.editor.settle(20)
-    texts = {each.name: desk.editor.texts[each.name].value_input for each in fields(Draft)}
+    texts = {name: desk.editor.texts[name].value_input for name in FIELDS}
     assert Draft(**texts) == EXAMPLES[title] == desk.editor.draft
     assert errors(desk.editor) == {}
 

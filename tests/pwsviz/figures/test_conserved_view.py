@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.figures.conserved import CEILING, FLOOR, NOWHERE, ConservedView, conserved_text, drawable
+from pwsviz.figures.conserved import CEILING, FLOOR, MOST_BANDS, NOWHERE, ConservedView, conserved_text, drawable
 from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.results.animation import landmarks
@@ -71,7 +71,7 @@ def test_a_run_with_very_many_crossings_has_no_bands():
     view, _, _ = shown(t_end=2000.0, tau=0.05)
     assert all(len(source.data["start"]) == 0 for source in view.segments.values())
     assert len(view.instants.data["t"]) == 0
-    assert "crossings are too many to mark them" in view.figure.html_attributes["aria-label"]
+    assert "are too many to mark them or to shade the sides." in view.figure.html_attributes["aria-label"]
 
 
 @pytest.mark.parametrize(("system", "kind"), [("elliptic_curve", "transversal"), ("bouncing_ball", "jump")])
@@ -146,12 +146,22 @@ def test_the_sentence_tells_round_off_from_drift():
     assert conserved_text([noise, drifting]) == words
 
 
+def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
+    many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
+    whose, none = "Shades and marks are those of dmm2.", "crossings of dmm2 are too many to mark them"
+    for first, said, unsaid in ((curve([0.0, 1e-16]), whose, none), (many, none, whose)):
+        words = conserved_text([first, curve([0.0, 1e-7], "rk2")])
+        assert said in words
+        assert unsaid not in words
+
+
 def test_what_is_round_off_depends_on_the_size_of_psi():
     def words(errors, size):
         return conserved_text([curve(errors, size=size)])
 
     large, small = 4e-8 * np.arange(9), 1e-16 * np.arange(9)
     assert words(large, 1e9) == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4×10⁻⁷ (4×10⁻¹⁶ of the size of ψ, about 10⁹)."
+    assert words(large / 1e8, 30.0).endswith("(2×10⁻¹⁶ of the size of ψ, about 30).")
     assert words(large, 1.0) == "dmm2 drifts to 4×10⁻⁷ by t = 20."
     assert words(small, 1e-9) == "dmm2 drifts to 8×10⁻¹⁶ (8×10⁻⁷ of the size of ψ, about 10⁻⁹) by t = 20."
 

@@ -73,6 +73,19 @@ def test_the_axes_are_named_by_what_stands_on_them_and_nothing_is_built_anew():
     assert set(view.figure.references()) == models
 
 
+def test_the_axis_of_errors_goes_down_to_round_off_only_where_that_is_near():
+    view = CostView()
+    ends = {}
+    for up in ("state", "invariant"):
+        view.show(study(DMM2), "seconds", up)
+        ends[up] = view.corners.data["y"]
+    assert ends["state"] == [1e-7, 1e-2]
+    assert ends["invariant"] == [1e-16, pytest.approx(1e-15)]
+    exact = curve("dmm2", [1e-4, 1e-3], [1e-2, 0.0])
+    view.show(study(exact), "seconds", "state")
+    assert view.corners.data["y"][0] < FLOOR["state"], "an error of 0 is drawn below round-off"
+
+
 def test_integrators_look_as_everywhere_and_peers_like_none_of_them():
     view = CostView()
     view.show(BOTH, "seconds", "state")

@@ -100,6 +100,15 @@ def test_the_axes_end_where_the_data_do():
     assert view.figure.yaxis[0].axis_label == "error, |t|"
 
 
+@pytest.mark.parametrize(("floor", "end"), [(1e-14, 1e-6), (1e-7, 1e-7)])
+def test_the_axis_of_errors_goes_down_to_round_off_only_where_that_is_near(floor, end):
+    taus = np.geomspace(1e-3, 1e-1, 10)
+    view = OrderView("error")
+    view.show([one_curve(taus, Row("x", "x", taus**2, 2.0, (1e-3, 1e-1)), floor)])
+    assert view.corners.data["y"] == pytest.approx([end, 2e-2])
+    assert min(guide.min() for guide in view.guides.data["ys"]) >= end * (1 - 1e-9)
+
+
 def test_missing_errors_leave_gaps_and_no_fit():
     taus = np.array([0.1, 0.05, 0.025])
     row = Row("late", "late", np.array([np.nan, np.nan, 1e-3]), np.nan, (np.nan, np.nan))

@@ -1,0 +1,59 @@
+"""What is wrong with the syntax of an expression, in words that name the place."""
+
+from __future__ import annotations
+
+import itertools
+import re
+
+__all__ = ["mistake"]
+
+_TOKENS = re.compile(
+    r"(?P<number>(?<!\w)(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<name>[A-Za-z_]\w*)"
+    r"|(?P<open>[(\[{])|(?P<close>[)\]}])|(?P<sign>\*\*|//|[<>=!]=|[-+*/^%@<>=&|~,])|(?P<other>\S)"
+)
+#: Signs that may begin an expression.
+_PREFIXES = {"+", "-", "~"}
+#: Names that combine conditions, which stand between operands.
+_WORDS = {"and", "or", "not", "if", "else", "in", "is", "lambda"}
+#: Kinds of tokens with which an operand ends, and with which one begins.
+_ENDS, _BEGINS = ("number", "name", "close"), ("number", "name", "open")
+_PAIRS = {"(": ")", "[": "]", "{": "}"}
+
+
+def mistake(source: str) -> str:
+    """Return what keeps a text from being an expression, or how expressions are written where that is not found."""
+    tokens = [(str(found.lastgroup), found[0]) for found in _TOKENS.finditer(source)]
+    tokens = [("sign", text) if text in _WORDS else (kind, text) for kind, text in tokens]
+    if ("sign", "=") in tokens:
+        return "write what stands right of = alone"
+    if ("sign", "^") in tokens:
+        return _unpaired(tokens) or "write powers as **"
+    return _strange(tokens) or _unpaired(tokens) or _between(tokens) or "write products with *, powers with **"
+
+
+def _strange(tokens: list[tuple[str, str]]) -> str:
+    return next((f"{text!r} has no meaning here" for kind, text in tokens if kind == "other"), "")
+
+
+def _unpaired(tokens: list[tuple[str, str]]) -> str:
+    """Say which bracket has no counterpart."""
+    awaited: list[str] = []
+    for kind, text in tokens:
+        if kind == "open":
+            awaited.append(_PAIRS[text])
+        elif kind == "close" and (not awaited or awaited.pop() != text):
+            return f"a bracket is missing before one of the {text}"
+    return f"a closing bracket {awaited[-1]} is missing" if awaited else ""
+
+
+def _between(tokens: list[tuple[str, str]]) -> str:
+    """Say what is missing between two neighbours, or at an end."""
+    ends = [("sign", ""), *tokens, ("sign", "")]
+    for (kind, text), (other, following) in itertools.pairwise(ends):
+        if kind in _ENDS and other in _BEGINS and (kind, other) != ("name", "open"):
+            return f"a sign is missing between {text} and {following}: write a product as {text}*{following}"
+        if kind in ("sign", "open") and other in ("sign", "close") and following not in _PREFIXES | {"not"}:
+            if text in _PAIRS and following == _PAIRS[text]:
+                return f"there is nothing between {text} and {following}"
+            return f"a number or a name is missing {f'before {following}' if following else f'after {text}'}"
+    return ""

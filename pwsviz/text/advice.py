@@ -1,0 +1,31 @@
+"""Messages of `core`, which speak to programs, in the words of the page: its controls and symbols."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["on_page"]
+
+#: What `core` writes for programs, as a pattern, and what the page says instead.
+_SAID = (
+    (r'let it slide \(sliding="continue"\)', "choose “Slide along the surface”"),
+    (r"Raise the limit \(max_crossings\) to continue", "Take an earlier end time"),
+    (r", or raise the limit \(max_steps\)", ""),
+    (r"Declare the law of that region \(regions\)", "Declare a law for that region in the editor"),
+    (r"give a tau, which no step is longer than", "take a smaller τ, which no step is longer than"),
+    (r"\bf_minus\b", "f₋"),
+    (r"\bf_plus\b", "f₊"),
+    (r"alpha_hat\^2/M_hat", "α̂²/M̂"),
+    (r"alpha\^2/M", "α²/M"),
+    (r"\btau_-\^\*", "τ₋*"),
+    (r"\btau_\+\^\*", "τ₊*"),
+    (r"\btau\b", "τ"),
+    (r"(?<=[\w)])\*\*(?=[\w(])", "^"),
+)
+
+
+def on_page(message: str) -> str:
+    """Return a message of `core` as the page says it: controls for arguments of Python, and mathematical symbols."""
+    for pattern, words in _SAID:
+        message = re.sub(pattern, words, message)
+    return message

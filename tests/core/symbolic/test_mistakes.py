@@ -1,0 +1,33 @@
+"""A text that is no expression is told what is wrong with it, and where."""
+
+import pytest
+
+from core.symbolic import parse
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("-2*x**2 - a sin(x)", "a sign is missing between a and sin: write a product as a*sin"),
+        ("2x", "a sign is missing between 2 and x: write a product as 2*x"),
+        ("(x + 1)y", "a sign is missing between ) and y"),
+        ("2*(x + 1", "a closing bracket ) is missing"),
+        ("sin(x]", "a bracket is missing before one of the ]"),
+        ("x) + 1", "a bracket is missing before one of the )"),
+        ("x + * y", "a number or a name is missing before *"),
+        ("x -", "a number or a name is missing after -"),
+        ("x = 3*y", "write what stands right of = alone"),
+        ("x; y", "';' has no meaning here"),
+        ("x ^^ y", "write powers as **"),
+        ("x\n+ y", "write products with *, powers with **"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_place(text, says):
+    with pytest.raises(ValueError, match="this is not an expression; ") as caught:
+        parse(text, ("x", "y", "a"), "f")
+    assert says in str(caught.value)
+
+
+def test_a_name_before_a_bracket_is_told_to_be_no_function():
+    with pytest.raises(ValueError, match=r"a is no function; write a product as a\*\(…\)"):
+        parse("a(x + 1)", ("x", "a"), "f")

@@ -1,0 +1,50 @@
+"""Messages of `core` as the page says them: no argument of Python, and the name of the control that there is."""
+
+import inspect
+import re
+
+import pytest
+
+import core
+from pwsviz.results.requests import run_inputs
+from pwsviz.results.results import Results
+from pwsviz.scene.names import LABELS
+from pwsviz.scene.scene import Scene
+from pwsviz.tasks.cancellation import never
+from pwsviz.text.advice import on_page
+
+ENGLISH = {"system", "method", "parameters", "variables", "transition"}
+ARGUMENTS = {
+    name
+    for made in (core.integrate, core.PiecewiseSystem, core.order_study)
+    for name in inspect.signature(made).parameters
+} - ENGLISH
+"""Names of arguments; those left out are words of English, too."""
+
+
+def of_python(words):
+    """Return what only a program can follow: names of arguments in brackets, with an underscore, or with a value."""
+    named = {name for name in ARGUMENTS if re.search(rf"\({name}\)|\b{name}=", words)}
+    return named | {name for name in ARGUMENTS if "_" in name or name == "tau" if re.search(rf"\b{name}\b", words)}
+
+
+@pytest.mark.parametrize("status", list(core.Status))
+def test_no_advice_on_the_page_names_an_argument_of_python(status):
+    for words in (status.advice, status.advice_while_sliding, status.advice_without_tau):
+        assert not of_python(on_page(words)), on_page(words)
+
+
+def test_a_run_that_stops_to_slide_names_the_control_of_the_page():
+    scene = Scene(system="coulomb_friction", slide=False)
+    [inputs] = run_inputs(scene)[:1]
+    message = Results().summary(inputs, never).message
+    assert not of_python(message)
+    [quoted] = re.findall("“(.*?)”", message)
+    assert LABELS["slide"].startswith(quoted)
+
+
+def test_bounds_and_fields_are_named_by_their_symbols():
+    assert on_page("tau = 0.1 exceeds the bound tau_-^* = 0.02; take tau below 0.02") == (
+        "τ = 0.1 exceeds the bound τ₋* = 0.02; take τ below 0.02"
+    )
+    assert on_page("f_minus is not defined: (u**2)**0.75 for u**1.5.") == "f₋ is not defined: (u^2)^0.75 for u^1.5."
