@@ -81,7 +81,7 @@ class CostView:
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         rows = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
         plot.add_tools(tips(rows, renderers=[points, hollow]))
-        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, lines), (WRONG, hollow)], usual=3, widest=150)
+        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, lines), (WRONG, hollow)], usual=3)
 
     def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
         """Draw a study, or the part that is computed.

@@ -217,7 +217,7 @@ class OrderView:
         marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         entries = [({"field": "label"}, lines), ({"field": "label"}, marks), ("fit", fits)]
-        _, self._marks, _ = legend_below(plot, 2, entries, usual=5, widest=200)
+        _, self._marks, _ = legend_below(plot, 2, entries, usual=5)
 
     def show(self, shown: Sequence[Studied]) -> None:
         """Draw the studies of one integrator or of several."""

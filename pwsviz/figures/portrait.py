@@ -229,7 +229,6 @@ class PortraitView:
                 *self.ground.legend,
             ],
             usual=9,
-            widest=135,
         )
         marks = [self.starts, self.crossings, self.ends]
         self.ground.follow(entries[-len(self.ground.legend) :], marks)

@@ -118,7 +118,7 @@ class GrazingFigure:
         ]
         plot.add_tools(tips(rows, renderers=marks))
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
-        self._entries = legend_below(plot, 3, entries, usual=5, widest=195)[1:]
+        self._entries = legend_below(plot, 3, entries, usual=5)[1:]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the runs near a tangency."""

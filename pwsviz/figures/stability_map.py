@@ -88,7 +88,7 @@ class MapFigure:
         ]
         plot.add_tools(tips(rows, renderers=[outcomes, errors, ended, blanks]))
         entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks), ({"field": "words"}, ended)]
-        self._outcomes, self._blanks, self._ended = legend_below(plot, 2, entries, usual=4, widest=300)
+        self._outcomes, self._blanks, self._ended = legend_below(plot, 2, entries, usual=4)
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> None:

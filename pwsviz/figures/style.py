@@ -62,17 +62,33 @@ ROOM = "var(--legend, 0px)"
 PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
 
 KEEP_PLACE = """
+const SPARE = 8  // pixels beside an entry, and beside the legend
 const found = id => cb_context.index.query_one(view => view.model.id == id)
 const view = found(legend), [entry] = view?.entries ?? []
-if (entry != null) {
-  const { items, ncols } = view.model
+if (entry != null && found(plot) != null) {
+  const { items, label_standoff } = view.model
   const shown = items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
+  const { frame, model } = found(plot), middle = frame.bbox.hcenter  // below which the legend is centred
+  const room = 2 * Math.min(middle, model.outer_width - middle) - SPARE
+  const pen = document.createElement("canvas").getContext("2d")
+  const size = parseFloat(getComputedStyle(view.el).fontSize)  // a canvas does not know it
+  pen.font = view.visuals.label_text.computed_values().font.replace(/([\\d.]+)em/, (_, em) => `${em * size}px`)
+  const widths = shown.map(label => glyph + label_standoff + pen.measureText(label).width + SPARE)
+  const fits = count => {  // each column is as wide as its widest entry
+    const wide = Array(count).fill(0)
+    widths.forEach((width, k) => { wide[k % count] = Math.max(wide[k % count], width) })
+    return wide.reduce((sum, width) => sum + width, 0) <= room
+  }
+  let ncols = columns
+  while (ncols > 1 && !fits(ncols)) { ncols -= 1 }
+  view.model.ncols = ncols
   const more = Math.ceil(shown.length / ncols) - Math.ceil(usual / ncols)
   const row = entry.el.offsetHeight + (parseFloat(getComputedStyle(view.grid_el).rowGap) || 0)
-  found(plot)?.el.style.setProperty("--legend", `${more * row}px`)
+  found(plot).el.style.setProperty("--legend", `${more * row}px`)
 }
 """
-"""JavaScript that makes a figure as much taller as its legend is taller than with the usual number of entries.
+"""JavaScript that gives a legend as many columns as fit, and makes the figure as much taller as the legend is taller
+than with the usual number of entries.
 
 It knows plot and legend by their ids, not as models: in the browser a legend makes its entries anew, unpainted until
 the figure is painted next, at each change of any model that can be reached from them. Through the callbacks on the data
@@ -291,9 +307,7 @@ def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
     }  # fmt: skip
 
 
-def legend_below(
-    plot: figure, columns: int, entries: Sequence[tuple[Any, Any]], usual: int, widest: int = 115
-) -> list[LegendItem]:
+def legend_below(plot: figure, columns: int, entries: Sequence[tuple[Any, Any]], usual: int) -> list[LegendItem]:
     """Put a legend below the plot, where it covers nothing, and return its entries.
 
     Parameters
@@ -307,17 +321,16 @@ def legend_below(
         renderer, several that are painted one over the other.
     usual : int
         Entries for which the figure has room: more of them make it taller, so that the plot itself keeps its place.
-    widest : int
-        Pixels that an entry may need; rows of a narrow plot have fewer entries accordingly.
     """
     items = [LegendItem(label=label, renderers=one if isinstance(one, list) else [one]) for label, one in entries]
     look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
     legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
     # In the browser the theme of the page narrows the glyphs so far that dashes could not be told apart.
     legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
-    fewer = f"legend.ncols = Math.max(1, Math.min({columns}, Math.floor(cb_obj.outer_width / {widest})))"
-    plot.js_on_change("outer_width", CustomJS(args={"legend": legend}, code=fewer))
-    keep = CustomJS(args={"plot": plot.id, "legend": legend.id, "usual": usual}, code=KEEP_PLACE)
+    place = {"plot": plot.id, "legend": legend.id, "usual": usual, "columns": columns, "glyph": LEGEND_GLYPH}
+    keep = CustomJS(args=place, code=KEEP_PLACE)
+    for width in ("outer_width", "inner_width"):
+        plot.js_on_change(width, keep)
     legend.js_on_change("ncols", keep)
     for item in items:
         item.js_on_change("visible", keep)

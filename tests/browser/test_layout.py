@@ -129,3 +129,22 @@ def test_on_a_phone_every_view_is_in_sight_and_the_controls_leave_the_portrait_s
     phone.touchscreen.tap(*inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
     phone.wait_for_timeout(1000)
     assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "two taps fit"
+
+
+LEGENDS = """() => [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({entries, plot_view}) =>
+    entries.filter(({el}) => el.offsetWidth > 0).map(({el, label}) => {
+        const [entry, plot] = [el, plot_view.el].map(part => part.getBoundingClientRect())
+        return {label, inside: entry.left >= plot.left && entry.right <= plot.right}
+    }))"""
+"""The entries of all legends that are shown, and whether they are inside their figures."""
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("view", ["cost", "stability"])
+def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view):
+    page = visit(420, 800, query=f"v=2&view={view}")
+    await_painted(page, "Phase portrait")
+    wanted = "wrong sequence of crossings"
+    page.wait_for_function(f"() => ({LEGENDS})().some(one => one.label == '{wanted}')", timeout=90_000)
+    page.wait_for_timeout(500)
+    assert [one["label"] for one in page.evaluate(LEGENDS) if not one["inside"]] == []
