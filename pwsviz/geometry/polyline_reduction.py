@@ -164,12 +164,9 @@ def painted_once(path: Floats, pixel: float) -> Floats:
     (k, 2) array
         The rest of the path, with a row of NaN between pieces.
     """
-    x_low, x_high, y_low, y_high = _bounds(path, np.ones(len(path), dtype=bool))
-    columns, rows = (3 + int(size / pixel) for size in (x_high - x_low, y_high - y_low))
-    if len(path) < 3 or columns * rows > MOST_CELLS:
+    new = painted_first(path, pixel)
+    if new.all():
         return path
-    new = np.zeros(len(path) - 1, dtype=bool)
-    _first_painted(path, x_low - pixel, y_low - pixel, pixel, np.full((columns + 1, rows + 1), -1, np.int32), new)
     there = np.zeros(len(path), dtype=bool)
     there[:-1] |= new
     there[1:] |= new
@@ -177,9 +174,22 @@ def painted_once(path: Floats, pixel: float) -> Floats:
     return np.insert(path[kept], 1 + np.flatnonzero(~new[kept[:-1]]), np.nan, axis=0)
 
 
+def painted_first(path: Floats, pixel: float) -> Mask:
+    """Return (n - 1,) which edges of a path (n, 2) are not painted before; all if it is too large to be told."""
+    x_low, x_high, y_low, y_high = _bounds(path, np.ones(len(path), dtype=bool))
+    columns, rows = (3 + min(size / pixel, MOST_CELLS) for size in (x_high - x_low, y_high - y_low))
+    new: Mask = np.ones(max(len(path) - 1, 0), dtype=bool)
+    if len(path) < 3 or not columns * rows <= MOST_CELLS:
+        return new
+    new[:] = False
+    painted = np.full((int(columns) + 1, int(rows) + 1), -1.0, np.float32)
+    _first_painted(path, x_low - pixel, y_low - pixel, pixel, painted, new)
+    return new
+
+
 @_compiled
 def _first_painted(path, x_low, y_low, pixel, painted, new):
-    passed = 0  # pixels of the path so far; each pixel has the number at which it was painted, or -1
+    passed = 0.0  # length of the path so far in pixels; each pixel has the length at which it was painted, or -1
     for k in range(new.size):
         x, y = path[k, 0], path[k, 1]
         across, up = path[k + 1, 0] - x, path[k + 1, 1] - y
@@ -192,7 +202,7 @@ def _first_painted(path, x_low, y_low, pixel, painted, new):
             before = False
             for a in range(max(column - 1, 0), min(column + 2, painted.shape[0])):
                 for b in range(max(row - 1, 0), min(row + 2, painted.shape[1])):
-                    before = before or (painted[a, b] >= 0 and passed + i - painted[a, b] > RECENT)
+                    before = before or (painted[a, b] >= 0 and passed + length * i / count - painted[a, b] > RECENT)
             if not before:
                 new[k] = True
                 break
@@ -200,8 +210,8 @@ def _first_painted(path, x_low, y_low, pixel, painted, new):
             for i in range(count + 1):
                 column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
                 if painted[column, row] < 0:
-                    painted[column, row] = passed + i
-        passed += count
+                    painted[column, row] = passed + length * i / count
+        passed += length
 
 
 @dataclass(frozen=True)

@@ -124,7 +124,7 @@ def _evenly(run: core.Trajectory, axes: Axes, limit: int) -> tuple[Floats, Float
 
 def _drawn(run: core.Trajectory, axes: Axes, near: Window | None, most: int) -> tuple[tuple[Floats, Floats], bool]:
     """Return times and places of the vertices of the drawn curve, and True; if they are too many, the jumps alone."""
-    t, points, kinks = curve(run, axes, near)
+    t, points, kinks, whole = curve(run, axes, near)
     gaps = kinks & ~np.isfinite(points).all(axis=1)
     pinned = gaps.copy()
     pinned[:-1] |= gaps[1:]
@@ -132,7 +132,7 @@ def _drawn(run: core.Trajectory, axes: Axes, near: Window | None, most: int) -> 
     finite = np.isfinite(points).all(axis=1)
     there = np.flatnonzero((finite | gaps) & ~np.logical_or.accumulate(~finite & ~gaps))  # up to the last finite state
     kept = there[simplify(points[there], pixel_size(points, near) / 4, pinned[there])]
-    traced = len(kept) <= most
+    traced = whole and len(kept) <= most
     if not traced:
         kept = np.flatnonzero(pinned).reshape(-1, 3)[:: -(-int(gaps.sum()) * PLANE // most) or 1].ravel()
     return (t[kept], points[kept]), traced

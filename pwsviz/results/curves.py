@@ -8,7 +8,7 @@ import numpy as np
 
 import core
 from pwsviz.geometry.phase_plane import Window
-from pwsviz.geometry.polyline_reduction import RESOLUTION, Floats, Mask, spliced
+from pwsviz.geometry.polyline_reduction import RESOLUTION, Floats, Mask, painted_first, spliced
 from pwsviz.geometry.projection import PLANE, Axes, in_plane
 
 __all__ = ["FAR", "Curve", "curve", "jump_lines", "pixel_size"]
@@ -17,10 +17,10 @@ FAR = 8.0
 """Sizes of a view within which orbits are drawn: as far as a user may zoom out and still see them leave."""
 
 LONG_STEPS = 4000
-"""States up to which steps may be long enough to show; more of them are as many as a drawn curve has vertices."""
+"""States up to which all steps are looked between; of more of them, only those that reach pixels not painted yet."""
 
 FINEST = 20_000
-"""Vertices of a curve from which it is not refined further."""
+"""Vertices added to a curve from which it is not refined further."""
 
 BEND = 1.0
 """Pixels between a vertex and the line through its neighbours from which the curve between them is looked at."""
@@ -41,6 +41,8 @@ class Curve(NamedTuple):
     """(n, 2) vertices; NaN between the two ends of a jump."""
     kinks: Mask
     """(n,) which vertices are crossings or belong to jumps."""
+    whole: bool = True
+    """Whether it has all turns of an orbit; of many long steps it has gaps where later turns repeat earlier ones."""
 
 
 def pixel_size(points: Floats, near: Window | None) -> float:
@@ -76,7 +78,7 @@ def curve(run: core.Trajectory, axes: Axes, near: Window | None = None) -> Curve
     points, kinks = spliced(in_plane(run.x, axes), rows[there], inserted)
     t = np.insert(run.t, inserted, np.broadcast_to(crossings.t[:, None], there.shape)[there])
     given = Curve(t, points, kinks)
-    return given if len(run.t) > LONG_STEPS else _refined(run, axes, given, near)
+    return _refined(run, axes, given if len(run.t) <= LONG_STEPS else _first_turns(given, near), near)
 
 
 def jump_lines(before: Floats, after: Floats) -> Floats:
@@ -84,22 +86,51 @@ def jump_lines(before: Floats, after: Floats) -> Floats:
     return np.stack([before, after, np.full((len(before), PLANE), np.nan)], axis=1)
 
 
-def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None) -> Curve:
-    """Divide the pieces of a curve that bend visibly, until none does."""
-    t, points, kinks = given
-    shown = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
+def _first_turns(given: Curve, near: Window | None) -> Curve:
+    """Leave out the steps that repeat earlier ones on the screen, if any is long enough to bend visibly."""
+    t, points, kinks, _ = given
+    pixel = pixel_size(points, near)
+    if pixel == 0.0 or not _bent_pieces(given, near, pixel).any():
+        return given
+    shown: Mask = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
     if near is not None:
         shown &= near.holds(points)
-    if not shown.any():
+    new = painted_first(np.where(shown[:, None], points, np.nan), pixel) | ~(shown[1:] & shown[:-1])
+    if new.all():
         return given
-    pixel = pixel_size(points, near)
-    lasts: Mask = np.diff(t) > 0.0
+    there = np.append(new, False) | np.insert(new, 0, False)
+    kept = np.flatnonzero(there)
+    gaps = 1 + np.flatnonzero(~new[kept[:-1]])
+    return Curve(
+        np.insert(t[kept], gaps, t[kept[gaps - 1]]),
+        np.insert(points[kept], gaps, np.nan, axis=0),
+        np.insert(kinks[kept], gaps, False),
+        whole=False,
+    )
+
+
+def _bent_pieces(given: Curve, near: Window | None, pixel: float) -> Mask:
+    """Return (n − 1,) which pieces of a curve may bend visibly, where it is seen."""
+    t, points, kinks, _ = given
+    there = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
+    shown = there if near is None else there & near.holds(points)
+    lasts: Mask = (np.diff(t) > 0.0) & there[1:] & there[:-1]
     corners = kinks.copy()
     corners[[0, -1]] = True
     corners[1:] |= ~lasts
     corners[:-1] |= ~lasts
-    bent: Mask = _bent(points, corners, BEND * pixel) & lasts & (shown[1:] | shown[:-1])
-    while len(k := np.flatnonzero(bent)) and len(points) < FINEST:
+    return np.asarray(_bent(points, corners, BEND * pixel) & lasts & (shown[1:] | shown[:-1]))
+
+
+def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None) -> Curve:
+    """Divide the pieces of a curve that bend visibly, until none does."""
+    t, points, kinks, whole = given
+    pixel = pixel_size(points, near)
+    if pixel == 0.0:
+        return given
+    bent = _bent_pieces(given, near, pixel)
+    most = len(points) + FINEST
+    while len(k := np.flatnonzero(bent)) and len(points) < most:
         share = np.arange(1, PARTS) / PARTS
         times = t[k, None] + (t[k + 1] - t[k])[:, None] * share
         try:
@@ -115,7 +146,7 @@ def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None
         inserted = np.repeat(k + 1, PARTS - 1)
         t, kinks = np.insert(t, inserted, times.ravel()), np.insert(kinks, inserted, False)
         points = np.insert(points, inserted, new, axis=0)
-    return Curve(t, points, kinks)
+    return Curve(t, points, kinks, whole)
 
 
 def _bent(points: Floats, corners: Mask, tolerance: float) -> Mask:

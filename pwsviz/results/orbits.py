@@ -92,7 +92,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
     view = _surroundings(run, axes) if run.status in RUNS_OFF else None
     if near is None and view is not None:
         near = view.scaled(FAR)
-    _, points, kinks = curve(run, axes, near)
+    _, points, kinks, _ = curve(run, axes, near)
     crossings = run.crossings.passed
     at = in_plane(crossings.x, axes)
     marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))

@@ -13,6 +13,7 @@ from pwsviz.geometry.polyline_reduction import (
     distinct_pixels,
     envelope,
     first_in_cells,
+    painted_first,
     screen_path,
     simplify,
     spliced,
@@ -202,6 +203,14 @@ def test_what_is_left_out_lies_beside_what_is_painted(drift):
         share = ((point - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), 1e-300)
         away = np.linalg.norm(a + share.clip(0.0, 1.0)[:, None] * (b - a) - point, axis=1)
         assert np.nanmin(away) < 3 * pixel
+
+
+@pytest.mark.parametrize("points", [24, 240, 40_000])
+def test_what_is_painted_first_does_not_depend_on_how_finely_a_path_is_divided(points):
+    path = turns(3.5, points=points)
+    new = painted_first(path, 2.0 / RESOLUTION)
+    assert new[: points - points // 100].all(), "a path does not repeat the piece that leads to it"
+    assert not new[points + 1 :].any()
 
 
 def test_curves_that_cross_stay_whole():

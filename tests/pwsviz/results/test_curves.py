@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.polyline_reduction import RESOLUTION
+from pwsviz.geometry.polyline_reduction import RESOLUTION, screen_path
 from pwsviz.results.curves import LONG_STEPS, curve
 
 
@@ -46,3 +46,21 @@ def test_a_step_without_solution_between_its_ends_is_left_a_chord(monkeypatch):
 
     monkeypatch.setattr(core.Trajectory, "at", refuse)
     assert len(curve(run, (0, 1)).points) == len(run.t) + len(run.crossings)
+
+
+@pytest.mark.parametrize(
+    ("method", "tau", "t_end"), [("taylor", 1.0, 1000.0), ("dmm2", 0.1, 420.0), ("rk8", 0.25, 1100)]
+)
+def test_of_very_many_long_steps_the_curve_is_that_of_the_method_and_complete(method, tau, t_end):
+    system = core.CATALOGUE["elliptic_curve"]
+    run = core.integrate(system, (0.0, t_end), tau=tau, method=method)
+    assert len(run.t) > LONG_STEPS
+    given = curve(run, (0, 1))
+    assert not given.whole
+    path = screen_path(given.points, given.kinks)
+    orbit = core.integrate(system, (0.0, 20.0), tau=1e-3, method="rk8").x
+    pixel = np.ptp(orbit, axis=0).max() / RESOLUTION
+    assert max(distance(point, path) for point in orbit[::29]) < 3 * pixel
+    middles = (path[1:] + path[:-1]) / 2
+    assert max(distance(point, orbit) for point in middles[np.isfinite(middles[:, 0])]) < 2 * pixel
+    assert np.all(np.diff(given.t) >= 0.0)
