@@ -151,8 +151,8 @@ def ensemble(
         Name of a parameter -> (n,) values, or a number for all.
     record
         "end": the last state of each member. "crossings": also its crossings, of which there are at most
-        n·(max_crossings − discard), each of 12 + 8·d bytes (12 + 16·d where the system has jumps), and of 56 more while
-        they are computed.
+        n·(max_crossings − discard), each of 12 + 8·d bytes (12 + 16·d where the system has jumps), and of up to 200
+        more while they are computed.
     max_crossings
         Number of crossings after which a member stops (CROSSING_LIMIT). Needed with record="crossings", as a bound on
         the memory; else 10⁹ where not given.

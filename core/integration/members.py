@@ -27,10 +27,11 @@ from core.kernels.arrays import Floats
 from core.methods import Method
 from core.system import PiecewiseSystem
 from core.transition.records import HIT, NO_MODE, ROW
-from core.transition.status import Status
+from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Block", "Members", "Told", "Wanted", "integrate_members", "not_begun"]
 
+_CORNER = CROSSING_KINDS.index("corner")
 #: Crossings that one call of the time loop can record: few enough to stay in the processor's cache.
 _HITS = 64
 #: Crossings for which a block has room at first; where they are used up they are put aside.
@@ -45,9 +46,23 @@ class Wanted(NamedTuple):
     discard: int = 0
     most: int = 2**62
 
-    def of(self, hits: NDArray[Any]) -> NDArray[np.bool_]:
-        """Return which of the crossings of a member these are."""
+    def of(self, hits: NDArray[Any], first_mode: int, sides: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return which of the crossings of a member these are.
+
+        A corner is a crossing of each surface of which it changes the side; the loop itself leaves those to `Runner`.
+
+        Parameters
+        ----------
+        first_mode
+            Mode in which the member began.
+        sides
+            `Laws.sides`.
+        """
         which = (hits["rate_before"] * self.way >= 0.0) & ((self.surface < 0) | (hits["surface"] == self.surface))
+        if 0 <= self.surface < sides.shape[1]:
+            before = np.concatenate([[first_mode], hits["mode"]])[:-1]
+            change = sides[hits["mode"], self.surface] - sides[before, self.surface]
+            which = np.where(hits["kind"] == _CORNER, (change != 0) & (change * self.way >= 0), which)
         number = np.cumsum(which)
         return np.asarray(which & (number > self.discard) & (number - self.discard <= self.most))
 
@@ -174,9 +189,12 @@ class _Run:
         """Integrate the next member by a `Runner`."""
         members, wanted, met = self.members, self.members.wanted, 0
 
+        def which(hits: NDArray[Any]) -> NDArray[np.bool_]:
+            return (wanted or Wanted()).of(hits, runner.first_mode, members.system.laws.sides)
+
         def stops() -> bool:
             nonlocal met
-            met = 0 if wanted is None else int(wanted.of(runner.hits()[0]).sum())
+            met = 0 if wanted is None else int(which(runner.hits()[0]).sum())
             return members.told() or (wanted is not None and met == wanted.most)
 
         start, settings = tuple(members.x[k].tolist()), replace(self.settings, cancel=stops)
@@ -187,9 +205,9 @@ class _Run:
         self._put_aside()
         if wanted is not None:
             hits, places = runner.hits()
-            which = wanted.of(hits)
-            self.aside.append((hits[which], places[which][:, self._columns]))
-            met = int(which.sum())
+            kept = which(hits)
+            self.aside.append((hits[kept], places[kept][:, self._columns]))
+            met = int(kept.sum())
             status = Status.CROSSING_LIMIT if met == wanted.most else status
         self.ends[k] = runner.t, status, runner.mode, runner.steps, runner.evaluations, runner.crossing_count, met
         self.x[k] = runner.x

@@ -23,6 +23,9 @@ from core.systems import System, system_of
 
 __all__ = ["Section", "checked_wanted", "coordinate_numbers", "section"]
 
+#: Most points of a member, and most of them that are left out.
+_MOST = 10**12
+
 
 @dataclass(frozen=True, eq=False)
 class Section:
@@ -93,10 +96,11 @@ def section(
     t_span
         Start time, and the time at which a member ends that has not had all its points by then.
     points
-        Number of points of each member, at most. Memory is bounded by that: 12 + 8·d bytes a point (12 + 16·d where the
-        system has jumps), and 56 more while they are computed.
+        Number of points of each member, at most. Memory is bounded by that, as of `ensemble`.
     of
-        h(t, x), an expression whose zeros are the surface. None: the switching surface; of several surfaces, all.
+        h(t, x), an expression whose zeros are the surface: one of the system's own, or a further one of at most six in
+        all. None: the switching surface; of several surfaces, all. A member that touches it stops there, GRAZING, as at
+        any surface.
     direction
         1: where h increases, −1: where it decreases, 0: both.
     coordinates
@@ -132,9 +136,9 @@ def checked_wanted(points: int, direction: int, discard: int) -> Wanted:
     if direction not in (-1, 0, 1):
         raise ValueError(f"direction = {direction!r}: 1 where h increases, -1 where it decreases, 0 for both")
     first = number(discard, "discard")
-    if first < 0 or first != int(first):
-        raise ValueError(f"discard = {discard!r}: a whole number of at least 0 is needed")
-    return Wanted(way=int(direction), discard=int(first), most=count(points, "points"))
+    if first < 0 or first != int(first) or first > _MOST:
+        raise ValueError(f"discard = {discard!r}: a whole number from 0 to {_MOST:,} is needed")
+    return Wanted(way=int(direction), discard=int(first), most=count(points, "points", _MOST))
 
 
 def coordinate_numbers(variables: tuple[str, ...], names: tuple[str, ...]) -> list[int]:

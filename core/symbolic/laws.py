@@ -323,8 +323,10 @@ def coordinates(states: Floats) -> list[Floats]:
 
 
 def _with_floats(expression: Expr) -> Expr:
-    """Replace long integers and ratios by floats, as numpy has no integers of more than 64 bits."""
+    """Replace long integers and ratios by floats, as numpy has no integers of more than 64 bits; all is real."""
     long = [n for n in expression.atoms(sympy.Rational) if max(abs(n.p), n.q) > _LARGEST_EXACT]
+    if expression.has(sympy.re, sympy.im):  # sympy takes variables for complex, and writes |exp(x)| as exp(re(x))
+        expression = expression.replace(sympy.re, lambda part: part).replace(sympy.im, lambda _: sympy.S.Zero)
     return expression.xreplace({n: sympy.Float(_nearest(n), 17) for n in long})
 
 

@@ -68,6 +68,34 @@ def test_sections_go_through_walls_and_through_regions_with_names():
         assert run.at(t + 1e-3)[0] > 0.0 > run.at(t - 1e-3)[0]
 
 
+def test_a_section_that_a_parameter_makes_the_switching_surface_has_the_same_points():
+    """Both are met at once then, at what is a corner."""
+    pendulum = core.CATALOGUE["pendulum"].with_parameters(angle=0.0)
+    for direction in (1, -1, 0):
+        settings = {"points": 40, "direction": direction, "method": "rk4", "tau": 0.01}
+        own, other = (core.section(pendulum, (0.0, 20.0), of=of, **settings) for of in ("q - angle", "q"))
+        assert len(own) > 6
+        assert np.abs(own.points - other.points).max() < 1e-12
+        assert np.array_equal(own.points, core.section(pendulum, (0.0, 20.0), **settings).points)
+
+
+@pytest.mark.parametrize("of", ["q-angle", " (q - angle)*2", "angle/3 - q/3"])
+def test_a_multiple_of_the_switching_function_is_that_surface(of):
+    way = -1 if of.startswith("angle") else 1
+    settings = {"points": 3, "method": "rk4", "tau": 0.01}
+    found = core.section("pendulum", (0.0, 20.0), of=of, direction=way, **settings)
+    assert np.array_equal(found.points, core.section("pendulum", (0.0, 20.0), direction=1, **settings).points)
+
+
+@pytest.mark.parametrize("of", ["y - 9/10", "exp(y) - 2"])
+def test_a_section_of_a_run_that_slides_has_the_points_of_that_run(of):
+    found = core.section("stick_slip", (0.0, 60.0), of=of, points=50, sliding="continue", **FINE)
+    run = core.integrate("stick_slip", (0.0, 60.0), sliding="continue", **FINE)
+    assert len(found) > 6
+    for t, x in zip(found.ensemble.crossings.t, found.points, strict=True):
+        assert run.at(t) == pytest.approx(x, abs=1e-8)
+
+
 def test_a_return_map_pairs_each_point_with_the_next_of_its_member():
     x0 = [[0.5, 0.0], [1.0, 0.0]]
     found = core.section(VAN_DER_POL, (0.0, 100.0), x0, of="v", points=6, direction=-1, **FINE)
@@ -83,8 +111,10 @@ def test_a_return_map_pairs_each_point_with_the_next_of_its_member():
     [
         ({"points": 0}, "points = 0"),
         ({"direction": 2}, "direction = 2"),
+        ({"points": 2**70}, "points = "),
         ({"discard": -1}, "discard = -1"),
-        ({"of": "x +"}, "surfaces"),
+        ({"discard": 2**70}, "discard = "),
+        ({"of": "x +"}, "of"),
         ({"of": "q"}, "q"),
         ({"coordinates": ("q",)}, "'q' is no variable; coordinates are some of x, v"),
         ({"coordinates": ()}, "at least one"),
