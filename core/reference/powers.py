@@ -200,15 +200,22 @@ class _Expansion:
 def _step_length(series: list[list[int]], bits: int) -> float:
     """Step, in units of time, at which the last terms are below 2^−bits of the state, and no term is large.
 
-    Terms much larger than the state would cancel, as those of exp(−t) do, and lose digits.
+    Terms much larger than the state would cancel, as those of exp(−t) do, and lose digits. The size of the state is
+    that of its first term that does not vanish: at the origin it grows with the step.
     """
-    size = _log2(max(abs(u[0]) for u in series) or max(abs(c) for u in series for c in u) or 1)
     order = len(series[0]) - 1
+    first, largest = next(((k, size) for k in range(order + 1) if (size := _largest(series, k))), (0, 1))
+    size = _log2(largest)
     bounds = [(k, size - bits) for k in range(order - _LAST + 1, order + 1)]
     bounds += [(k, size + _CANCELLED) for k in range(2, order, _APART)]
-    sizes = ((k, bound, max(abs(u[k]) for u in series)) for k, bound in bounds)
+    sizes = ((k - first, bound, _largest(series, k)) for k, bound in bounds if k > first)
     length = min(((bound - _log2(largest)) / k for k, bound, largest in sizes if largest), default=np.inf)
     return float(_SAFETY * 2.0 ** min(length, _FAR))
+
+
+def _largest(series: list[list[int]], k: int) -> int:
+    """Size of the largest coefficient of order k."""
+    return max(abs(u[k]) for u in series)
 
 
 def _log2(n: int) -> float:
@@ -243,8 +250,10 @@ class Step:
 
     def polynomial(self) -> NDArray[np.float64]:
         """Coefficients (order + 1, d), in doubles, of the powers of the part of the step, from 0 to 1."""
-        shift = max(0, max(u[0].bit_length() for u in self._series) - _DOUBLE)
-        scale = np.cumprod(np.append(1.0, np.full(len(self._series[0]) - 1, self._end)))
-        rows = [[float(c >> shift) for c in series] for series in self._series]
-        coefficients: NDArray[np.float64] = np.ldexp(np.array(rows).T, shift - self._point) * scale[:, None]
+        part, exponent = math.frexp(self._end)
+        powers = np.arange(len(self._series[0]))
+        shifts = np.array([[max(0, c.bit_length() - _DOUBLE) for c in series] for series in self._series]).T
+        rows = [[float(c >> max(0, c.bit_length() - _DOUBLE)) for c in series] for series in self._series]
+        whole = shifts - self._point + exponent * powers[:, None]
+        coefficients: NDArray[np.float64] = np.ldexp(np.array(rows).T * part ** powers[:, None], whole)
         return coefficients

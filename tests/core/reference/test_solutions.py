@@ -311,6 +311,14 @@ def test_search_without_end_is_cut_off() -> None:
         solution.crossing(0)
 
 
+@pytest.mark.parametrize("rate", [300, 1000])
+def test_start_at_the_origin_beside_a_fast_mode_is_exact(rate: int) -> None:
+    f = (sympy.Integer(1), 1 - rate * Y)
+    solution = exact(f, f, X + Y - 2, (0.0, 0.0))
+    assert solution.state(1.0) == pytest.approx([1.0, 1 / rate], rel=1e-15)
+    assert solution.exact
+
+
 def test_ballistic_arc_is_exact_from_metres_to_light_years() -> None:
     # v' = −g has no rate of its own: t = v/g + √(v² + 2gh)/g over sixteen decades
     for height in (1e-8, 1.0, 1e8):
