@@ -314,6 +314,8 @@ class StepCode:
         changes = named("e", d)
         slopes = self._gradients_at_end()
         inner = [*self._arrive, *inner, *self._assign([f"r{j}" for j in range(m)], list(left))]
+        if prepared:  # near the origin a state is off the levels by more than its own rounding: no fault of the series
+            inner.append(f"adds = {' or '.join(f'not abs(r{j} - o{j}) <= abs(o{j})' for j in range(m))}")
         inner += least_change(rows, changes, self._temporaries, slopes)
         inner += [f"d{k} -= e{k}" for k in range(d)]
         inner.append(f"size = max({', '.join(f'abs({e})' for e in changes)})")
@@ -322,7 +324,7 @@ class StepCode:
         each = " and ".join(f"abs(e{k}) <= {_SETTLED} * max(abs(d{k}), abs(x{k}))" for k in range(d))
         if prepared:  # so far off the levels, the series has not resolved the solution
             least = f"({_ASTRAY} if independent else {_LOST})" if m > 1 else str(_ASTRAY)
-            inner.append(f"if size > max({_FREEDOM} * w[{abi.TOLERANCE}], {least}) * max({whole}, state):")
+            inner.append(f"if adds and size > max({_FREEDOM} * w[{abi.TOLERANCE}], {least}) * max({whole}, state):")
             inner.append(f"    return {abi.NO_SOLUTION}")
         inner.append(f"if (size <= {_SETTLED} * {whole} or size <= {_NOTHING} * state) and {each}:")
         inner.append("    break")

@@ -74,7 +74,8 @@ def _first_steps(run: Trajectory) -> _Steps:
     k = np.unique(np.linspace(0, len(crossings) - 2, _MOST_ENTRIES).astype(np.int64))
     length = crossings.t[k + 1] - crossings.t[k]
     h = np.sign(length) * np.minimum(run.tau, np.abs(length))
-    k, h = k[h != 0.0], h[h != 0.0]
+    long = np.abs(h) > _SHORTEST * np.abs(crossings.t[k])
+    k, h = k[long], h[long]
     return _Steps(run, crossings.t[k], crossings.x_after[k], crossings.mode[k], h)
 
 

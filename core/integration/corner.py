@@ -54,7 +54,7 @@ class WayOut(NamedTuple):
     @property
     def unclear(self) -> bool:
         """Whether that is because a rate is not clear."""
-        return self.reason == _Why.UNCLEAR
+        return self.reason in (_Why.UNCLEAR, _Why.RESTS)
 
 
 class _Why(StrEnum):
@@ -64,6 +64,7 @@ class _Why(StrEnum):
     SEVERAL = "the laws around lead out in more than one way"
     STAYS = "the solution may stay where they meet, along which no law is derived"
     UNCLEAR = "a field around is tangent to one of them there, to rounding, so that the way out is not clear"
+    RESTS = "sliding along one of them is at rest there, to rounding, so that the way out is not clear"
     MANY = "the laws around do not all lead the same way out"
     UNDECLARED = "a region around is not declared, and the laws that are do not all lead the same way out"
     JUMPS = "at one of them the state jumps"
@@ -73,6 +74,8 @@ class _Exit(NamedTuple):
     mode: int
     clear: bool
     """Whether it is an exit whatever the rounding of the rates."""
+    rests: bool = False
+    """Whether that is because sliding along it is at rest at the corner, to rounding, between fields that are clear."""
 
 
 def way_out_of(laws: Laws, sides: Sequence[int], surfaces: Sequence[int], rate: Callable[[int, int], Rate]) -> WayOut:
@@ -100,10 +103,9 @@ def way_out_of(laws: Laws, sides: Sequence[int], surfaces: Sequence[int], rate: 
         return WayOut(region, "" if region is not None else why)
     exits = [*_into_regions(around, rates), *_along_surfaces(laws, around, rates, surfaces)]
     if len(exits) != 1:
-        unclear = not all(leaving.clear for leaving in exits)
-        return WayOut(None, _Why.UNCLEAR if unclear else _Why.SEVERAL if exits else _Why.NONE)
-    if not exits[0].clear:
-        return WayOut(None, _Why.UNCLEAR)
+        return WayOut(None, _doubt(exits) or (_Why.SEVERAL if exits else _Why.NONE))
+    if doubt := _doubt(exits):
+        return WayOut(None, doubt)
     return WayOut(None, _Why.STAYS) if _may_stay(rates) else WayOut(exits[0].mode)
 
 
@@ -142,6 +144,14 @@ def _agreed(around: dict[Signs, int], rates: dict[Signs, list[Rate]]) -> int | N
     return around.get(onward.pop()) if len(onward) == 1 else None
 
 
+def _doubt(exits: Sequence[_Exit]) -> _Why | None:
+    """Why exits are not clear; None if they all are."""
+    unclear = [leaving for leaving in exits if not leaving.clear]
+    if not unclear:
+        return None
+    return _Why.RESTS if all(leaving.rests for leaving in unclear) else _Why.UNCLEAR
+
+
 def _sign(value: float, doubt: float) -> int:
     """The sign of a number, 0 where it is not clear."""
     return int(np.sign(value)) if abs(value) > doubt else 0
@@ -167,8 +177,10 @@ def _along_surfaces(
         onward = side * (up.value * onward_high.value - down.value * onward_low.value)
         doubt = _doubt_of_product(up, onward_high) + _doubt_of_product(down, onward_low)
         if up.value >= -up.doubt and down.value <= down.doubt and onward >= -doubt:
-            clear = up.value > up.doubt and down.value < -down.doubt and onward > doubt
-            yield _Exit(laws.number_of_sliding(around[low], around[high], surfaces[k]), clear)
+            attracts = up.value > up.doubt and down.value < -down.doubt
+            clear = attracts and onward > doubt
+            rests = attracts and not clear
+            yield _Exit(laws.number_of_sliding(around[low], around[high], surfaces[k]), clear, rests)
 
 
 def _doubt_of_product(a: Rate, b: Rate) -> float:

@@ -20,7 +20,7 @@ from core.integration.hits import crossings_of, no_crossings
 from core.integration.outcome import cause_of_failure
 from core.integration.run_record import Blank, Rows, copied_record, new_record
 from core.integration.run_settings import Settings
-from core.integration.starting import first_place, leaning, regions_entered, way_out
+from core.integration.starting import first_place, leaning, onto_surfaces, regions_entered, way_out
 from core.integration.time_loop import compiled_march
 from core.kernels.abi import LAST, MAX_VISITS, ORDER, TOLERANCE, VISIT, VISITS, Frame
 from core.kernels.arrays import Floats
@@ -87,7 +87,7 @@ class Runner:
         d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
         m = frame.m if settings.slides else system.laws.most_conserved
         self._w = frame.empty()
-        self._x = self._w[frame.x : frame.x + d]
+        self._x, self._carry = self._w[frame.x : frame.x + d], self._w[frame.carry : frame.carry + d]
         self._x[:] = x0
         self._w[VISITS + LAST : VISITS + VISIT * MAX_VISITS : VISIT] = t0
         self._hit_chunks: list[tuple[NDArray[Any], Floats]] = []
@@ -298,9 +298,11 @@ class Runner:
             self.status = Status.CROSSING_LIMIT
         else:
             self.status = Status.RUNNING
+            if self.crossing_count and self._hit_chunks:
+                self._x[:] = onto_surfaces(self.system, self.t, self.x, surfaces)
+                self._carry[:] = 0.0
+                self._hit_chunks[-1][0]["mode"][-1], self._hit_chunks[-1][1][-1, 2] = mode, self._x
             self._begin_in(mode, surfaces)
-            if self.crossing_count:
-                self._hit_chunks[-1][0]["mode"][-1] = mode
 
     def _surfaces_at_corner(self) -> tuple[int, ...]:
         """Numbers of the surfaces that meet where the run is."""
@@ -334,7 +336,7 @@ class Runner:
         other._run = copied_record(self._run)
         other._w = self._w.copy()
         frame = Frame(self.system.dimension, 0)
-        other._x = other._w[frame.x : frame.carry]
+        other._x, other._carry = other._w[frame.x : frame.carry], other._w[frame.carry : frame.increment]
         other._samples = self._samples.copy()
         other._coefficients, other._workspace = self._coefficients.copy(), tuple(a.copy() for a in self._workspace)
         return other

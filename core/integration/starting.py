@@ -14,10 +14,13 @@ from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["Leaning", "Place", "first_place", "leaning", "regions_entered", "way_out"]
+__all__ = ["Leaning", "Place", "first_place", "leaning", "onto_surfaces", "regions_entered", "way_out"]
 
 _EPS = 2.0**-52
 _MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
+
+
+_PARALLEL = 2.0**-20  #: surfaces at a smaller angle than this, in radians, are not told apart
 
 
 class Place(NamedTuple):
@@ -78,6 +81,24 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
 
     heights, _ = _values(system, t, x)
     return way_out_of(laws, [int(np.sign(height)) for height in heights], surfaces, rate)
+
+
+def onto_surfaces(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, ...]) -> Floats:
+    """The nearest state to one at a corner, (d,), at which all switching functions of the corner vanish to rounding.
+
+    The loop has put the state on the surface that it met first. The others vanish there to the rounding of the step
+    that led there, which near the origin is larger than that of the state. Where surfaces are nearly parallel, the
+    state is moved only across the directions in which they are not.
+    """
+    laws, d = system.laws, system.dimension
+    wanted = tuple(u for k in surfaces for u in (laws.surfaces[k], *(laws.surfaces[k].diff(v) for v in laws.x)))
+    found = laws.numbers(("corner", *surfaces), wanted, t, x.tolist(), system.parameter_array)
+    rows = np.array(found).reshape(len(surfaces), 1 + d)
+    sizes = np.abs(rows[:, 1:]).max(axis=1, keepdims=True)
+    if not (np.isfinite(rows).all() and (sizes > 0.0).all()):
+        return x
+    rows = rows / sizes
+    return np.asarray(x - np.linalg.lstsq(rows[:, 1:], rows[:, 0], rcond=_PARALLEL)[0])
 
 
 def regions_entered(

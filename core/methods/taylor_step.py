@@ -60,8 +60,9 @@ def prepare_step_text(laws: Laws, mode: Mode) -> str:
 def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
     """Lines that evaluate the coefficients, and leave the loop around them unless they have to be evaluated again.
 
-    That is necessary in another unit of time, and if high coefficients vanish although the solution is not a polynomial
-    of low degree, as for x' = 1, y' = x**30 at x = 0. The step length is then limited by that at a nearby state.
+    That is necessary in another unit of time: a longer one where a state near the origin makes it so short that
+    rounding of the time could hide the step. And if high coefficients vanish although the solution is not a polynomial
+    of low degree, as for x' = 1, y' = x**30 at x = 0; the step length is then limited by that at a nearby state.
     """
     names, d = Names(laws), len(laws.x)
     rows = range(d, d + len(mode.guards))
@@ -76,7 +77,10 @@ def _attempt(laws: Laws, mode: Mode, code: SeriesCode) -> list[str]:
         lines += ["if away != 0.0:", "    limit, away = length if length == length else 1.0, 0.0", "    continue"]
         lines += ["if limit != limit and max(state, height) == math.inf:"]
         lines += [f"    away = {_BESIDE}*(size + unit*speed if size + speed > 0.0 else 1.0)", "    continue"]
-    return [*lines, f"if length >= {_SHORTEST}:", "    break", "shrink *= correction_of_unit(length)"]
+    lines += [f"short = length > {_LONGEST} and not limit <= {_LONGEST} and unit*{_LONGEST} < abs(h)"]
+    lines += [f"if length >= {_SHORTEST} and not short:", "    break"]
+    lines += ["if short:", f"    shrink, limit = shrink * {_LONGEST}, limit / {_LONGEST}", "    continue"]
+    return [*lines, "shrink *= correction_of_unit(length)"]
 
 
 def _degree_in_time(laws: Laws, mode: Mode) -> float:

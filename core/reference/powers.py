@@ -204,8 +204,8 @@ def _step_length(series: list[list[int]], bits: int) -> float:
     that of its first term that does not vanish: at the origin it grows with the step.
     """
     order = len(series[0]) - 1
-    first, largest = next(((k, size) for k in range(order + 1) if (size := _largest(series, k))), (0, 1))
-    size = _log2(largest)
+    first = next((k for k in range(order + 1) if _largest(series, k)), order)
+    size = _log2(_largest(series, first) or 1)
     bounds = [(k, size - bits) for k in range(order - _LAST + 1, order + 1)]
     bounds += [(k, size + _CANCELLED) for k in range(2, order, _APART)]
     sizes = ((k - first, bound, _largest(series, k)) for k, bound in bounds if k > first)

@@ -164,6 +164,7 @@ def test_time_running_back_leaves_a_corner_by_the_reversed_fields():
         (((1, 1), (-1, 1), (1, -1), (1, 1)), "more than one way"),
         (((1, 1), (1, -1), (-1, 1), (-1, -1)), "neither does sliding"),
         (((1, 1), (1, 1), (1, 1), (1, 0)), "tangent to one of them"),
+        (((1, 1), (1, 1), (-1, 1), (-1, -1)), "sliding along one of them is at rest"),
     ],
 )
 def test_a_run_that_stops_at_a_corner_says_why(fields, words):
@@ -172,6 +173,30 @@ def test_a_run_that_stops_at_a_corner_says_why(fields, words):
     assert words in run.message
     with pytest.raises(ValueError, match=words):
         core.reference_solution(run.system, (-1.0, -1.0), sliding="continue").state(2.0)
+
+
+@pytest.mark.parametrize(
+    ("fields", "x0", "method", "tau"),
+    [
+        (((-2, -3), (1, -3), (-2, 2), (-1, 1)), (-1.0, 3.0), "taylor", 0.01),
+        (((1, 3), (3, -1), (3, -1), (-1, -3)), (-3.0, 1.0), "rk4", 0.1),
+        (((-2, -3), (1, -3), (-2, 2), (-1, 1)), (-1.0, 3.0), "rk8", 0.25),
+    ],
+)
+def test_a_corner_at_the_origin_is_passed_whatever_part_of_a_step_is_left(fields, x0, method, tau):
+    system = quadrants(*fields)
+    run = core.integrate(system, (0.0, 3.0), x0, tau=tau, method=method, sliding="continue")
+    exact = core.reference_solution(system, x0, sliding="continue").state(3.0)
+    assert run.message == "t = 3: reached the end time."
+    assert run.x[-1] == pytest.approx(exact, abs=1e-13)
+
+
+def test_a_corner_at_the_origin_is_passed_at_every_step_size():
+    system = quadrants((-2, -3), (1, -3), (-2, 2), (-1, 1))
+    for parts in range(3, 60):
+        run = core.integrate(system, (0.0, 3.0), (-1.0, 3.0), tau=1 / parts, method="rk4", sliding="continue")
+        assert run.message == "t = 3: reached the end time."
+        assert run.x[-1] == pytest.approx([-4.0, -6.0], abs=1e-13)
 
 
 def test_a_corner_at_which_the_state_would_jump_is_not_passed():

@@ -87,3 +87,19 @@ def test_a_tolerance_is_for_methods_that_choose_their_steps():
             core.integrate(system, (0.0, 1.0), method="taylor", tolerance=wrong)
     with pytest.raises(ValueError, match="perturbation_order"):
         core.integrate(system, (0.0, 1.0), method="taylor", perturbation_order=2)
+
+
+@pytest.mark.parametrize("rate", ["-20*z", "-1e5*z"])
+def test_solution_passes_the_surface_at_the_origin_beside_a_decayed_mode(rate):
+    f = ("3*t**2 + 1", rate)
+    system = core.PiecewiseSystem("decayed", ("x", "z"), f_minus=f, f_plus=f, g="x", x0=(-2.0, 1.0))
+    assert core.reference_solution(system).state(2.0) == pytest.approx([8.0, 0.0], abs=1e-12)
+
+
+def test_step_from_beside_the_origin_is_as_long_as_that_from_it():
+    f = ("1 + x**2/4", "-z")
+    system = core.PiecewiseSystem("beside", ("x", "z"), f_minus=f, f_plus=f, g="x - 9")
+    runs = [core.integrate(system, (1.0, 2.0), (0.0, z), method="taylor") for z in (0.0, 1e-43)]
+    assert [run.status for run in runs] == [core.Status.COMPLETED] * 2
+    assert runs[1].x[-1][0] == pytest.approx(runs[0].x[-1][0], rel=1e-14)
+    assert runs[1].steps <= runs[0].steps + 2
