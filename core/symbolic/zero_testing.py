@@ -33,8 +33,8 @@ Array = NDArray[np.float64]
 _TIDIED_TERMS = 40
 #: Most nodes of the tree of an expression that `tidied` multiplies out.
 _TIDIED_NODES = 600
-#: A value in 120 digits below this part of the sizes of its terms may be round-off: 70 digits may be lost on the way.
-_ROUND_OFF = 1e-50
+#: A value in 120 digits below this part of the sizes of its terms is round-off; any other has to show in 480, too.
+_ROUND_OFF = 1e-100
 #: Values in 120 and in 480 digits whose relative difference is below this are not round-off.
 _AGREE = 1e-3
 #: A value in floating point below this part of the sizes of its terms is round-off.
@@ -157,6 +157,16 @@ def _rank_is_lost(rows: list[list[Any]], limit: float) -> bool:
     return False
 
 
+def _part_left(u: Expr, tape: Tape, nodes: Sequence[Array]) -> Array:
+    """|u| relative to the sum of the absolute values of its terms; for a product, the product over its factors."""
+    if u.is_Mul:
+        parts: Array = np.prod([_part_left(factor, tape, nodes) for factor in u.args], axis=0)
+        return parts
+    if not u.is_Add:
+        return (nodes[tape.place[u]] != 0).astype(float)
+    return np.abs(nodes[tape.place[u]]) / sum(np.abs(nodes[tape.place[term]]) for term in u.args)
+
+
 class _Residual:
     """An expression that should vanish, and its values at the points of a domain."""
 
@@ -171,15 +181,32 @@ class _Residual:
 
         nan where the value may be round-off: it is neither steady nor very small.
         """
-        value, beside = self.samples.nodes[self.place], self.samples.perturbed()[self.place]
+        value = self.samples.nodes[self.place]
         with np.errstate(all="ignore"):
             part = np.abs(value) / self.samples.tape.size(self.expression, self.samples.nodes)
-            steady = np.abs(beside - value) <= _STEADY * np.abs(value)
-        return np.where(value == 0, 0.0, np.where(steady | (part < _NOTHING), part, np.nan))
+        return np.where(value == 0, 0.0, np.where(self.steady | (part < _NOTHING), part, np.nan))
+
+    @cached_property
+    def steady(self) -> NDArray[np.bool_]:
+        """Whether the value at each point in floating point hardly changes by a perturbation of some roundings."""
+        value, beside = self.samples.nodes[self.place], self.samples.perturbed()[self.place]
+        with np.errstate(all="ignore"):
+            steady: NDArray[np.bool_] = np.abs(beside - value) <= _STEADY * np.abs(value)
+        return steady
+
+    def doubt(self) -> Array:
+        """How far the value at each point in floating point seems to be from zero, relative to its terms: 0 to 1.
+
+        The sizes of terms bound round-off, and far too high where a power such as (1e6 x − 4e5)¹⁵ is of a difference:
+        a steady value counts relative to the values of the terms.
+        """
+        with np.errstate(all="ignore"):
+            part = np.where(self.steady, _part_left(self.expression, self.samples.tape, self.samples.nodes), 0.0)
+        return np.fmax(np.nan_to_num(self.relative_size), np.nan_to_num(part))
 
     def verdicts(self) -> Iterator[tuple[dict[Symbol, float], bool]]:
         """Yield points, the largest residuals first, and whether the expression fails to vanish there."""
-        doubt = np.nan_to_num(self.relative_size)
+        doubt = self.doubt()
         order = np.argsort(-doubt, kind="stable")
         for point, values in self.samples.chosen(order[doubt[order] > _NOTHING]):
             yield point, self.fails(point, values)
