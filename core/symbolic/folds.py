@@ -141,7 +141,7 @@ def near_folds(
     inside = np.ones(parts.shape, dtype=bool)
     for u in positive:
         inside &= on_lines[tape.place[u]] > 0
-    brackets = [(k, *where) for k in places for where in _minima(np.abs(on_lines[k]), inside)]
+    brackets = [(k, *where) for k in places for where in _minima(on_lines[k], inside)]
     if not brackets:
         return points[:0]
     which, lines, middles = np.array(brackets).T
@@ -211,21 +211,32 @@ def _distances(sizes: Array, rng: np.random.Generator) -> Array:
     return np.concatenate([-ahead[:, ::-1], np.zeros((len(sizes), 1)), ahead], axis=1)
 
 
-def _minima(sizes: Array, inside: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """Yield indices (line, place) of local minima, evenly thinned to `_MOST_MINIMA`; a constant has none.
+def _minima(values: Array, inside: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """Yield indices (line, place) of local minima of |values|, at most `_MOST_MINIMA`; a constant has none.
+
+    First come, in equal shares, those between places of use with a change of sign, those with a change of sign, and
+    all. Each share is thinned evenly.
 
     Parameters
     ----------
     inside
         (lines, places) where a minimum is of use; those next to no such place are taken only if there is no other.
     """
+    sizes = np.abs(values)
     left, middle, right = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
     known = np.isfinite(left) & np.isfinite(right)
     least = (middle <= left) & (middle <= right) & ((middle < left) | (middle < right)) & known
     of_use = least & (inside[:, :-2] | inside[:, 1:-1] | inside[:, 2:])
-    lines, places = np.nonzero(of_use if of_use.any() else least)
-    for k in np.unique(np.linspace(0, len(lines) - 1, min(len(lines), _MOST_MINIMA)).astype(np.int64)):
-        yield int(lines[k]), int(places[k]) + 1
+    best = of_use if of_use.any() else least
+    changes = (values[:, :-1] > 0) != (values[:, 1:] > 0)
+    between = changes & inside[:, :-1] & inside[:, 1:]
+    kept: dict[int, None] = {}
+    for share, kind in enumerate((between[:, :-1] | between[:, 1:], changes[:, :-1] | changes[:, 1:], True)):
+        found = np.flatnonzero(best & kind)
+        count = min(len(found), _MOST_MINIMA * (share + 1) // 3 - len(kept))
+        kept |= dict.fromkeys(found[np.linspace(0, len(found) - 1, count).astype(np.int64)].tolist())
+    for k in kept:
+        yield k // least.shape[1], k % least.shape[1] + 1
 
 
 def _least(size: Callable[[Array], Array], low: Array, high: Array) -> Array:

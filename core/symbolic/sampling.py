@@ -133,7 +133,7 @@ class Samples:
             tried = self._drawn()
             points, nodes = self._joined((points, nodes), self._with_values(tried))
         few = len(points) < _ENOUGH
-        sought = [*self.folds, *self._layers] if thorough or few else []
+        sought = [*signs_at_folds(self.folds), *self._layers] if thorough or few else []
         if few:
             sought = [*sought, *self.domain.positive]
         if sought and self.symbols:

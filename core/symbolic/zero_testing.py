@@ -45,6 +45,8 @@ _SOMETHING = 1e-6
 _STEADY = 0.1
 #: A row is dependent on others if its part orthogonal to them is below this part of the row: in 120 digits, in 480.
 _DEPENDENT = (1e-40, 1e-160)
+#: Largest argument of exp, tanh, … where a row counts as dependent: beyond it 480 digits may not show 1 − tanh(u)².
+_SHOWN = 150.0
 #: Number of points tried for a counterexample whose coordinates have three digits.
 _PLAIN = 12
 
@@ -113,7 +115,7 @@ def independent(rows: sympy.Matrix, domain: Domain = EVERYWHERE) -> bool:
         return values is not None and _rank_is_lost(_scaled(rows, samples.tape, values).tolist(), limit)
 
     return not any(
-        dependent(values, _DEPENDENT[0]) and dependent(samples.in_digits(point, more=True), _DEPENDENT[1])
+        dependent(values, _DEPENDENT[0]) and dependent(samples.in_digits(point, more=True, largest=_SHOWN), _DEPENDENT[1])
         for point, values in samples.chosen(order[part[order] < _SOMETHING])
     )
 
