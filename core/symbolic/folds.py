@@ -37,14 +37,16 @@ _DISTANCES = (1e-3, 1e6)
 _PLACES = 25
 #: Most folds that are sought, in the order of `folds`.
 _MOST_FOLDS = 16
-#: Most denominators whose minima are sought.
+#: Most denominators and factors in them whose minima are sought.
 _MOST_LAYERS = 8
 #: Most local minima of |u| that are kept for each fold u, over all lines.
 _MOST_MINIMA = 24
 #: Golden sections of a bracket: they narrow it to 1e-10 of its length, so that a narrow layer about a zero is met.
 _SECTIONS = 48
 #: Size given to u beyond the domain, where it is least at the surface.
-_BEYOND = 1e150
+_BEYOND = 1e200
+#: Largest distance from the domain, as a value of g, that this size tells of.
+_FARTHEST = 1e100
 #: Part of a bracket that one golden section keeps.
 _GOLDEN = (5**0.5 - 1) / 2
 #: Points sampled at a fold and on both sides of it, as parts of half its bracket: a layer about it may be of any width.
@@ -73,12 +75,14 @@ def _steps(node: Expr) -> Iterator[Expr]:
 
 
 def layers(tape: Tape) -> list[Expr]:
-    """Denominators: next to a minimum of one a fraction such as 1/(1 + (1000 x)⁸) may differ from 0 in a layer only.
+    """Factors of the terms of denominators, and these: 1/(1 + (1000 x)⁸) differs from 0 in a layer next to x = 0 only.
 
     The fraction is the same analytic function on both sides.
     """
     poles = dict.fromkeys(u.base for u in tape.nodes if u.is_Pow and u.exp.is_Integer and u.exp < 0)
-    return [u for u in poles if u.is_Add and u.free_symbols][:_MOST_LAYERS]
+    sums = [u for u in poles if u.is_Add and u.free_symbols]
+    powers = [v for u in sums for term in u.args for v in _factors(term)]
+    return list(dict.fromkeys([*(v for v in powers if v.is_Add), *sums]))[:_MOST_LAYERS]
 
 
 def signs_at_folds(found: Iterable[Expr]) -> list[Expr]:
@@ -154,7 +158,7 @@ def near_folds(
         found: Array = np.abs(np.stack(nodes)[which, rows])
         for u in positive:
             height = nodes[tape.place[u]]
-            found = np.where(height <= 0, np.maximum(found, _BEYOND) - _BEYOND * height, found)
+            found = np.where(height <= 0, _BEYOND * (1.0 - np.clip(height, -_FARTHEST, 0.0)), found)
         return found
 
     low, high = parts[lines, middles - 1], parts[lines, middles + 1]

@@ -7,11 +7,11 @@ real powers are only piecewise analytic, so points are taken in every piece (`sa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import islice
-from math import comb
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 _TIDIED_TERMS = 40
 #: Most nodes of the tree of an expression that `tidied` multiplies out.
 _TIDIED_NODES = 600
-#: A value in 120 digits below this part of the sizes of its terms is round-off; any other has to show in 480, too.
+#: A value in 120 digits below this part of its terms is round-off; any other has to show in 480, too.
 _ROUND_OFF = 1e-100
 #: Values in 120 and in 480 digits whose relative difference is below this are not round-off.
 _AGREE = 1e-3
@@ -159,14 +159,13 @@ def _rank_is_lost(rows: list[list[Any]], limit: float) -> bool:
     return False
 
 
-def _part_left(u: Expr, tape: Tape, nodes: Sequence[Array]) -> Array:
+def _part_left(u: Expr, tape: Tape, values: Sequence[Any]) -> Any:
     """|u| relative to the sum of the absolute values of its terms; for a product, the product over its factors."""
     if u.is_Mul:
-        parts: Array = np.prod([_part_left(factor, tape, nodes) for factor in u.args], axis=0)
-        return parts
+        return math.prod(_part_left(factor, tape, values) for factor in u.args)
     if not u.is_Add:
-        return (nodes[tape.place[u]] != 0).astype(float)
-    return np.abs(nodes[tape.place[u]]) / sum(np.abs(nodes[tape.place[term]]) for term in u.args)
+        return 1.0
+    return abs(values[tape.place[u]]) / sum(abs(values[tape.place[term]]) for term in u.args)
 
 
 class _Residual:
@@ -203,7 +202,8 @@ class _Residual:
         a steady value counts relative to the values of the terms.
         """
         with np.errstate(all="ignore"):
-            part = np.where(self.steady, _part_left(self.expression, self.samples.tape, self.samples.nodes), 0.0)
+            part = _part_left(self.expression, self.samples.tape, self.samples.nodes)
+            part = np.where(self.steady & (self.samples.nodes[self.place] != 0), part, 0.0)
         return np.fmax(np.nan_to_num(self.relative_size), np.nan_to_num(part))
 
     def verdicts(self) -> Iterator[tuple[dict[Symbol, float], bool]]:
@@ -216,7 +216,7 @@ class _Residual:
     def fails(self, point: dict[Symbol, float], values: Sequence[Any]) -> bool:
         """Whether the value is not round-off: beyond the bound on that, and the same in more digits."""
         value = values[self.place]
-        if abs(value) <= _ROUND_OFF * self.samples.tape.size(self.expression, values):
+        if value == 0 or _part_left(self.expression, self.samples.tape, values) <= _ROUND_OFF:
             return False
         more = self.samples.in_digits(point, more=True)
         if more is None or more[self.place] == 0:
@@ -280,5 +280,5 @@ def size_expanded(expression: sympy.Expr) -> int:
         return int(sympy.prod(sizes))
     if expression.is_Pow and expression.exp.is_Rational:
         power = abs(int(expression.exp))
-        return max(sizes[0], comb(sizes[0] + power - 1, power))
+        return max(sizes[0], math.comb(sizes[0] + power - 1, power))
     return max(sizes, default=1)
