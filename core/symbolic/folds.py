@@ -4,6 +4,7 @@ A real expression is analytic except where the argument of a root, a logarithm o
 of such a *fold* it may be another analytic function. Functions such as tanh(1000 x) or exp(−1000 (x − 7)²) vary only
 near the zeros of their arguments. These zeros are sought along straight lines, and both sides of them are sampled: on
 lines between any two points, and on lines along one coordinate, on which all others keep values that the whole has.
+Some of the latter lead on to all sizes, as the region may lie anywhere.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from core.symbolic.tape import Floats, Tape
 __all__ = ["folds", "layers", "near_folds", "signs_at_folds"]
 
 Array = NDArray[np.float64]
-#: Points (lines, n) and directions (lines, n), and the multiples (lines, places) of these that lead to points on a line.
+#: Points and directions, (lines, n) each, and the multiples (lines, places) of these that lead to points on a line.
 Lines = tuple[Array, Array, Array]
 
 #: Number of straight lines in any direction along which folds are sought.

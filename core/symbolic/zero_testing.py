@@ -114,8 +114,11 @@ def independent(rows: sympy.Matrix, domain: Domain = EVERYWHERE) -> bool:
     def dependent(values: Sequence[Any] | None, limit: float) -> bool:
         return values is not None and _rank_is_lost(_scaled(rows, samples.tape, values).tolist(), limit)
 
+    def confirmed(point: Mapping[Symbol, float]) -> bool:
+        return dependent(samples.in_digits(dict(point), more=True, largest=_SHOWN), _DEPENDENT[1])
+
     return not any(
-        dependent(values, _DEPENDENT[0]) and dependent(samples.in_digits(point, more=True, largest=_SHOWN), _DEPENDENT[1])
+        dependent(values, _DEPENDENT[0]) and confirmed(point)
         for point, values in samples.chosen(order[part[order] < _SOMETHING])
     )
 
@@ -204,7 +207,8 @@ class _Residual:
         with np.errstate(all="ignore"):
             part = _part_left(self.expression, self.samples.tape, self.samples.nodes)
             part = np.where(self.steady & (self.samples.nodes[self.place] != 0), part, 0.0)
-        return np.fmax(np.nan_to_num(self.relative_size), np.nan_to_num(part))
+        doubt: Array = np.fmax(np.nan_to_num(self.relative_size), np.nan_to_num(part))
+        return doubt
 
     def verdicts(self) -> Iterator[tuple[dict[Symbol, float], bool]]:
         """Yield points, the largest residuals first, and whether the expression fails to vanish there."""
