@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
-from core.symbolic.folds import folds, near_folds, signs_at_folds
+from core.symbolic.folds import folds, layers, near_folds, signs_at_folds
+from core.symbolic.landmarks import at_landmarks, landmarks
 from core.symbolic.tape import Floats, Tape, digits, growing_argument
 
 __all__ = ["Domain", "Samples"]
@@ -110,10 +111,14 @@ class Samples:
         guards = [*domain.defined, *domain.positive]
         self.symbols = sorted(set().union(*(u.free_symbols for u in (*expressions, *guards))), key=str)
         self.tape = Tape(expressions)
-        self.folds = folds(self.tape) if len(self.tape.nodes) <= _LONG else []
+        short = len(self.tape.nodes) <= _LONG
+        self.folds = folds(self.tape) if short else []
+        self._layers = layers(self.tape) if short else []
         self._wanted = [self.tape.place[u] for u in expressions]
         self._guards = [self.tape.add(u) for u in guards]
+        self._landmarks = landmarks(self.tape.nodes, self.symbols, domain.ranges) if short else {}
         self._rng = np.random.default_rng(20260101)
+        self._rng_at_landmarks = np.random.default_rng(20260102)
         self.inside = self.unreal = 0
         self.points, self.nodes = self._find(thorough)
 
@@ -128,7 +133,7 @@ class Samples:
             tried = self._drawn()
             points, nodes = self._joined((points, nodes), self._with_values(tried))
         few = len(points) < _ENOUGH
-        sought = self.folds if thorough or few else []
+        sought = [*signs_at_folds(self.folds), *self._layers] if thorough or few else []
         if few:
             sought = [*sought, *self.domain.positive]
         if sought and self.symbols:
@@ -138,7 +143,11 @@ class Samples:
         return points, nodes
 
     def _drawn(self) -> Array:
-        return drawn(_DRAWN, self.symbols, self.domain.ranges, self._rng)
+        """Points of all sizes, then as many whose coordinates are of the sizes that the expressions name."""
+        points = drawn(_DRAWN, self.symbols, self.domain.ranges, self._rng)
+        if not self._landmarks:
+            return points
+        return np.concatenate([points, at_landmarks(points, self.symbols, self._landmarks, self._rng_at_landmarks)])
 
     def _with_values(self, points: Array) -> tuple[Array, list[Array]]:
         """Those of the points that lie in the domain and have finite values, and the values of all nodes there."""

@@ -7,11 +7,11 @@ real powers are only piecewise analytic, so points are taken in every piece (`sa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import islice
-from math import comb
 from typing import Any
 
 import numpy as np
@@ -33,8 +33,8 @@ Array = NDArray[np.float64]
 _TIDIED_TERMS = 40
 #: Most nodes of the tree of an expression that `tidied` multiplies out.
 _TIDIED_NODES = 600
-#: A value in 120 digits below this part of the sizes of its terms may be round-off: 70 digits may be lost on the way.
-_ROUND_OFF = 1e-50
+#: A value in 120 digits below this part of its terms is round-off; any other has to show in 480, too.
+_ROUND_OFF = 1e-100
 #: Values in 120 and in 480 digits whose relative difference is below this are not round-off.
 _AGREE = 1e-3
 #: A value in floating point below this part of the sizes of its terms is round-off.
@@ -45,6 +45,8 @@ _SOMETHING = 1e-6
 _STEADY = 0.1
 #: A row is dependent on others if its part orthogonal to them is below this part of the row: in 120 digits, in 480.
 _DEPENDENT = (1e-40, 1e-160)
+#: Largest argument of exp, tanh, … where a row counts as dependent: beyond it 480 digits may not show 1 − tanh(u)².
+_SHOWN = 150.0
 #: Number of points tried for a counterexample whose coordinates have three digits.
 _PLAIN = 12
 
@@ -112,8 +114,11 @@ def independent(rows: sympy.Matrix, domain: Domain = EVERYWHERE) -> bool:
     def dependent(values: Sequence[Any] | None, limit: float) -> bool:
         return values is not None and _rank_is_lost(_scaled(rows, samples.tape, values).tolist(), limit)
 
+    def confirmed(point: Mapping[Symbol, float]) -> bool:
+        return dependent(samples.in_digits(dict(point), more=True, largest=_SHOWN), _DEPENDENT[1])
+
     return not any(
-        dependent(values, _DEPENDENT[0]) and dependent(samples.in_digits(point, more=True), _DEPENDENT[1])
+        dependent(values, _DEPENDENT[0]) and confirmed(point)
         for point, values in samples.chosen(order[part[order] < _SOMETHING])
     )
 
@@ -157,6 +162,15 @@ def _rank_is_lost(rows: list[list[Any]], limit: float) -> bool:
     return False
 
 
+def _part_left(u: Expr, tape: Tape, values: Sequence[Any]) -> Any:
+    """|u| relative to the sum of the absolute values of its terms; for a product, the product over its factors."""
+    if u.is_Mul:
+        return math.prod(_part_left(factor, tape, values) for factor in u.args)
+    if not u.is_Add:
+        return 1.0
+    return abs(values[tape.place[u]]) / sum(abs(values[tape.place[term]]) for term in u.args)
+
+
 class _Residual:
     """An expression that should vanish, and its values at the points of a domain."""
 
@@ -171,15 +185,34 @@ class _Residual:
 
         nan where the value may be round-off: it is neither steady nor very small.
         """
-        value, beside = self.samples.nodes[self.place], self.samples.perturbed()[self.place]
+        value = self.samples.nodes[self.place]
         with np.errstate(all="ignore"):
             part = np.abs(value) / self.samples.tape.size(self.expression, self.samples.nodes)
-            steady = np.abs(beside - value) <= _STEADY * np.abs(value)
-        return np.where(value == 0, 0.0, np.where(steady | (part < _NOTHING), part, np.nan))
+        return np.where(value == 0, 0.0, np.where(self.steady | (part < _NOTHING), part, np.nan))
+
+    @cached_property
+    def steady(self) -> NDArray[np.bool_]:
+        """Whether the value at each point in floating point hardly changes by a perturbation of some roundings."""
+        value, beside = self.samples.nodes[self.place], self.samples.perturbed()[self.place]
+        with np.errstate(all="ignore"):
+            steady: NDArray[np.bool_] = np.abs(beside - value) <= _STEADY * np.abs(value)
+        return steady
+
+    def doubt(self) -> Array:
+        """How far the value at each point in floating point seems to be from zero, relative to its terms: 0 to 1.
+
+        The sizes of terms bound round-off, and far too high where a power such as (1e6 x − 4e5)¹⁵ is of a difference:
+        a steady value counts relative to the values of the terms.
+        """
+        with np.errstate(all="ignore"):
+            part = _part_left(self.expression, self.samples.tape, self.samples.nodes)
+            part = np.where(self.steady & (self.samples.nodes[self.place] != 0), part, 0.0)
+        doubt: Array = np.fmax(np.nan_to_num(self.relative_size), np.nan_to_num(part))
+        return doubt
 
     def verdicts(self) -> Iterator[tuple[dict[Symbol, float], bool]]:
         """Yield points, the largest residuals first, and whether the expression fails to vanish there."""
-        doubt = np.nan_to_num(self.relative_size)
+        doubt = self.doubt()
         order = np.argsort(-doubt, kind="stable")
         for point, values in self.samples.chosen(order[doubt[order] > _NOTHING]):
             yield point, self.fails(point, values)
@@ -187,7 +220,7 @@ class _Residual:
     def fails(self, point: dict[Symbol, float], values: Sequence[Any]) -> bool:
         """Whether the value is not round-off: beyond the bound on that, and the same in more digits."""
         value = values[self.place]
-        if abs(value) <= _ROUND_OFF * self.samples.tape.size(self.expression, values):
+        if value == 0 or _part_left(self.expression, self.samples.tape, values) <= _ROUND_OFF:
             return False
         more = self.samples.in_digits(point, more=True)
         if more is None or more[self.place] == 0:
@@ -251,5 +284,5 @@ def size_expanded(expression: sympy.Expr) -> int:
         return int(sympy.prod(sizes))
     if expression.is_Pow and expression.exp.is_Rational:
         power = abs(int(expression.exp))
-        return max(sizes[0], comb(sizes[0] + power - 1, power))
+        return max(sizes[0], math.comb(sizes[0] + power - 1, power))
     return max(sizes, default=1)

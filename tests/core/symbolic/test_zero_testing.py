@@ -79,6 +79,29 @@ def test_what_vanishes_in_a_part_only_is_not_zero_and_a_place_is_shown_where_it_
     assert found.value != 0
 
 
+@pytest.mark.parametrize(
+    ("layer", "positive"),
+    [
+        ("tanh(2*(y - 60))", "y - 50"),
+        ("exp(-((y - 60)/2)**2)", "y - 50"),
+        ("tanh(10*(x**2 + y**2/2 - 1800))", "y - x/10 - 50"),
+        ("1/cosh(2*(x - 150))", "x + y - 300"),
+        ("1/(1 + (100000*(x + y - 310))**8)", "x + y - 300"),
+        ("tanh(2*(x**2 + y**2/2 - 34000))", "x + y - 300"),
+        ("1/(1 + (1000000*(x - 9/20))**16)", "y"),
+        ("1/(1 + (100000000*(x + 885.159932))**32)", "x + y + 1000"),
+    ],
+)
+def test_a_layer_is_met_wherever_its_region_lies(layer: str, positive: str) -> None:
+    psi = (X**2 + Y**2) / 2 + sympy.sympify(layer, rational=True)
+    rate = sympy.Add(Y * psi.diff(X), -X * psi.diff(Y))
+    domain = Domain(positive=(sympy.sympify(positive, rational=True),))
+    assert not is_zero(rate, domain)
+    found = counterexample(rate, domain)
+    assert found is not None
+    assert domain.positive[0].subs(dict(found.point)) > 0
+
+
 @pytest.mark.parametrize("name", "akqtxyz")
 @pytest.mark.parametrize("layer", [3.0, -20.0, 0.5])
 def test_a_thin_layer_in_one_of_many_coordinates_is_met_on_many_lines(name: str, layer: float) -> None:
@@ -146,6 +169,7 @@ def test_without_a_finite_value_only_a_symbolic_zero_counts() -> None:
         ([[1 + sympy.sqrt(X**2) / X, 0]], False),  # zero where x < 0
         ([[sympy.sqrt(X**2), 1], [X, 1]], False),
         ([[sympy.sin(X) ** 2 + sympy.cos(X) ** 2 - 1]], False),
+        ([[1 - sympy.tanh(1000 * (Y - X**2)) ** 2]], True),  # below 1e-480 in most places
     ],
 )
 def test_rows_are_independent_or_not(rows: list[list[sympy.Expr]], expected: bool) -> None:
