@@ -156,7 +156,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({"x0": (1.0, "a")}, "'a'", "2 numbers are needed"),
     ({"x0": 3.0}, "3.0", "2 numbers are needed"),
     ({"f_minus": ("y", "-k*z")}, "f_minus[1] = '-k*z'", "known are x, y, k, t, pi, e"),
-    ({"g": "y +"}, "g = 'y +'", "**"),
+    ({"g": "y +"}, "g = 'y +'", "is missing after +"),
     ({"g": "k - 1"}, "g = 'k - 1'", "write one of x, y into it"),
     ({"g": "t - 1"}, "g = 't - 1'", "write one of x, y into it"),
     ({"g": "x - x + 1"}, "g = 'x - x + 1'", "write one of x, y into it"),
