@@ -393,7 +393,7 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     portrait = explorer.portrait_panel.portrait
     assert explorer.portrait_panel.trouble.object == ""
     assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
-    assert all(np.isfinite(x).sum() > 20 for x in portrait.orbits.data["xs"])
+    assert all(np.isfinite(x).sum() > 5 for x in portrait.orbits.data["xs"])  # a ring of genes turns six corners
     assert list(portrait.starts.data["x"]) == [laws.x0[0]]
     assert (len(portrait.ground.surface.data["x"]) > 1) == shows_surface(laws, (0, 1))
     drawn = [np.isfinite(source.data["x"]).any() for source in portrait.ground.arrows.values()]
