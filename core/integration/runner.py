@@ -301,7 +301,8 @@ class Runner:
             if self.crossing_count and self._hit_chunks:
                 self._x[:] = onto_surfaces(self.system, self.t, self.x, surfaces)
                 self._carry[:] = 0.0
-                self._hit_chunks[-1][0]["mode"][-1], self._hit_chunks[-1][1][-1, 2] = mode, self._x
+                hits, places = self._hit_chunks[-1]
+                hits["mode"][-1], places[-1, 1:] = mode, self._x  # the place met, and the state that goes on
             self._begin_in(mode, surfaces)
 
     def _surfaces_at_corner(self) -> tuple[int, ...]:
