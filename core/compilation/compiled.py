@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 from numpy.typing import NDArray
+from sympy import Expr
 
 from core.codegen.functions import (
     evaluate_switching_text,
@@ -32,10 +33,11 @@ from core.codegen.functions import (
     project_to_surface_text,
 )
 from core.codegen.step import StepCode
+from core.codegen.taylor_series import event_series_text
 from core.compilation.guards import guard_table
 from core.compilation.worker_pool import WorkerPool, serve
 from core.interface.arguments import count, number
-from core.kernels.abi import FUNCTIONS
+from core.kernels.abi import FUNCTIONS, PREPARE, STEP
 from core.kernels.digest import imported_modules, source_digest
 from core.methods import Method
 from core.methods.taylor_step import prepare_step_text
@@ -58,8 +60,8 @@ class Compiled(NamedTuple):
     """The compiled functions of some modes of a system, for a method."""
 
     addresses: NDArray[np.int64]
-    """(rows, functions) in the order of `abi.FUNCTIONS`, with one row for each guard of each mode; 0 for functions that
-    the run does not need, and for modes that are not compiled."""
+    """(rows, functions) in the order of `abi.FUNCTIONS`, with one row for each guard of each mode, then one for each
+    event function in each mode; 0 for functions that the run does not need, and for modes that are not compiled."""
     modules: tuple[ModuleType, ...]
     """The modules, which keep the machine code alive."""
 
@@ -74,7 +76,9 @@ def modes_entered(laws: Laws, method: Method, levels: bool = False) -> set[int]:
 
 
 @lru_cache(maxsize=MAX_MODULES)
-def compile_run(laws: Laws, method: Method, levels: bool = False, modes: tuple[int, ...] = (0, 1)) -> Compiled:
+def compile_run(
+    laws: Laws, method: Method, levels: bool = False, modes: tuple[int, ...] = (0, 1), events: tuple[Expr, ...] = ()
+) -> Compiled:
     """Compile the functions that a run of a method calls in some modes.
 
     Parameters
@@ -83,15 +87,18 @@ def compile_run(laws: Laws, method: Method, levels: bool = False, modes: tuple[i
         Also compile ψ, so that a run that does not conserve it can be monitored.
     modes
         Numbers of the modes.
+    events
+        Event functions.
     """
     table, texts, submitted = guard_table(laws), [], []
     with _lock:
-        for rows, text in _texts(laws, method, levels, modes):
+        for rows, text in [*_texts(laws, method, levels, modes), *_texts_of_events(laws, method, modes, events)]:
             texts.append((rows, text))
             if _pool is not None and not _is_compiled(text):
                 submitted.append(_pool.submit(text))
     wait(filter(None, submitted), _PATIENCE)
-    addresses, modules = np.zeros((len(table.guards), len(FUNCTIONS)), dtype=np.int64), []
+    rows_in_all = len(table.guards) + laws.count * len(events)
+    addresses, modules = np.zeros((rows_in_all, len(FUNCTIONS)), dtype=np.int64), []
     for rows, text in texts:
         with _lock:
             module = _load(text)
@@ -99,6 +106,10 @@ def compile_run(laws: Laws, method: Method, levels: bool = False, modes: tuple[i
         for k, name in enumerate(FUNCTIONS):
             if hasattr(module, name):
                 addresses[rows, k] = getattr(module, name).address
+    for mode in modes if events else ():
+        own = addresses[table.first_rows[mode]]
+        for row in _rows_of_events(laws, mode, events):
+            addresses[row, [PREPARE, STEP]] = own[[PREPARE, STEP]]
     return Compiled(addresses, tuple(modules))
 
 
@@ -176,6 +187,24 @@ def _texts_at_surfaces(laws: Laws, numbers: tuple[int, ...], first: list[int]) -
         texts += [] if way.jump is None else [jump_text(laws, way.jump)]
         shared.setdefault(module_text(texts), []).append(first[region] + k)
     yield from ((rows, text) for text, rows in shared.items())
+
+
+def _rows_of_events(laws: Laws, mode: int, events: tuple[Expr, ...]) -> range:
+    """Rows of the event functions in a mode."""
+    first = len(guard_table(laws).guards) + mode * len(events)
+    return range(first, first + len(events))
+
+
+def _texts_of_events(
+    laws: Laws, method: Method, modes: tuple[int, ...], events: tuple[Expr, ...]
+) -> Iterator[tuple[list[int], str]]:
+    """Texts of event functions, which are evaluated as guards are; modes share their Taylor series."""
+    for mode in modes:
+        for row, function in zip(_rows_of_events(laws, mode, events), events, strict=True):
+            yield [row], module_text([evaluate_switching_text(laws, function, [laws.mode(mode)])])
+    for k, function in enumerate(events if method.adaptive else ()):
+        rows = [_rows_of_events(laws, mode, events)[k] for mode in modes]
+        yield rows, module_text([event_series_text(laws, function)])
 
 
 def _is_compiled(text: str) -> bool:

@@ -5,8 +5,9 @@
 is a C function. The loop calls it by its address, so that one compiled loop serves every system and method. p holds
 the parameters, w is the frame of a run (`Frame`), and scratch is memory that a variable-step method keeps between
 calls. The addresses are in a table with one row for each guard of each mode. Functions of the mode are in the row of
-its first guard; `project_to_surface`, `evaluate_switching` and `jump` are those of the row's guard. The columns are
-`FUNCTIONS`:
+its first guard; `project_to_surface`, `evaluate_switching` and `jump` are those of the row's guard. One row for each
+event function in each mode follows, mode after mode, with `prepare_step` and `step` of the mode, and with the event
+function in the place of the guard. The columns are `FUNCTIONS`:
 
 prepare_step
     Prepare a step from x. A variable-step method expands the solution in a Taylor series, kept in scratch. It writes
@@ -17,7 +18,8 @@ step
     Take one step of length h from x + carry: write its increment to w, and the mode's guards and their rates at the end
     to w[G_END + 2·k], w[RATE_END + 2·k] for guard k.
     h may have any length and either sign, because crossings are located on the scheme itself. Return the number of
-    evaluations of the field, or `NO_SOLUTION`.
+    evaluations of the field, or `NO_SOLUTION`: also of a step across a singularity of the field, of which it writes the
+    number, from 1, to w[SINGULARITY], and its own start and length to w[SINGULAR_FROM] and w[SINGULAR_LENGTH].
 set_levels
     Set the levels to ψ at x + carry, in double-double; set w[LEVELS_SET].
 level_residual
@@ -31,6 +33,9 @@ evaluate_switching
     the state alone (w[ROUNDING_OF_STATE]), and by all rounding in its evaluation (w[ROUNDING_OF_G]).
 jump
     Write the state after the jump from x to `place`.
+event_series
+    Expand an event function along Taylor polynomials of the state, the first d rows of scratch, in powers of
+    time/w[UNIT] from time t on; the next row takes its coefficients.
 """
 
 # mypy: disable-error-code="no-untyped-call"
@@ -76,9 +81,13 @@ __all__ = [
     "RATE_END",
     "ROUNDING_OF_G",
     "ROUNDING_OF_STATE",
+    "SERIES",
     "SET_LEVELS",
     "SHRINKING",
     "SIGN",
+    "SINGULARITY",
+    "SINGULAR_FROM",
+    "SINGULAR_LENGTH",
     "STEP",
     "TOLERANCE",
     "UNIT",
@@ -104,8 +113,9 @@ FUNCTIONS = (
     "project_to_surface",
     "evaluate_switching",
     "jump",
+    "event_series",
 )
-PREPARE, STEP, SET_LEVELS, LEVEL_RESIDUAL, PROJECT, EVALUATE, JUMP = range(len(FUNCTIONS))
+PREPARE, STEP, SET_LEVELS, LEVEL_RESIDUAL, PROJECT, EVALUATE, JUMP, SERIES = range(len(FUNCTIONS))
 
 #: Largest number of guards of a mode: six surfaces, or, of sliding, two rates and five more surfaces.
 MAX_GUARDS = 7
@@ -131,7 +141,10 @@ VISITS = GUARDS + KEPT * MAX_GUARDS  #: of the last crossing of each surface, mo
 LAST, LAST_CARRY, GAP, SHRINKING = range(4)  #: its time, that since the one before, how many of those shrank in a row
 VISIT = 4  #: how many these are
 MAX_VISITS = 8  #: how many surfaces are told apart
-_HEAD = VISITS + VISIT * MAX_VISITS  #: number of scalars
+SINGULARITY = VISITS + VISIT * MAX_VISITS  #: number of the singularity that the last step without solution met; or 0
+SINGULAR_FROM = SINGULARITY + 1  #: time at the start of that step
+SINGULAR_LENGTH = SINGULARITY + 2  #: its length
+_HEAD = SINGULARITY + 3  #: number of scalars
 
 
 class Frame(NamedTuple):

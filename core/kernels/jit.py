@@ -13,8 +13,9 @@ __all__ = ["OPTIONS", "always_inlined", "inlined", "internal", "jitted"]
 OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
 _BARE: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
-jitted = njit(**OPTIONS)
+# A function that does not say whether it is inlined takes that from the first one that calls it.
+jitted = njit(forceinline=False, **OPTIONS)
 always_inlined = njit(forceinline=True, **OPTIONS)
 #: For functions that only jitted functions call: without wrappers for Python and C, they compile in a fifth less time.
-internal = njit(**OPTIONS, **_BARE)
+internal = njit(forceinline=False, **OPTIONS, **_BARE)
 inlined = njit(forceinline=True, **OPTIONS, **_BARE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from sympy import Add, Expr
 
@@ -75,7 +76,7 @@ class Method:
         """Whether it makes no sense without a conserved quantity."""
         return self.scheme.needs_conserved
 
-    @property
+    @cached_property
     def adaptive(self) -> bool:
         """Whether it chooses its own step size, from a tolerance."""
         return self.order is None

@@ -14,6 +14,8 @@ CACHED = sorted(
     for path in ROOT.glob("core/**/*.py")
     if "cache=True" in path.read_text(encoding="utf-8") and path.name != "native.py"  # there the file's name has it
 )
+#: What has no part in a loop: the growth of a solution is followed without a record.
+WITHOUT = {("core.integration.growth_loop", "core.transition.records")}
 
 
 @pytest.fixture
@@ -43,7 +45,7 @@ def test_a_loop_that_is_kept_on_disk_has_the_digest_in_its_key(loop):
 def test_a_change_of_the_table_of_functions_or_of_a_record_is_another_key(loop, name, change):
     before = source_digest(loop)
     change(name)
-    assert source_digest(loop) != before
+    assert (source_digest(loop) != before) == ((loop, name) not in WITHOUT)
 
 
 def test_what_a_loop_does_not_call_leaves_its_key(change):
