@@ -20,6 +20,7 @@ from core.codegen.linear_solve import (
     size_line,
     with_pivots,
 )
+from core.codegen.passing import PassingCode
 from core.codegen.printing import assignments, named, printed
 from core.kernels import abi
 from core.kernels.taylor_coefficients import STRIDE
@@ -87,7 +88,8 @@ class StepCode:
         self._temporaries = self._names.temporaries
         self._few = len(self._names.x) <= FEW
         self._called = ""
-        self._lines = list(self._names.unpack)
+        self._passing = PassingCode(self._names, mode)
+        self._lines = [*self._names.unpack, *self._passing.start]
         self._evaluations: list[str] = []
         self.t, self.h = Symbol("t"), Symbol("h")
         self.x = self._names.x
@@ -109,6 +111,7 @@ class StepCode:
             moved = self._assign([f"{y}_moved" for y in x], increment)
             ends = zip(x, self.x, self._names.carry, strict=True)
             self._lines += moved + [f"{y} = {a} + ({c} + {y}_moved)" for y, a, c in ends]
+            self._lines += self._passing.lines(t, x)
         self._evaluations.append("1")
         if self._apart:
             return self._field_apart(t, x)
@@ -343,6 +346,7 @@ class StepCode:
         lines = self._lines + self._assign([f"i{k}" for k in range(d)], increments)
         lines += [f"w[{names.frame.increment + k}] = i{k}" for k in range(d)]
         lines += [f"y{k} = x{k} + (c{k} + i{k})" for k in range(d)]
+        lines += self._passing.lines_at_end(self.end)
         at_end = {**names.symbols, **dict(zip(self._laws.x, self.end, strict=True)), TIME: Symbol("t1")}
         ends = zip(self._mode.guards, self._mode.guard_rates, strict=True)
         values = [e.xreplace(at_end) for pair in ends for e in pair]

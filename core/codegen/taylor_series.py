@@ -17,14 +17,16 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, Integer, Symbol
 
-from core.codegen.functions import Names
+from core.codegen.functions import Names, function_text
 from core.codegen.printing import printed
 from core.codegen.taylor_operations import Bag, Linear, Operations, single
+from core.kernels.abi import ORDER, UNIT
+from core.kernels.taylor_coefficients import STRIDE
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
 
-__all__ = ["ALONG", "SeriesCode", "series_code"]
+__all__ = ["ALONG", "SeriesCode", "event_series_text", "series_code", "series_rows"]
 
 #: 1 or −1, the direction of time: backward, the guards of sliding have other signs.
 ALONG = Symbol("along")
@@ -66,6 +68,26 @@ def series_code(laws: Laws, mode: Mode) -> SeriesCode:
         writer.share(symbol, value)
     series = [writer.of(e) for e in final]
     return writer.code(series[: writer.d], series[writer.d :])
+
+
+def _event_series(laws: Laws, function: Expr) -> SeriesCode:
+    """Generate the recurrences of an event function along a solution whose coefficients are known."""
+    names = Names(laws)
+    writer = _Writer(names, 1)
+    writer.unpack = [*names.unpack_parameters, *(f"x{i} = c[{i}, 0]" for i in range(writer.d))]
+    return writer.code_along(writer.of(function.xreplace(names.symbols)))
+
+
+def series_rows(laws: Laws, functions: Iterable[Expr]) -> int:
+    """Number of rows of coefficients that any of these event functions needs."""
+    return max((_event_series(laws, function).rows for function in functions), default=1)
+
+
+def event_series_text(laws: Laws, function: Expr) -> str:
+    """Text of `event_series`, which expands an event function."""
+    code = _event_series(laws, function)
+    lines = [f"order, unit = int(w[{ORDER}]), w[{UNIT}]", f"c = carray(scratch, ({code.rows}, {STRIDE}))"]
+    return function_text("event_series", [*lines, *code.lines, "return 0"])
 
 
 class _Writer(Operations):
@@ -221,10 +243,23 @@ class _Writer(Operations):
         first = [f"c[{row}, 0] = {self.start(g)}" for row, g in rows]
         heights = [f"c[{row}, k] = {self.newest(g)}" for row, g in rows]
         needed, sums = self.needed([*heights, *(rate for _, rate in rates)])
-        needed |= set(range(self.d))
+        moved = ["pace = unit*inverse", *(f"y{i} = pace*f{i}" for i in range(self.d))]
+        before, loop = self.recurrences(needed | set(range(self.d)), sums, moved)
+        before += [*(start for start, _ in rates), *first, *self.unit()]
+        loop += [*(rate for _, rate in rates), *heights]
+        return self.whole(before, loop)
+
+    def code_along(self, function: Linear) -> SeriesCode:
+        """The lines that expand a function along coefficients of the state that are known."""
+        first, height = f"c[{self.d}, 0] = {self.start(function)}", f"c[{self.d}, k] = {self.newest(function)}"
+        needed, sums = self.needed([height])
+        before, loop = self.recurrences(needed, sums, [f"y{i} = c[{i}, k]" for i in range(self.d)])
+        return self.whole([*before, first], [*loop, height])
+
+    def recurrences(self, needed: set[int], sums: set[str], moved: list[str]) -> tuple[list[str], list[str]]:
+        """Lines that give all nodes needed their coefficients 0, and those that give them coefficients k."""
         before = [f"{name} = {printed(a)}" for a, name in self.constants.items()]
-        loop = [*self.sums.lines(sums), "inverse = 1.0 / k", "pace = unit*inverse"]
-        loop += [f"y{i} = pace*f{i}" for i in range(self.d)]
+        loop = [*self.sums.lines(sums), "inverse = 1.0 / k", *moved]
         for n, node in enumerate(self.nodes):
             before += [f"{node.start} = {node.first}"] if n >= self.d else []
             before += [line for m, line in self.setup if m == n]
@@ -234,8 +269,10 @@ class _Writer(Operations):
             if node.row is not None:
                 before.append(f"c[{node.row}, 0] = {node.start}")
                 loop.append(f"c[{node.row}, k] = {node.newest}")
-        before += [*(start for start, _ in rates), *first, *self.unit()]
-        loop += [*(rate for _, rate in rates), *heights]
+        return before, loop
+
+    def whole(self, before: list[str], loop: list[str]) -> SeriesCode:
+        """The lines of a computation, by those before the loop over k and those in it."""
         lines = [*self.unpack, *before, "for k in range(1, order + 1):", *(f"    {line}" for line in loop)]
         return SeriesCode(lines, self.rows)
 

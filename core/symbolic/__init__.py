@@ -1,11 +1,14 @@
 """Expressions: the whitelist parser, tests whether one is zero, laws, the discrete gradient and multiplier."""
 
 from core.symbolic.declaration import SIDES, Declaration, Problem, RegionText, TransitionText, Verdict, miscounted
-from core.symbolic.expressions import OPERATORS, TIME, parse, quoted, to_text
-from core.symbolic.laws import Laws
+from core.symbolic.expressions import OPERATORS, TIME, parse
+from core.symbolic.laws import Laws, Way
 from core.symbolic.mode import Mode
 from core.symbolic.multiplier import DIFFERENCES, DividedDifference
+from core.symbolic.sliding import eliminated
+from core.symbolic.source_text import quoted, to_text
 from core.symbolic.switching_terms import Found, read_switching
+from core.symbolic.zero_testing import is_larger
 
 __all__ = [
     "DIFFERENCES",
@@ -21,6 +24,9 @@ __all__ = [
     "RegionText",
     "TransitionText",
     "Verdict",
+    "Way",
+    "eliminated",
+    "is_larger",
     "miscounted",
     "parse",
     "quoted",

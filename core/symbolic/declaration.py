@@ -13,9 +13,10 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
-from core.symbolic.expressions import TIME, check_name, parse, quoted, to_text
+from core.symbolic.expressions import TIME, check_name, parse
 from core.symbolic.laws import Laws, RegionLaw, Way, derive
 from core.symbolic.mode import rate_along
+from core.symbolic.source_text import quoted, to_text
 from core.symbolic.stream_function import stream_function
 from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, is_zero, tidied
 

@@ -11,6 +11,7 @@ from sympy import Expr, Symbol
 
 from core.symbolic.expressions import TIME
 from core.symbolic.multiplier import DiscreteField, Endpoints
+from core.symbolic.singularities import Singularity, singularities
 
 __all__ = ["Mode", "rate_along"]
 
@@ -59,6 +60,12 @@ class Mode:
     def discrete(self) -> DiscreteField:
         """The Discrete Multiplier Method of this law."""
         return DiscreteField(self.field, self.conserved, Endpoints.of(self.variables, set(self.taken)))
+
+    @cached_property
+    def singularities(self) -> tuple[Singularity, ...]:
+        """Where the field is not bounded within the mode; sliding has ended where the rates of both sides agree."""
+        agreeing = (self.guards[0] - self.guards[1],) if self.slides else ()
+        return singularities(self.field, self.variables, (*self.guards, *agreeing))
 
     def rate_of(self, u: Expr) -> Expr:
         """Time derivative of u along the field: zero if u is conserved."""

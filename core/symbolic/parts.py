@@ -9,7 +9,8 @@ from typing import Any
 import sympy
 
 from core.interface.arguments import listed, number
-from core.symbolic.expressions import check_name, to_text
+from core.symbolic.expressions import check_name
+from core.symbolic.source_text import to_text
 
 __all__ = ["Parameter", "Region", "Transition", "latex_of_name", "text_of", "texts_of"]
 

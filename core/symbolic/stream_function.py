@@ -9,7 +9,8 @@ from dataclasses import replace
 import sympy
 from sympy import Expr, Symbol
 
-from core.symbolic.expressions import FUNCTIONS, TIME
+from core.symbolic.expressions import TIME
+from core.symbolic.operations import FUNCTIONS
 from core.symbolic.zero_testing import EVERYWHERE, Domain, has_values_throughout, is_zero, size_expanded
 
 __all__ = ["stream_function"]

@@ -15,7 +15,7 @@ import numpy as np
 import sympy
 from sympy import Expr, Symbol
 
-from core.symbolic.expressions import FUNCTIONS
+from core.symbolic.operations import FUNCTIONS
 
 __all__ = ["Arithmetic", "Digits", "Floats", "Tape", "digits", "growing_argument"]
 

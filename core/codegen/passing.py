@@ -1,0 +1,60 @@
+"""Generate the lines that end a step without solution where it passes a singularity of the field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sympy import Expr, Symbol
+
+from core.codegen.functions import Names
+from core.codegen.printing import assignments
+from core.kernels import abi
+from core.symbolic.expressions import TIME
+from core.symbolic.mode import Mode
+
+__all__ = ["PassingCode"]
+
+#: Time up to which the end of a step is examined …
+_BEYOND = Symbol("beyond")
+#: … relative to it, so far beyond it: the next step starts at a rounded time.
+_ROUNDING = 2 * 2.0**-52
+
+
+class PassingCode:
+    """Lines that compare a place in a step with its start: a singularity lies between if its expression changes sign.
+
+    So does a sine or cosine whose angle has passed a multiple of π.
+
+    Attributes
+    ----------
+    start
+        Lines that evaluate the expressions at the start of the step.
+    """
+
+    def __init__(self, names: Names, mode: Mode) -> None:
+        self._names, self._mode = names, mode
+        self._found = mode.singularities
+        self.start = self._assign("start", self._names.symbols)
+
+    def _assign(self, place: str, symbols: dict[Symbol, Expr]) -> list[str]:
+        values = [zero if angle is None else angle for zero, angle in self._found]
+        targets = [f"{place}_{k}" for k in range(len(values))]
+        return assignments(targets, [u.xreplace(symbols) for u in values], self._names.temporaries)
+
+    def lines_at_end(self, x: Sequence[Symbol]) -> list[str]:
+        """Lines that end the step where a singularity lies between its start and its end x, or next to that."""
+        beyond = f"{_BEYOND} = t + h + (abs(t + h) if h > 0.0 else -abs(t + h)) * {_ROUNDING}"
+        return [beyond, *self.lines(_BEYOND, x)] if self._found else []
+
+    def lines(self, t: Expr, x: Sequence[Symbol]) -> list[str]:
+        """Lines that end the step where a singularity lies between its start and the state x at time t."""
+        symbols = {**self._names.symbols, **dict(zip(self._mode.variables, x, strict=True)), TIME: t}
+        lines = self._assign("there", symbols)
+        for k, singularity in enumerate(self._found):
+            a, b = f"start_{k}", f"there_{k}"
+            passed = f"{a} <= 0.0 <= {b} or {b} <= 0.0 <= {a}"
+            if singularity.angle is not None:
+                passed = f"abs({b}) < math.inf and math.floor({a}) != math.floor({b})"
+            lines += [f"if {passed}:", f"    w[{abi.SINGULARITY}], w[{abi.SINGULAR_FROM}] = {float(k + 1)}, t"]
+            lines += [f"    w[{abi.SINGULAR_LENGTH}] = h", f"    return {abi.NO_SOLUTION}"]
+        return lines

@@ -1,0 +1,164 @@
+"""Singularities of a field: zeros of an expression, across which a step would leave the solution's domain of existence.
+
+They are zeros of the bases of negative powers, of the cosine in a tangent, and of logarithms' arguments of which only
+the size counts, as in log(x**2). Other logarithms and real powers have no value beyond the zero of their argument, so
+that a step there has none either. A zero at which the field stays bounded, as that of sin(x)/x, is no singularity;
+neither is one at which the mode ends anyway.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+from sympy import Expr, Symbol
+
+from core.symbolic.expressions import TIME
+from core.symbolic.tape import Floats, Tape, digits
+
+__all__ = ["Singularity", "singularities"]
+
+#: Digits in which zeros are found and the field is evaluated beside them, and the largest argument of exp there.
+_ARITHMETIC = 120, 1e3
+#: A value below this is zero at a zero found in so many digits.
+_ZERO = 1e-100
+#: Distances from a zero, along a line through it, at which the sizes of the field are compared …
+_NEAR, _NEARER = 1e-20, 1e-60
+#: … and their ratio beyond which it is unbounded; that of a logarithm is 3.
+_GROWN = 2.0
+#: Number of lines along which zeros are sought, of points on each, and of zeros that are looked at.
+_LINES, _PLACES, _ZEROS = 24, 65, 6
+#: Half the length of these lines, in units of the direction.
+_REACH = 4.0
+#: Most corrections of a zero.
+_CORRECTIONS = 60
+#: Number of operations beyond which a denominator is not factored, to save time.
+_LONG = 200
+
+
+class Singularity(NamedTuple):
+    """Where a field is not bounded."""
+
+    zero: Expr
+    """An expression that vanishes there."""
+    angle: Expr | None
+    """Of a sine or cosine, an expression that passes an integer where it vanishes: a step may pass several."""
+
+
+def singularities(field: Sequence[Expr], variables: Sequence[Symbol], ends: Sequence[Expr]) -> tuple[Singularity, ...]:
+    """Singularities of a field that a solution can pass: where an expression of time or state changes sign.
+
+    Parameters
+    ----------
+    ends
+        Expressions at whose zeros the mode ends.
+    """
+    moving = {TIME, *variables}
+    operations = dict.fromkeys(node for f in field for node in sympy.preorder_traversal(f))
+    found = dict.fromkeys(u for node in operations for u in _vanishing(node) if u.free_symbols & moving)
+    changing = [u for u in found if not (_is_nonnegative(u) or _is_nonnegative(-u))]
+    return tuple(Singularity(u, _angle(u)) for u in changing if _is_singular(u, field, ends))
+
+
+def _vanishing(node: Expr) -> Iterator[Expr]:
+    """Expressions at whose zeros an operation is not bounded, though it has values on both sides."""
+    if isinstance(node, sympy.tan):
+        yield sympy.cos(node.args[0])
+    elif isinstance(node, sympy.log):
+        yield from _factors(node.args[0], signed=True)
+    elif node.is_Pow and node.exp.is_number and node.exp < 0:
+        yield from _factors(node.base, signed=not node.exp.is_Integer)
+
+
+def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
+    """Factors of an expression without their powers; where its sign counts, as under a root, those of even powers."""
+    powers: Iterable[tuple[Expr, Expr]] = ()
+    if u.count_ops() <= _LONG:
+        u = sympy.fraction(sympy.together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))[0]
+        powers = [(v, sympy.Integer(n)) for v, n in sympy.factor_list(u)[1]] if u.is_polynomial() else ()
+    for base, exponent in powers or [v.as_base_exp() for v in sympy.Mul.make_args(u)]:
+        if exponent.is_Integer and exponent > 0 and not (signed and exponent % 2):
+            yield base
+        elif exponent.is_number and exponent > 0 and not exponent.is_Integer:
+            yield from _factors(base, signed=True)
+
+
+def _is_nonnegative(u: Expr) -> bool:
+    """Whether the form of an expression tells that it is not negative where it has a value."""
+    if u.is_number:
+        return bool(u >= 0)
+    if u.is_Add or u.is_Mul:
+        return all(map(_is_nonnegative, u.args))
+    if u.is_Pow:
+        return not u.exp.is_Integer or bool(u.exp % 2 == 0) or _is_nonnegative(u.base)
+    return isinstance(u, sympy.exp | sympy.cosh)
+
+
+def _angle(u: Expr) -> Expr | None:
+    if isinstance(u, sympy.sin):
+        return u.args[0] / sympy.pi
+    return u.args[0] / sympy.pi + sympy.Rational(1, 2) if isinstance(u, sympy.cos) else None
+
+
+class _Line(NamedTuple):
+    """A straight line in the space of all symbols, in many digits."""
+
+    point: Mapping[Symbol, Any]
+    direction: Mapping[Symbol, Any]
+
+    def at(self, distance: Any) -> dict[Symbol, Any]:
+        """A point of it."""
+        return {s: v + distance * self.direction[s] for s, v in self.point.items()}
+
+
+def _is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
+    """Whether the field is not bounded at one of several zeros of u; or none is found."""
+    tape = Tape((*field, *ends))
+    found = [_is_unbounded(line, tape, field, ends) for line in islice(_lines_through_zeros(u, tape), _ZEROS)]
+    return not found or any(found)
+
+
+def _is_unbounded(line: _Line, tape: Tape, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
+    """Whether the field is not bounded at the point of a line, and no mode ends there; true where it has no value."""
+    many = digits(*_ARITHMETIC)
+    try:
+        near, nearer = (tape.run(many, line.at(many.context.mpf(s))) for s in (_NEAR, _NEARER))
+    except ArithmeticError:
+        return True
+    if any(abs(nearer[tape.place[u]]) < _NEARER / _NEAR for u in ends):
+        return False
+    return any(abs(nearer[tape.place[f]]) > _GROWN * abs(near[tape.place[f]]) for f in field)
+
+
+def _lines_through_zeros(u: Expr, others: Tape) -> Iterator[_Line]:
+    """Lines through zeros of u, sought along lines through random points."""
+    tape, many = Tape([u]), digits(*_ARITHMETIC)
+    symbols = sorted({node for node in (*tape.nodes, *others.nodes) if node.is_Symbol}, key=str)
+    rng, along = np.random.default_rng(20261124), np.linspace(-_REACH, _REACH, _PLACES)
+    for _ in range(_LINES):
+        point, direction = rng.uniform(0.2, 2.0, len(symbols)), rng.normal(size=len(symbols))
+        columns = dict(zip(symbols, point[:, None] + direction[:, None] * along, strict=True))
+        with np.errstate(all="ignore"):
+            signs = np.sign(np.broadcast_to(tape.run(Floats(), columns)[-1], len(along)))
+        line = _Line(*(dict(zip(symbols, map(many.context.mpf, v.tolist()), strict=True)) for v in (point, direction)))
+        for k in np.flatnonzero(signs[1:] * signs[:-1] < 0):
+            zero = _zero(u, tape, line, along[k : k + 2].tolist())
+            if zero is not None:
+                yield line._replace(point=line.at(zero))
+
+
+def _zero(u: Expr, tape: Tape, line: _Line, between: list[float]) -> Any:
+    """Distance along a line to the zero of u between two others; None where u does not vanish, or has no value."""
+    many = digits(*_ARITHMETIC)
+
+    def value(distance: Any) -> Any:
+        return tape.run(many, line.at(distance))[tape.place[u]]
+
+    try:
+        zero = many.context.findroot(value, between, solver="anderson", tol=_ZERO, maxsteps=_CORRECTIONS, verify=False)
+        return zero if abs(value(zero)) < _ZERO else None
+    except ArithmeticError:
+        return None

@@ -1,0 +1,152 @@
+"""Solutions that end where their field is not bounded: no run goes on behind in silence, whatever its steps."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import core
+from core import Status
+from tests.levels import QUICK_METHODS, deep_but
+
+_PLAIN = ("rk2", "rk4", "rk8", "gauss4", "taylor")
+_STOPS = (Status.SINGULAR, Status.ESCAPED, Status.NO_CONVERGENCE, Status.UNSTABLE)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A system whose solution ends at a known time."""
+
+    system: core.PiecewiseSystem
+    end: float
+    zero: str
+    """The expression that vanishes there."""
+
+
+def in_time(rng: np.random.Generator) -> tuple[str, float, str]:
+    """A field of time alone: its text, its pole, and the expression that vanishes there."""
+    a, c, b = rng.uniform(0.3, 3.0), rng.uniform(0.2, 2.0) * rng.choice([-1, 1]), rng.uniform(-1.0, 1.0)
+    if rng.integers(2):
+        return f"({c})*tan({a}*t + ({b}))", (math.pi / 2 - b) / a, "cos("
+    return f"({c})/({a} - t)**{rng.integers(1, 5)}", a, "t"
+
+
+def in_state(rng: np.random.Generator) -> Case:
+    """x' = −k/xⁿ."""
+    k, n, x = rng.uniform(0.3, 3.0), int(rng.integers(1, 6)), rng.uniform(0.5, 2.0)
+    f = (f"-({k})/x**{n}",)
+    return Case(core.PiecewiseSystem("Root", ("x",), f, f, "x + 100", x0=(x,)), x ** (n + 1) / (k * (n + 1)), "x")
+
+
+def fall(rng: np.random.Generator) -> Case:
+    """A fall into a centre of attraction, at the speed of a fall from infinity."""
+    k, x = rng.uniform(0.3, 3.0), rng.uniform(0.5, 2.0)
+    f, psi = ("v", f"-({k})/x**2"), (f"v**2/2 - ({k})/x",)
+    start = (x, -math.sqrt(2 * k / x))
+    system = core.PiecewiseSystem("Fall", ("x", "v"), f, f, "x + 100", psi, psi, x0=start)
+    return Case(system, 2 * x / (-3 * start[1]), "x")
+
+
+def flow(rng: np.random.Generator) -> Case:
+    """x' = 1, y' = c/(a − x)ⁿ, with its conserved quantity."""
+    a, c, n = rng.uniform(0.3, 3.0), rng.uniform(0.2, 2.0), int(rng.integers(2, 5))
+    f, psi = ("1", f"({c})/({a} - x)**{n}"), (f"y - ({c})/({n - 1}*({a} - x)**{n - 1})",)
+    return Case(core.PiecewiseSystem("Flow", ("x", "y"), f, f, "x + 100", psi, psi, x0=(0.0, 0.3)), a, "x")
+
+
+def of_time(rng: np.random.Generator) -> Case:
+    f, end, zero = in_time(rng)
+    return Case(core.PiecewiseSystem("Time", ("x",), (f,), (f,), "x + 1000", x0=(0.5,)), end, zero)
+
+
+def steps(rng: np.random.Generator, method: str, end: float) -> dict[str, float]:
+    """A step size of no, or of a simple, relation to the end; none for a method that chooses its own."""
+    if core.METHODS[method].adaptive:
+        return {}
+    return {"tau": abs(end) * (rng.uniform(0.003, 0.7) if rng.integers(2) else 1.0 / rng.integers(2, 100))}
+
+
+def assert_it_ends(run: core.Trajectory, case: Case, tau: float) -> None:
+    about = f"{case.system.regions}, tau = {tau}: {run.status!r} {run.message}"
+    assert run.status in _STOPS, about
+    assert abs(run.t[-1]) <= abs(case.end) + 2 * tau + 1e-9, about
+    assert run.status is not Status.SINGULAR or case.zero in run.message, about
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+@pytest.mark.parametrize("family", [of_time, in_state])
+def test_a_run_ends_where_its_field_is_not_bounded(draws, family, method):
+    for rng in draws(9):
+        case = family(rng)
+        step = steps(rng, method, case.end)
+        run = core.integrate(case.system, (0.0, 3.7 * case.end), method=method, record="end", **step)
+        assert_it_ends(run, case, step.get("tau", 0.0))
+
+
+@pytest.mark.parametrize("method", deep_but(QUICK_METHODS, tuple(core.METHODS)))
+@pytest.mark.parametrize("family", [fall, flow])
+def test_a_run_that_conserves_ends_where_its_field_is_not_bounded(draws, family, method):
+    for rng in draws(6):
+        case = family(rng)
+        step = steps(rng, method, case.end)
+        run = core.integrate(case.system, (0.0, 3.7 * case.end), method=method, record="end", **step)
+        assert_it_ends(run, case, step.get("tau", 0.0))
+
+
+def with_clock(name: str, first: tuple[str, int], then: tuple[str, int], switch: float) -> core.PiecewiseSystem:
+    """Two laws of x, one after the other; a clock s tells when the second begins. Each goes forward or backward."""
+    fields = [("1", f if sign > 0 else re.sub(r"\bt\b", "(-t)", f)) for f, sign in (first, then)]
+    return core.PiecewiseSystem(name, ("s", "x"), *fields, f"({then[1]})*s - ({switch})", x0=(0.0, 0.5))
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+def test_a_run_ends_at_a_singularity_behind_a_crossing_forward_and_backward(draws, method):
+    for rng in draws(6):
+        f, end, zero = in_time(rng)
+        switch, sign = rng.uniform(0.1, 0.9) * end, int(rng.choice([-1, 1]))
+        case = Case(with_clock("Behind", ("0.5", sign), (f, sign), switch), end, zero)
+        step = steps(rng, method, end)
+        run = core.integrate(case.system, (0.0, sign * 3.7 * end), method=method, **step)
+        assert_it_ends(run, case, step.get("tau", 0.0))
+        assert len(run.crossings) == 1
+        assert abs(run.crossings.t[0] - sign * switch) < 1e-9
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+def test_a_singularity_of_a_law_that_has_ended_before_stops_no_run(draws, method):
+    for rng in draws(6):
+        f, end, _ = in_time(rng)
+        switch, sign = rng.uniform(0.1, 0.95) * end, int(rng.choice([-1, 1]))
+        system = with_clock("Before", (f, sign), ("0.5", sign), switch)
+        run = core.integrate(system, (0.0, sign * 2 * end), method=method, **steps(rng, method, end))
+        assert run.status is Status.COMPLETED, f"{f}, {switch}: {run.message}"
+        assert abs(run.crossings.t[0] - sign * switch) < 1e-9
+
+
+def test_members_of_an_ensemble_end_as_runs_do_with_and_without_events(draws):
+    for rng in draws(3):
+        case = in_state(rng)
+        starts = rng.uniform(0.3, 3.0, (5, 1))
+        for more in ({}, {"events": ("x - 0.2", "sin(9*x)")}):
+            found = core.ensemble(case.system, (0.0, 50.0), starts, tau=0.02, method="rk4", **more)
+            for k, x0 in enumerate(starts):
+                run = core.integrate(case.system, (0.0, 50.0), tuple(x0), tau=0.02, method="rk4", record="end", **more)
+                assert (run.status, run.t[-1]) == (found.status[k], found.t[k])
+                assert run.status in _STOPS, run.message
+
+
+@pytest.mark.parametrize("method", ["rk4", "dmm2", "taylor"])
+def test_a_field_that_stays_bounded_where_a_denominator_vanishes_ends_no_run(draws, method):
+    laws = (("1", "sin(a*x)/x"), ("1", "(x**2 - a**2)/(x - a)"), ("1", "x/(exp(x) - 1)"), ("1", "a/(1 + 1/x)**2"))
+    for rng, f in zip(draws(12), laws, strict=False):
+        psi = ("x - t",)
+        system = core.PiecewiseSystem(
+            "Limit", ("x", "y"), f, f, "y + 1000", psi, psi, {"a": rng.uniform(0.3, 3.0)}, x0=(-0.7123, 0.0)
+        )
+        step = {} if method == "taylor" else {"tau": rng.uniform(0.01, 0.2)}
+        run = core.integrate(system, (0.0, 2.0), method=method, record="end", **step)
+        assert run.status is Status.COMPLETED, f"{f}: {run.message}"
