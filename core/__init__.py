@@ -7,9 +7,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from core.compilation.compiled import compile_beside
-from core.ensemble import Ensemble, EnsembleCrossings, ensemble
+from core.ensemble import Ensemble, EnsembleCrossings, EnsembleEvents, ensemble
 from core.integrate import integrate
 from core.integration.crossings import Crossing, Crossings
+from core.integration.events import Event, Events
 from core.integration.tally import Tally
 from core.integration.trajectory import Status, Trajectory
 from core.methods import METHODS, Method
@@ -30,6 +31,9 @@ __all__ = [
     "Diagnosis",
     "Ensemble",
     "EnsembleCrossings",
+    "EnsembleEvents",
+    "Event",
+    "Events",
     "Method",
     "OrderStudy",
     "Parameter",

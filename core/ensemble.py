@@ -2,38 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.integrate import checked_method, checked_settings, checked_span, checked_start
 from core.integration.crossings import Integers
+from core.integration.events import Event, Watched, checked_events
+from core.integration.member_starts import first_places
 from core.integration.members import Block, Members, Told, Wanted, integrate_members, not_begun
 from core.integration.members_loop import END
 from core.integration.run_settings import Settings
-from core.integration.starts import first_places
 from core.interface.arguments import choice, number, numbers
 from core.interface.cancelling import Cancel
-from core.interface.tasks import as_completed
+from core.interface.tasks import as_completed, check_hooks
 from core.kernels.arrays import Floats
 from core.methods import Method
+from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 from core.systems import System, system_of
 from core.transition.records import HIT
 from core.transition.status import CROSSING_KINDS, Status
 
-__all__ = ["Ensemble", "EnsembleCrossings", "checked_members", "ensemble", "integrate_all"]
+__all__ = [
+    "MOST", "Ensemble", "EnsembleCrossings", "EnsembleEvents", "checked_discard", "checked_members", "ensemble",
+    "integrate_all",
+]  # fmt: skip
 
+#: Most crossings of a member that may be asked for, and that may be left out.
+MOST = 10**12
 #: Most parts into which the members are divided, for progress and for the threads to end together.
 _PARTS = 128
 #: Least members of a part: a part takes some 0.1 ms of Python.
 _LEAST = 16
-_RECORDS = ("end", "crossings")
+_RECORDS = ("end", "crossings", "events")
 _KINDS = np.array(CROSSING_KINDS)
+#: Default max_crossings and max_events where they are counted and not recorded.
+_UNBOUNDED = 10**9
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +89,32 @@ class EnsembleCrossings:
 
 
 @dataclass(frozen=True, eq=False)
+class EnsembleEvents:
+    """Events, member after member; those of member k are ``offsets[k]`` to ``offsets[k + 1]``."""
+
+    t: Floats
+    """(c,) times."""
+    x: Floats
+    """(c, d) states."""
+    number: NDArray[np.int16]
+    """(c,) index of the event function."""
+    direction: NDArray[np.int8]
+    """(c,) 1 where the function increases with time, −1 where it decreases."""
+    mode: NDArray[np.int16]
+    """(c,) index into `PiecewiseSystem.modes` of the mode occupied before."""
+    offsets: Integers
+    """(n + 1,) where the events of each member begin, and where the last end."""
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def member(self) -> Integers:
+        """(c,) number of the member."""
+        return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+
+
+@dataclass(frozen=True, eq=False)
 class Ensemble:
     """Where many members have come to; each as `integrate` would have brought it there, to the last bit."""
 
@@ -99,7 +135,9 @@ class Ensemble:
     crossing_count: Integers
     """(n,) crossings of each, kept or not."""
     crossings: EnsembleCrossings
-    """Those that are kept: none with ``record="end"``."""
+    """Those that are kept, with ``record="crossings"``."""
+    events: EnsembleEvents
+    """Those that are kept, with ``record="events"``."""
 
     def __len__(self) -> int:
         return len(self.t)
@@ -132,6 +170,8 @@ def ensemble(
     discard: int = 0,
     max_steps: int | None = None,
     sliding: str = "stop",
+    events: str | Event | Sequence[str | Event] = (),
+    max_events: int | None = None,
     executor: Executor | None = None,
     cancel: Cancel | None = None,
     progress: Callable[[float], object] | None = None,
@@ -143,7 +183,8 @@ def ensemble(
 
     Parameters
     ----------
-    system, t_span, tau, method, tolerance, transition, perturbation_order, perturbation_scale, max_steps, sliding
+    system, t_span, tau, method, tolerance, transition, perturbation_order, perturbation_scale, max_steps, sliding,
+    events
         As of `integrate`.
     x0
         (n, d) initial states, or (d,) for all; the system's own where not given.
@@ -152,12 +193,15 @@ def ensemble(
     record
         "end": the last state of each member. "crossings": also its crossings, of which there are at most
         n·(max_crossings − discard), each of 12 + 8·d bytes (12 + 16·d where the system has jumps), and of up to 200
-        more while they are computed.
+        more while they are computed. "events": also its events, of which there are at most n·(max_events − discard).
     max_crossings
         Number of crossings after which a member stops (CROSSING_LIMIT). Needed with record="crossings", as a bound on
         the memory; else 10⁹ where not given.
+    max_events
+        Number of events after which a member stops (EVENT_LIMIT). Needed with record="events"; else 10⁹ where not
+        given.
     discard
-        Number of the first crossings of each member that are not kept: a transient.
+        Number of the first crossings, or events, of each member that are not kept: a transient.
     executor
         Any of `concurrent.futures`, to integrate parts of the members elsewhere: see `core.interface.tasks`. None: on
         a thread a processor.
@@ -176,23 +220,40 @@ def ensemble(
     ValueError
         On arguments that make no sense; of a member that cannot begin, the message tells the number.
     """
+    check_hooks(cancel, progress, executor)
     system = system_of(system)
     chosen = checked_method(system, method)
-    span, keeps = checked_span(t_span), choice(record, "record", _RECORDS) == "crossings"
-    if keeps and max_crossings is None:
-        raise ValueError(
-            'record="crossings" needs max_crossings, the most crossings of a member: they bound the memory'
-        )
+    span, limits = checked_span(t_span), {"crossings": max_crossings, "events": max_events}
+    if choice(record, "record", _RECORDS) != "end" and limits[record] is None:
+        raise ValueError(f'record="{record}" needs max_{record}, the most {record} of a member: they bound the memory')
     settings = checked_settings(
         chosen, tau, tolerance, transition, perturbation_order, perturbation_scale,
-        10**9 if max_crossings is None else max_crossings, max_steps, None, sliding,
+        _UNBOUNDED if max_crossings is None else max_crossings, max_steps, None, sliding,
+        checked_events(system, events), _UNBOUNDED if max_events is None else max_events,
     )  # fmt: skip
-    first = number(discard, "discard")
-    if first < 0 or first != int(first):
-        raise ValueError(f"discard = {discard!r}: a whole number of at least 0 is needed")
-    wanted = Wanted(discard=int(first)) if keeps else None
+    first = checked_discard(discard)
+    _check_limits(record, limits, settings.events, first)
+    wanted = None if record == "end" else Wanted(events=int(record == "events"), discard=first)
     members = checked_members(system, chosen, settings, span, x0, parameters, wanted)
     return integrate_all(members, executor, cancel, progress)
+
+
+def _check_limits(record: str, limits: Mapping[str, int | None], events: Watched, discard: int) -> None:
+    """Refuse limits of events where there are none, and to leave out more than a member may have."""
+    if not events.functions and (record == "events" or limits["events"] is not None):
+        what = 'record="events"' if record == "events" else f"max_events = {limits['events']}"
+        raise ValueError(f"{what}: it needs events, the functions whose zeros are looked for")
+    most = limits.get(record)
+    if most is not None and discard > most:
+        raise ValueError(f"discard = {discard}: a member has {most} {record} at most (max_{record})")
+
+
+def checked_discard(discard: int) -> int:
+    """Return how many of the first crossings are left out; ValueError if that is no such number."""
+    first = number(discard, "discard")
+    if first < 0 or first != int(first) or first > MOST:
+        raise ValueError(f"discard = {discard!r}: a whole number from 0 to {MOST:,} is needed")
+    return int(first)
 
 
 def checked_members(
@@ -205,8 +266,14 @@ def checked_members(
     wanted: Wanted | None,
 ) -> Members:
     """Return the members of an ensemble; ValueError if their states or parameters make no sense."""
-    members = Members(system, method, settings, t_span, *_checked_arrays(system, x0, parameters), wanted, Told())
-    _require_starts(members)
+    x, p = _checked_arrays(system, x0, parameters)
+    places = first_places(system.laws, t_span[0], x, p)
+    members = Members(system, method, settings, t_span, x, p, places, wanted, Told())
+    for k in np.flatnonzero(~places.plain).tolist():  # the doubtful ones are checked as `integrate` does
+        try:
+            checked_start(members.one(k), t_span[0], tuple(x[k].tolist()))
+        except ValueError as reason:
+            raise ValueError(f"member {k}: {reason}") from None
     return members
 
 
@@ -262,16 +329,6 @@ def _checked_arrays(
     return np.array(np.broadcast_to(states, (n, d)), order="C"), p
 
 
-def _require_starts(members: Members) -> None:
-    """Check that each member can begin; the doubtful ones as `integrate` does."""
-    t0 = members.t_span[0]
-    for k in np.flatnonzero(~first_places(members.system.laws, t0, members.x, members.p).plain).tolist():
-        try:
-            checked_start(members.one(k), t0, tuple(members.x[k].tolist()))
-        except ValueError as reason:
-            raise ValueError(f"member {k}: {reason}") from None
-
-
 def _parts(count: int) -> Iterator[slice]:
     """Divide the members."""
     size = max(_LEAST, -(-count // _PARTS))
@@ -283,15 +340,33 @@ def _joined(members: Members, blocks: list[Block]) -> Ensemble:
     d, laws = members.system.dimension, members.system.laws
     ends = np.concatenate([np.empty(0, dtype=END), *(block.ends for block in blocks)])
     hits = np.concatenate([np.empty(0, dtype=HIT), *(block.hits for block in blocks)])
-    columns = 2 if laws.jumps else 1
+    of_events = members.wanted is not None and bool(members.wanted.events)
+    columns = 2 if laws.jumps and not of_events else 1
     places = np.concatenate([np.empty((0, columns, d)), *(block.places for block in blocks)])
-    x = np.ascontiguousarray(places[:, 0])
-    crossings = EnsembleCrossings(
-        np.ascontiguousarray(hits["t"]), x, np.ascontiguousarray(places[:, 1]) if laws.jumps else x,
-        hits["mode"].astype(np.int16), hits["kind"].astype(np.int8), hits["surface"].astype(np.int8),
-        np.concatenate([[0], np.cumsum(ends["kept"])]), laws.sides,
-    )  # fmt: skip
+    offsets = np.concatenate([[0], np.cumsum(ends["kept"])])
+    none = hits[:0], places[:0], np.zeros_like(offsets)
+    found = hits, places, offsets
+    crossings = _crossings(*(none if of_events else found), laws)
+    events = _events(*(found if of_events else none))
     own = {name: np.ascontiguousarray(ends[name]) for name in ("t", "status", "mode", "steps", "evaluations")}
     last = np.concatenate([np.empty((0, d)), *(block.x for block in blocks)])
     counts = np.ascontiguousarray(ends["crossings"])
-    return Ensemble(members.system, members.method.name, x=last, crossing_count=counts, crossings=crossings, **own)
+    return Ensemble(
+        members.system, members.method.name, x=last, crossing_count=counts, crossings=crossings, events=events, **own
+    )
+
+
+def _crossings(hits: NDArray[Any], places: Floats, offsets: Integers, laws: Laws) -> EnsembleCrossings:
+    x = np.ascontiguousarray(places[:, 0])
+    return EnsembleCrossings(
+        np.ascontiguousarray(hits["t"]), x, np.ascontiguousarray(places[:, 1]) if places.shape[1] > 1 else x,
+        hits["mode"].astype(np.int16), hits["kind"].astype(np.int8), hits["surface"].astype(np.int8), offsets,
+        laws.sides,
+    )  # fmt: skip
+
+
+def _events(hits: NDArray[Any], places: Floats, offsets: Integers) -> EnsembleEvents:
+    return EnsembleEvents(
+        np.ascontiguousarray(hits["t"]), np.ascontiguousarray(places[:, 0]), hits["surface"].astype(np.int16),
+        hits["kind"].astype(np.int8), hits["mode"].astype(np.int16), offsets,
+    )  # fmt: skip

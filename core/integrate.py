@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.integration.events import NOTHING, Event, Watched, checked_events
 from core.integration.hits import no_crossings
-from core.integration.outcome import outcome
+from core.integration.outcome import ending_of
 from core.integration.recording import Sampler
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
 from core.integration.starting import first_place
 from core.integration.trajectory import Trajectory
 from core.interface.arguments import checked_sliding, choice, count, number, numbers
+from core.interface.tasks import check_hooks
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method, method_named
 from core.system import PiecewiseSystem, Start
@@ -64,6 +67,8 @@ def integrate(
     progress: Callable[[float], object] | None = None,
     t_eval: ArrayLike | None = None,
     sliding: str = "stop",
+    events: str | Event | Sequence[str | Event] = (),
+    max_events: int | None = None,
 ) -> Trajectory:
     """Integrate a piecewise system across its switching surface.
 
@@ -110,17 +115,26 @@ def integrate(
         What happens where both fields point to the surface. "stop": the run ends there, as the paper's theory does.
         "continue": it slides along the surface by Filippov's field, until one of the fields turns (see `core.symbolic.
         sliding`); a system with a jump stops all the same.
+    events
+        Functions h(t, x) whose zeros are found along the run, each an expression or an `Event`. The steps are those of
+        a run without events, bit by bit. A zero is located on the scheme, as crossings are, and counts where the sign
+        of h changes: not at the start, nor where a jump changes the sign. An event at a crossing is at its time and
+        state, before its jump. A perturbation moves crossings, but not events.
+    max_events
+        Number of events after which the run stops; 10⁶ where not given.
 
     Returns
     -------
     Trajectory
-        Its `status` tells what went wrong during the run, if anything; all that was computed before is kept.
+        Its `status` tells what went wrong during the run, if anything; all that was computed before is kept. Its
+        `events` are in the order in which they took place.
 
     Raises
     ------
     ValueError
         On arguments that make no sense; the message names the value and what would be accepted.
     """
+    check_hooks(cancel, progress)
     system = system_of(system)
     chosen = checked_method(system, method)
     choice(record, "record", _RECORDS)
@@ -133,7 +147,7 @@ def integrate(
         max_crossings = _MAX_COUNTED
     settings = checked_settings(
         chosen, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, cancel,
-        sliding,
+        sliding, checked_events(system, events), max_events,
     )  # fmt: skip
     columns = 0 if envelope is None else count(envelope, "envelope")
     runner = Runner(system, chosen, t0, start, settings, columns)
@@ -142,7 +156,7 @@ def integrate(
     runner.advance(t1, record_steps, record != "end", _after_each_call(runner, t0, t1, sampler, progress))
     if sampler is not None:
         sampler.take(final=True)
-    run = _wrap(runner, chosen, t0, np.array(start), record, sampler)
+    run = _wrap(runner, chosen, t0, start, record, sampler)
     return run if times is None else replace(run, record="t_eval")
 
 
@@ -189,6 +203,8 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple
     start = system.x0 if x0 is None else system.check_state(x0)
     laws, count, d = system.laws, len(system.laws.surfaces), system.dimension
     values = laws.numbers("start", laws.at_start, t0, start, system.parameter_array)
+    if laws.two_sided and values[0] != 0.0 and math.isfinite(sum(values)):
+        return start  # inside a region, and all is finite
     heights, gradients, rest = values[:count], values[count : count * (1 + d)], values[count * (1 + d) :]
     word = "g" if laws.two_sided else "a switching function"
     if not all(map(math.isfinite, heights)):
@@ -217,8 +233,34 @@ def checked_settings(
     max_steps: int | None = None,
     cancel: Callable[[], bool] | None = None,
     sliding: str = "stop",
+    events: Watched = NOTHING,
+    max_events: int | None = None,
 ) -> Settings:
     """Return the settings of a run; ValueError if they make no sense."""
+    given = (
+        method, tau, tolerance, transition, perturbation_order, perturbation_scale, max_crossings, max_steps, sliding,
+        events, max_events,
+    )  # fmt: skip
+    try:
+        settings = _known_settings(*given)
+    except TypeError:  # of a type that cannot be looked up
+        settings = _settings(*given)
+    return settings if cancel is None else replace(settings, cancel=cancel)
+
+
+def _settings(
+    method: Method,
+    tau: float | None,
+    tolerance: float | None,
+    transition: str,
+    perturbation_order: int | None,
+    perturbation_scale: float,
+    max_crossings: int | None,
+    max_steps: int | None,
+    sliding: str,
+    events: Watched,
+    max_events: int | None,
+) -> Settings:
     step, accuracy = _step_size(method, tau), _accuracy(method, tolerance)
     located, slides = choice(transition, "transition", _TRANSITIONS) == "mannshardt", checked_sliding(sliding)
     shift = 0.0
@@ -229,9 +271,13 @@ def checked_settings(
         if order <= 0:
             raise ValueError(f"perturbation_order = {perturbation_order!r}: a positive number, or None for none")
         shift = _shift(number(perturbation_scale, "perturbation_scale"), step, order)
-    limits = {"max_crossings": max_crossings, "max_steps": max_steps}
-    given = {name: min(count(n, name), _UNLIMITED) for name, n in limits.items() if n is not None}
-    return Settings(step, accuracy, located, shift, slides=slides, cancel=cancel, **given)
+    limits = {"max_crossings": max_crossings, "max_steps": max_steps, "max_events": max_events}
+    given: Any = {name: min(count(n, name), _UNLIMITED) for name, n in limits.items() if n is not None}
+    return Settings(step, accuracy, located, shift, slides=slides, events=events, **given)
+
+
+#: Checked once for all runs that take the same ones; 1, 1.0 and True are told apart.
+_known_settings = lru_cache(maxsize=256, typed=True)(_settings)
 
 
 def _shift(scale: float, step: float, order: float) -> float:
@@ -272,36 +318,38 @@ def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
     return number(t0, "start time"), number(t1, "end time")
 
 
-def _wrap(runner: Runner, method: Method, t0: float, x0: Floats, record: str, sampler: Sampler | None) -> Trajectory:
+def _wrap(
+    runner: Runner, method: Method, t0: float, x0: tuple[float, ...], record: str, sampler: Sampler | None
+) -> Trajectory:
     """The trajectory: rows from the loop, or samples, and always the first and the last state."""
     rows = runner.rows if sampler is None else sampler.rows
     t = _with_ends(t0, rows.t, runner.t)
-    x = _with_ends(x0, rows.x, runner.x)
+    x = _with_ends(x0, rows.x, runner.x.tolist())
     mode = _with_ends(runner.first_mode, rows.mode, runner.mode)
-    # Drop the last state where it was recorded already, or where the run has not moved.
-    rest = slice(-1) if t[-1] == t[-2] and (x[-1] == x[-2]).all() else slice(None)
-    t, x, mode = t[rest], x[rest], mode[rest]
-    if record == "end" and sampler is None:
-        segment = np.arange(len(t))
-    else:
-        segment = _with_ends(0, rows.segment, runner.segment)[rest]
+    # Drop the last state where it was recorded already, or where the run has neither moved nor changed its mode.
+    segment = _with_ends(0, rows.segment, runner.segment if sampler is not None or record != "end" else 1)
+    if t[-1] == t[-2] and (x[-1] == x[-2]).all() and mode[-1] == mode[-2]:
+        t, x, mode, segment = t[:-1], x[:-1], mode[:-1], segment[:-1]
     if record == "end":
         crossings = no_crossings(runner.system.laws)
         last = runner.entry()
         if sampler is None:
-            entered_t, entered_x = np.array([t0, last[0]]), np.array([x0, last[1]])
+            entered_t, entered_x = np.array((t0, last[0])), np.array((x0, last[1].tolist()))
         else:
-            segment, entered_t, entered_x = _entered(segment, [*sampler.entered, (runner.segment, *last)], t0, x0)
+            known = [(0, t0, np.array(x0)), *sampler.entered, (runner.segment, *last)]
+            segment, entered_t, entered_x = _entered(segment, known)
     else:
         crossings = runner.crossings()
         entered_t = np.concatenate([[t0], crossings.t])
-        entered_x = np.concatenate([x0[None], crossings.x_after])
+        entered_x = np.concatenate([[x0], crossings.x_after])
     tau = runner.longest if method.adaptive else runner.settings.tau
-    return Trajectory(
-        runner.system, method.name, tau, t, x, mode, segment, entered_t, entered_x, crossings,
-        runner.crossing_count, runner.status, outcome(runner), runner.steps, runner.evaluations, runner.seconds,
-        _envelope(runner), _warning, record, runner.settings.tolerance if method.adaptive else math.nan,
-        runner.samples, runner.settings.slides,
+    return Trajectory.of_fields(
+        system=runner.system, method=method.name, tau=tau, t=t, x=x, mode=mode, segment=segment, entered_t=entered_t,
+        entered_x=entered_x, crossings=crossings, crossing_count=runner.crossing_count, status=runner.status,
+        ending=ending_of(runner), steps=runner.steps, evaluations=runner.evaluations, seconds=runner.seconds,
+        envelope=_envelope(runner), warn=_warning, record=record,
+        tolerance=runner.settings.tolerance if method.adaptive else math.nan, samples=runner.samples,
+        slides=runner.settings.slides, events=runner.log.events(),
     )  # fmt: skip
 
 
@@ -312,9 +360,9 @@ def _warning(run: Trajectory) -> str:
     return step_warning(run)
 
 
-def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0: Floats) -> tuple[Any, Floats, Floats]:
+def _entered(segment: Any, known: list[tuple[int, float, Floats]]) -> tuple[Any, Floats, Floats]:
     """Renumber the segments in which rows lie, and return when and where each was entered."""
-    numbers = {k: (t, x) for k, t, x in [(0, t0, x0), *known]}
+    numbers = {k: (t, x) for k, t, x in known}
     order = {k: place for place, k in enumerate(numbers)}
     fresh = np.array([order[k] for k in segment.tolist()])
     return fresh, np.array([t for t, _ in numbers.values()]), np.array([x for _, x in numbers.values()])
@@ -322,6 +370,8 @@ def _entered(segment: Any, known: list[tuple[int, float, Floats]], t0: float, x0
 
 def _with_ends(first: Any, parts: list[Any], last: Any) -> Any:
     """The recorded parts, between the first and the last value."""
+    if not parts:
+        return np.array((first, last))
     return np.concatenate([np.asarray(first)[None], *parts, np.asarray(last)[None]])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -346,6 +347,8 @@ class PiecewiseSystem:
         x
             d numbers, or a mapping from the name of every variable to its number.
         """
+        if type(x) is tuple and len(x) == self.dimension and all(type(v) is float and math.isfinite(v) for v in x):
+            return x
         names = ", ".join(self.variables)
         if isinstance(x, Mapping):
             wrong = [f"{v!r} is missing" for v in self.variables if v not in x]

@@ -1,4 +1,4 @@
-"""Test, on some steps of a run, whether they are short enough to resolve the field and g."""
+"""Test, on some steps of a run, whether they are short enough to resolve the field, g and event functions."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
+from core.symbolic.expressions import parse
 
 __all__ = ["unresolved"]
 
@@ -41,6 +42,8 @@ _BEHIND = 2.0**-40
 _SHORTEST = 2.0**-46
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
 _SLIGHT = 1e-9
+#: Size of an event function, as part of its largest in a step, above which it has the sign of its cubic if resolved.
+_SMALL = 0.1
 #: Most steps from entries into a mode that are examined, besides the steps kept by the loop.
 _MOST_ENTRIES = 64
 
@@ -63,7 +66,8 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
         return tuple(kept.too_long_for_g())
     first = _first_steps(run)
     of_g = (*kept.too_long_for_g(), *first.too_long_for_g())
-    return (*of_g[:1], *kept.too_long_for_the_field(), *first.too_long_for_the_field())
+    of_events = () if METHODS[run.method].adaptive else kept.too_long_for_events()
+    return (*of_g[:1], *of_events, *kept.too_long_for_the_field(), *first.too_long_for_the_field())
 
 
 def _first_steps(run: Trajectory) -> _Steps:
@@ -130,6 +134,36 @@ class _Steps:
             cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
             hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:-1].any(axis=1)
         return np.asarray(hidden & ~behind)
+
+    def too_long_for_events(self) -> Iterator[str]:
+        """Warn of a step in which events may have been missed, as an event function has not the sign of its cubic.
+
+        The cubic has the same values and rates at both ends. Where a function is resolved, their signs differ next to
+        its zeros alone, where it is small.
+        """
+        system, places = self.run.system, _places(len(self.t))
+        names = (*system.variables, *system.values)
+        times = self.t[:, None] + self.h[:, None] * places
+        states = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
+        for text in self.run.events.functions:
+            function, hidden = parse(text, names), np.zeros(len(self.t), dtype=bool)
+            for number in np.unique(self.mode).tolist():
+                rows = self.mode == number
+                wanted = (function, system.laws.mode(number).rate_of(function))
+                values = system.laws.evaluate(
+                    ("event", text, number), wanted, times[rows], states[rows], system.parameter_array
+                )
+                h, rate = values[..., 0], self.h[rows, None] * values[..., 1]
+                with np.errstate(all="ignore"):
+                    cubic = _hermite(places, h[:, :1], h[:, -1:], rate[:, :1], rate[:, -1:])
+                    large = np.abs(h) > _SMALL * np.abs(h).max(axis=1, keepdims=True)
+                    hidden[rows] = (large & (h * cubic < 0.0)).any(axis=1)
+            if hidden.any():
+                yield (
+                    f"A step of {abs(self.h[hidden][0]):.3g} is too long for the event function {text!r}: from t = "
+                    f"{self.t[hidden][0]:.6g} on it varies by more than its values and rates at both ends show, so "
+                    f"events may have been missed; {self._advice}"
+                )
 
     def too_long_for_the_field(self) -> Iterator[str]:
         """Warn of a step that leads elsewhere than shorter ones do, one after the other.

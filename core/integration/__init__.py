@@ -2,7 +2,10 @@
 meets surfaces.
 """
 
+from core.integration.runner import Runner
 from core.integration.tally import KINDS
-from core.integration.time_loop import compiled_march
+from core.integration.time_loop import compiled_march, march_signature
+from core.kernels.abi import Frame
+from core.transition.records import HIT, ROW
 
-__all__ = ["KINDS", "compiled_march"]
+__all__ = ["HIT", "KINDS", "ROW", "Frame", "Runner", "compiled_march", "march_signature"]

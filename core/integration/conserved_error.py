@@ -60,7 +60,7 @@ def level_residual_along(
     residual = np.full((len(t), m), np.nan)
     if m and len(t):
         known = modes_entered(laws, METHODS[method], True)
-        known.update(np.unique(mode[mode != NO_MODE]).tolist())
+        known.update(np.flatnonzero(np.bincount(mode[mode != NO_MODE])).tolist())  # np.unique takes ten times as long
         modes = tuple(sorted(known))
         functions, table = compile_run(laws, METHODS[method], levels=True, modes=modes), guard_table(laws)
         w, scratch = frame.empty(), np.empty((1, 1))

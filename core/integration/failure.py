@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from enum import Enum, auto
+from enum import Enum
 
 import numpy as np
 import scipy  # loads its subpackages on first use
 
+from core.integration.growth_loop import BOUNDED, GROWTH, LARGE, POLE
 from core.interface.cancelling import Cancel
 from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
 
-__all__ = ["GROWTH", "Growth", "ends_beyond", "growth_of"]
+__all__ = ["Growth", "ends_beyond", "growth_of"]
 
-#: Growth of the largest coordinate that counts as running away: to a pole, or by an exponential of no practical use.
-GROWTH = 1e6
 _EVALUATIONS = 20_000  #: largest number of evaluations of the field: some seconds
 _AHEAD = (1.0, 3.0, 10.0)  #: distances ahead of a state, relative to it, at which the field is evaluated
 _TOLERANCE = 1e-4  #: relative tolerance, enough to see whether the solution grows
@@ -30,11 +29,11 @@ _POWER = 0.15
 class Growth(Enum):
     """How a solution grows between two times."""
 
-    BOUNDED = auto()
+    BOUNDED = BOUNDED
     """By less than `GROWTH`."""
-    LARGE = auto()
+    LARGE = LARGE
     """By more, as a polynomial or an exponential does; no pole is met."""
-    POLE = auto()
+    POLE = POLE
     """To a pole: within a time that is rounded away, or so it seems as far as it could be followed."""
 
 

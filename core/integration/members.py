@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.integration.member_starts import Places
 from core.integration.members_loop import (
     ABANDONED,
     COUNTERS,
@@ -21,7 +22,6 @@ from core.integration.members_loop import (
 )  # fmt: skip
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
-from core.integration.starts import first_places
 from core.integration.time_loop import compiled_march
 from core.kernels.arrays import Floats
 from core.methods import Method
@@ -34,13 +34,16 @@ __all__ = ["Block", "Members", "Told", "Wanted", "integrate_members", "not_begun
 _CORNER = CROSSING_KINDS.index("corner")
 #: Crossings that one call of the time loop can record: few enough to stay in the processor's cache.
 _HITS = 64
-#: Crossings for which a block has room at first; where they are used up they are put aside.
+#: Crossings for which a block has room at first, at least; where they are used up they are put aside.
 _ROOM = 4096
+#: The same at most: a member that uses up all room begins anew, and room that is not used takes no memory.
+_MOST_ROOM = 2**18
 
 
 class Wanted(NamedTuple):
-    """Which crossings of each member are kept: see `members_loop.WANTED`."""
+    """Which crossings, or events, of each member are kept: see `members_loop.WANTED`."""
 
+    events: int = 0
     surface: int = -1
     way: int = 0
     discard: int = 0
@@ -58,7 +61,9 @@ class Wanted(NamedTuple):
         sides
             `Laws.sides`.
         """
-        which = (hits["rate_before"] * self.way >= 0.0) & ((self.surface < 0) | (hits["surface"] == self.surface))
+        which: NDArray[np.bool_] = (hits["rate_before"] * self.way >= 0.0) & (
+            (self.surface < 0) | (hits["surface"] == self.surface)
+        )
         if 0 <= self.surface < sides.shape[1]:
             before = np.concatenate([[first_mode], hits["mode"]])[:-1]
             change = sides[hits["mode"], self.surface] - sides[before, self.surface]
@@ -98,6 +103,8 @@ class Members:
     """(n, d) initial states."""
     p: Floats
     """(n, parameters) parameter values, in the order of `PiecewiseSystem.parameters`."""
+    places: Places
+    """Where the initial states lie."""
     wanted: Wanted | None
     """Which crossings are kept; None: none."""
     told: Told
@@ -107,7 +114,9 @@ class Members:
 
     def part(self, which: slice) -> Members:
         """Some of the members."""
-        return replace(self, x=self.x[which], p=self.p[which])
+        rows, guards, plain = self.places
+        places = Places(rows[which], guards[which], plain[which])
+        return replace(self, x=self.x[which], p=self.p[which], places=places)
 
     def one(self, k: int) -> PiecewiseSystem:
         """The system of a member, given by its number."""
@@ -150,22 +159,22 @@ class _Run:
         self.ends["mode"] = NO_MODE
         self.counters = np.zeros(COUNTERS, dtype=np.int64)
         self.aside: list[tuple[NDArray[Any], Floats]] = []
-        self._make_room(_ROOM if members.wanted else 1)
+        self._make_room(min(max(_ROOM, members.wanted.most), _MOST_ROOM) if members.wanted else 1)
         wanted = members.wanted or Wanted(discard=2**62, most=2**62)
         self.wanted = np.array([tuple(wanted)], dtype=WANTED)
         self.settings = replace(members.settings, cancel=members.told)
         t0, t1 = members.t_span
-        self.first_rows, self.first_guards, _ = first_places(members.system.laws, t0, members.x, members.p)
-        if t0 == t1:  # nothing begins
-            self.first_rows[:] = NO_MODE
+        rows = members.places.rows
+        self.first_rows = np.full(n, NO_MODE) if t0 == t1 else np.ascontiguousarray(rows)  # where nothing begins
         self.rows, self.rows_x = np.empty(1, dtype=ROW), np.empty((1, d))
         self.hits, self.places = np.empty(_HITS, dtype=HIT), np.empty((_HITS, 3, d))
 
     def block(self) -> Block:
         """Integrate all."""
         while (code := self._advance()) != DONE and code != ABANDONED:
-            if code == ROOM:
-                self._put_aside()
+            if code == ROOM:  # of one member that has used up all room there is twice as much next time
+                used = int(self.counters[USED])
+                self._put_aside(len(self.kept) if used else 2 * len(self.kept))
             else:
                 self._integrate_one(int(self.counters[NEXT]))
         self._put_aside()
@@ -180,8 +189,8 @@ class _Run:
         return compiled_members()(
             compiled_march(), blank.functions, blank.guards, blank.record, blank.frame, members.system.dimension,
             blank.coefficients, blank.nodes, blank.pieces, blank.record.copy(), blank.frame.copy(), self.rows,
-            self.rows_x, self.hits, self.places, blank.envelope, blank.samples, blank.budget,
-            self.settings.max_steps, self.first_rows, self.first_guards, members.p, members.x, self.ends, self.x,
+            self.rows_x, self.hits, self.places, blank.envelope, blank.samples, *blank.events, blank.budget,
+            self.settings.max_steps, self.first_rows, members.places.guards, members.p, members.x, self.ends, self.x,
             self.wanted, self.kept, self.kept_places, self.counters, members.told.flag,
         )  # fmt: skip
 
@@ -194,28 +203,32 @@ class _Run:
 
         def stops() -> bool:
             nonlocal met
-            met = 0 if wanted is None else int(which(runner.hits()[0]).sum())
-            return members.told() or (wanted is not None and met == wanted.most)
+            if wanted is None or wanted.events:
+                return members.told()
+            met = int(which(runner.hits()[0]).sum())
+            return members.told() or met == wanted.most
 
         start, settings = tuple(members.x[k].tolist()), replace(self.settings, cancel=stops)
         runner = Runner(members.one(k), members.method, members.t_span[0], start, settings)
-        status = runner.advance(members.t_span[1], keep_hits=wanted is not None)
+        status = runner.advance(members.t_span[1], keep_hits=wanted is not None and not wanted.events)
         if status is Status.CANCELLED and members.told():
             return
         self._put_aside()
         if wanted is not None:
-            hits, places = runner.hits()
+            hits, places = runner.log.kept() if wanted.events else runner.hits()
             kept = which(hits)
             self.aside.append((hits[kept], places[kept][:, self._columns]))
             met = int(kept.sum())
-            status = Status.CROSSING_LIMIT if met == wanted.most else status
+            status = Status.CROSSING_LIMIT if met == wanted.most and not wanted.events else status
         self.ends[k] = runner.t, status, runner.mode, runner.steps, runner.evaluations, runner.crossing_count, met
         self.x[k] = runner.x
         self.counters[NEXT] = k + 1
 
     @property
     def _columns(self) -> list[int]:
-        """Which of the three states at a crossing are kept."""
+        """Which of the three states at a crossing, or of the one at an event, are kept."""
+        if self.members.wanted is not None and self.members.wanted.events:
+            return [0]
         return [1, 2] if self.members.system.laws.jumps else [1]
 
     def _make_room(self, size: int) -> None:
@@ -223,8 +236,8 @@ class _Run:
         self.kept_places = np.empty((size, len(self._columns), self.members.system.dimension))
         self.counters[USED] = 0
 
-    def _put_aside(self) -> None:
-        """Put the crossings kept so far aside; where one member has used up all room, make twice as much."""
+    def _put_aside(self, room: int = 0) -> None:
+        """Put the crossings kept so far aside, and make room for others: for as many as before where not given."""
         used = int(self.counters[USED])
         self.aside.append((self.kept[:used].copy(), self.kept_places[:used].copy()))
-        self._make_room(len(self.kept) if used else 2 * len(self.kept))
+        self._make_room(room or len(self.kept))

@@ -17,7 +17,7 @@ from core.integration.time_loop import march_signature
 from core.kernels.abi import STEP, Frame
 from core.kernels.digest import source_digest
 from core.kernels.jit import OPTIONS, internal
-from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
+from core.transition.records import EVENT, GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 
 __all__ = ["ABANDONED", "ASKS", "COUNTERS", "DONE", "END", "NEXT", "ROOM", "USED", "WANTED", "compiled_members"]
@@ -40,9 +40,10 @@ END = np.dtype(
     align=True,
 )
 
-#: Which crossings are kept.
+#: Which crossings, or events, are kept.
 WANTED = np.dtype(
     [
+        ("events", np.int64),  # 1: events; 0: crossings
         ("surface", np.int64),  # those of this surface; −1: of all
         ("way", np.int64),  # 1: where its switching function rises, −1: where it falls, 0: both
         ("discard", np.int64),  # but for so many of the first of each member
@@ -96,15 +97,17 @@ def is_wanted(hit, surface, way):
 
 
 @internal
-def keep(run, wanted, hits, places, kept, kept_places, counters):
+def keep(number, wanted, hits, places, first, kept, kept_places, counters):
     """Keep the crossings of the last call of the loop that are wanted, but for the first ones of the member.
+
+    The states that are kept are those from column `first` of places on.
 
     Returns
     -------
     How many wanted ones it has had in all; −1 where there is no room.
     """
     count, used = counters[HAD], counters[USED] + counters[OWN]
-    for j in range(run.hits):
+    for j in range(number):
         if count - wanted.discard == wanted.most:
             break
         if not is_wanted(hits[j], wanted.surface, wanted.way):
@@ -116,9 +119,8 @@ def keep(run, wanted, hits, places, kept, kept_places, counters):
             return -1
         kept[used] = hits[j]
         for i in range(places.shape[2]):
-            kept_places[used, 0, i] = places[j, 1, i]
-            if kept_places.shape[1] > 1:  # states after jumps
-                kept_places[used, 1, i] = places[j, 2, i]
+            for column in range(kept_places.shape[1]):  # with states after jumps
+                kept_places[used, column, i] = places[j, first + column, i]
         used += 1
     counters[HAD], counters[OWN] = count, used - counters[USED]
     return count
@@ -126,12 +128,12 @@ def keep(run, wanted, hits, places, kept, kept_places, counters):
 
 def _signature() -> Any:
     blank, guards, run, row, hit = (numba.from_dtype(d)[::1] for d in (RUN, GUARD, RUN, ROW, HIT))
-    ends, wanted = (numba.from_dtype(d)[::1] for d in (END, WANTED))
+    ends, wanted, events = (numba.from_dtype(d)[::1] for d in (END, WANTED, EVENT))
     vector, matrix, places = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
     whole = types.int64
     return whole(
         types.FunctionType(march_signature()), whole[:, ::1], guards, blank, vector, whole, matrix, matrix, matrix,
-        run, vector, row, matrix, hit, places, places, matrix, whole, whole,
+        run, vector, row, matrix, hit, places, places, matrix, events, hit, places, vector, matrix, whole, whole,
         whole[::1], whole[::1], matrix, matrix, ends, matrix, wanted, hit, places, whole[::1], whole[::1],
     )  # fmt: skip
 
@@ -143,22 +145,23 @@ def compiled_members() -> Callable[..., int]:
     Returns
     -------
     members(march, functions, guards, blank, frame, d, scratch, nodes, pieces,
-            records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
-            first_rows, first_guards, p, x, ends, x_ends, wanted, kept, kept_places, counters, told) -> int
+            records, w, rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
+            budget, max_steps, first_rows, first_guards, p, x, ends, x_ends, wanted, kept, kept_places, counters,
+            told) -> int
         One of the codes above. It takes the members from counters[NEXT] on, until told[0] is not 0. `march` is the time
         loop, and the names of its arguments are those there. `blank` and `frame` are the record and the frame of a run
         that has not begun. first_rows (n,) are the rows of the members' first regions, `NO_MODE` where `Runner` has to
         find it, and first_guards (n,) the guards at which they begin; p (n, parameters) and x (n, d) are their
         parameters and states, and x_ends (n, d) their last states. A member that has had all crossings that are wanted
-        of it ends there: CROSSING_LIMIT.
+        of it ends there: CROSSING_LIMIT; of events, as the time loop ends it.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
     def members(
         march, functions, guards, blank, frame, d, scratch, nodes, pieces,
-        records, w, rows, rows_x, hits, places, envelope, samples, budget, max_steps,
-        first_rows, first_guards, p, x, ends, x_ends, wanted, kept, kept_places, counters, told,
+        records, w, rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
+        budget, max_steps, first_rows, first_guards, p, x, ends, x_ends, wanted, kept, kept_places, counters, told,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         run = records[0]
@@ -179,16 +182,21 @@ def compiled_members() -> Callable[..., int]:
                 part = min(budget, max_steps - run.steps)
                 status = march(
                     functions, guards, records, p[k], w, d, scratch, nodes, pieces, part,
-                    rows, rows_x, hits, places, envelope, samples,
+                    rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
                 )  # fmt: skip
-                count = keep(run, wanted[0], hits, places, kept, kept_places, counters)
+                if run.crowded == 1:
+                    return ASKS
+                if wanted[0].events == 1:
+                    count = keep(run.found, wanted[0], found, found_x, 0, kept, kept_places, counters)
+                else:
+                    count = keep(run.hits, wanted[0], hits, places, 1, kept, kept_places, counters)
                 if count < 0:
                     return ROOM
                 if count - wanted[0].discard == wanted[0].most:
                     status = _CROSSING_LIMIT
             if not is_settled(status, run):
                 return ASKS
-            if run.pending == 1 and stops_at_surface(status) and counters[OWN] > 0:
+            if run.pending == 1 and stops_at_surface(status) and counters[OWN] > 0 and wanted[0].events == 0:
                 kept[counters[USED] + counters[OWN] - 1].mode = NO_MODE  # the mode that followed could not be begun
             end = ends[k]
             end.t, end.status, end.mode, end.steps = run.t, status, run.mode, run.steps

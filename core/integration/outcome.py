@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from core.integration.failure import GROWTH, Growth, ends_beyond, growth_of
+from core.integration.failure import Growth, ends_beyond, growth_of
+from core.integration.growth_loop import GROWTH
+from core.kernels.arrays import Floats
+from core.symbolic.source_text import to_text
+from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
 from core.transition.records import NO_MODE
 from core.transition.status import Status
@@ -15,7 +19,7 @@ from core.transition.status import Status
 if TYPE_CHECKING:
     from core.integration.runner import Runner
 
-__all__ = ["cause_of_failure", "outcome", "reason"]
+__all__ = ["Ending", "cause_of_failure", "ending_of", "outcome", "reason"]
 
 #: A pole is searched beyond the end of the run by this part of the time since the mode was entered.
 _MARGIN = 0.1
@@ -26,11 +30,19 @@ _AHEAD = 16.0
 def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     """Status of a run whose step has failed: the solution runs away, the scheme alone does, or the step fails.
 
-    If the state has grown beyond bounds, the exact solution is followed from where the mode was entered, through the
-    step that failed. If a step fails elsewhere, the solution is followed for some steps from here. For a state beyond
-    bounds, how the solution grows is returned, too.
+    If the step passes a singularity of the field, the solution runs away or ends there. Else, if the state has grown
+    beyond bounds, the exact solution is followed from where the mode was entered, through the step that failed. If a
+    step fails elsewhere, the solution is followed for some steps from here. For a state beyond bounds, how the solution
+    grows is returned, too.
+
+    It is followed by shorter steps of the method itself, and where these do not tell, by an implicit method.
     """
     size, cancel = float(np.abs(runner.start).max()), runner.settings.cancel
+    if runner.met is not None:
+        t, h = runner.t, runner.met[1]
+        grown = float(np.abs(runner.x).max()) > GROWTH * (size or 1.0)
+        grows = grown or runner.follow(t, runner.x, t + h, h, size) in (Growth.LARGE, Growth.POLE)
+        return Status.ESCAPED if grows else Status.SINGULAR, None
     if runner.slides or runner.mode == NO_MODE:
         return runner.status, None
     system, here, step = runner.system, runner.x, _step_length(runner)
@@ -38,11 +50,12 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     grown = runner.status is Status.ESCAPED or float(np.abs(here).max()) > GROWTH * size > 0.0
     if grown:
         (t, x), beyond = runner.entry(), _MARGIN * (runner.t - runner.entry()[0])
-        growth = growth_of(system, name, t, x, runner.t + max(beyond, step, key=abs), size, cancel)
+        end = runner.t + max(beyond, step, key=abs)
     else:
-        ahead = runner.t + _AHEAD * step
-        still = ahead == runner.t
-        growth = Growth.BOUNDED if still else growth_of(system, name, runner.t, here, ahead, size, cancel)
+        t, x, end = runner.t, here, runner.t + _AHEAD * step
+    growth: Growth | None = Growth.BOUNDED
+    if end != t:
+        growth = runner.follow(t, x, end, step, size) or growth_of(system, name, t, x, end, size, cancel)
     if growth is None:
         return Status.CANCELLED if cancel is not None and cancel() else runner.status, None
     if growth is Growth.BOUNDED:
@@ -50,44 +63,108 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     return Status.ESCAPED, growth if runner.status is Status.ESCAPED else None
 
 
-def outcome(runner: Runner) -> str:
+class Ending(NamedTuple):
+    """How a run ended."""
+
+    system: PiecewiseSystem
+    adaptive: bool
+    """Whether the method chooses its steps."""
+    status: Status
+    t: float
+    x: Floats
+    """(d,) last state."""
+    mode: int
+    step: float
+    """Signed length of a step; of a variable-step method, of its longest."""
+    growth: Growth | None
+    """How the solution grows where the run has failed, if that could be told."""
+    why_cornered: str
+    """Why the laws do not tell how to go on from the last corner; empty if they do."""
+    singular: str
+    """The expression whose zero lies in the step that failed, as a clause; empty if there is none."""
+    event: str
+    """The event function whose zero ended the run; empty if none did."""
+    remarks: tuple[str, ...]
+    """What is to be said of the event functions, a sentence each."""
+
+    @property
+    def slides(self) -> bool:
+        """Whether the run slides along a surface."""
+        return self.mode >= len(self.system.laws.regions)
+
+
+def ending_of(runner: Runner) -> Ending:
+    """How a run has ended."""
+    return Ending(
+        runner.system, runner.method.adaptive, runner.status, runner.t, runner.x, runner.mode, _step_length(runner),
+        runner.growth, runner.why_cornered, _singular(runner), runner.log.last if runner.status is Status.EVENT else "",
+        runner.log.remarks(),
+    )  # fmt: skip
+
+
+def _singular(runner: Runner) -> str:
+    """Which expression vanishes in the step ahead, as a clause."""
+    if runner.status not in (Status.SINGULAR, Status.ESCAPED) or runner.met is None:
+        return ""
+    singularity, h = runner.met
+    return f"{to_text(singularity.zero)} vanishes on the way to t = {runner.t + h:.12g}"
+
+
+def outcome(end: Ending) -> str:
     """Where a run ended, why, and what to do about it."""
-    status = runner.status
-    where = f"t = {runner.t:.12g}"
+    status = end.status
+    where, remarks = f"t = {end.t:.12g}", " ".join(end.remarks)
     if status is Status.COMPLETED:
-        return f"{where}: {status.reason}. {status.advice}".strip()
-    places = zip(runner.system.variables, runner.x, strict=True)
+        return f"{where}: {status.reason}. {remarks}".strip()
+    places = zip(end.system.variables, end.x, strict=True)
     where += ", " + ", ".join(f"{name} = {v:.6g}" for name, v in places)
-    return f"{where}: {reason(runner)}. {_advice(runner)}".strip()
+    return " ".join(filter(None, (f"{where}: {reason(end)}.", _advice(end), remarks)))
 
 
-def reason(runner: Runner) -> str:
+def reason(end: Ending) -> str:
     """Why a run ended."""
-    if runner.status is Status.ESCAPED and runner.growth is Growth.LARGE:
+    if end.status is Status.ESCAPED and end.growth is Growth.LARGE:
         return f"the numerical solution grows beyond {BOUND:.0e}, up to which a run takes its numbers".replace("+", "")
-    if runner.status is Status.CORNER:
-        return f"{runner.status.reason}, and {runner.why_cornered}"
-    return runner.status.reason_while_sliding if runner.slides else runner.status.reason
+    if end.status is Status.CORNER:
+        return f"{end.status.reason}, and {end.why_cornered}"
+    if end.status is Status.EVENT:
+        return f"the event {end.event!r} took place, which ends the run"
+    if end.singular:
+        return f"{end.status.reason}: {end.singular}"
+    return end.status.reason_while_sliding if end.slides else end.status.reason
 
 
-def _advice(runner: Runner) -> str:
+def _advice(end: Ending) -> str:
     """What to do; where a field is not defined ahead, to write it differently."""
-    status, laws = runner.status, runner.system.laws
-    if status is Status.NO_CONVERGENCE and runner.mode != NO_MODE and not runner.slides:
-        name = laws.name(runner.mode)
-        if ends_beyond(runner.system, name, runner.t, runner.x, _step_length(runner)):
-            field = ("f_minus", "f_plus")[runner.mode] if laws.two_sided else f"the field of region {name!r}"
+    status, laws = end.status, end.system.laws
+    if status is Status.NO_CONVERGENCE and end.mode != NO_MODE and not end.slides:
+        name = laws.name(end.mode)
+        if ends_beyond(end.system, name, end.t, end.x, end.step):
+            field = ("f_minus", "f_plus")[end.mode] if laws.two_sided else f"the field of region {name!r}"
             return (
                 f"{field} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
                 "there too: (u**2)**0.75 for u**1.5."
             )
-    if status is Status.ESCAPED and runner.growth is Growth.LARGE:
+    if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_mode(end)):
+        ends = f"The field is not bounded where {zeros} vanishes: a solution that comes there ends."
+        return f"{ends} {_plain_advice(end)}"
+    if status is Status.ESCAPED and end.growth is Growth.LARGE:
         return "The exact one grows, too, without a pole: end the run before."
     if status is Status.SLIDING and laws.jumps:
         return "A system with a jump does not slide here: continue it with another system."
-    if status in (Status.CORNER, Status.GRAZING) and runner.slides:
+    if status in (Status.CORNER, Status.GRAZING) and end.slides:
         return status.advice_while_sliding
-    return status.advice_without_tau if runner.method.adaptive else status.advice
+    return _plain_advice(end)
+
+
+def _plain_advice(end: Ending) -> str:
+    return end.status.advice_without_tau if end.adaptive else end.status.advice
+
+
+def _zeros_of_mode(end: Ending) -> str:
+    """The expressions at whose zeros the field of the mode is not bounded."""
+    found = () if end.mode == NO_MODE else end.system.laws.mode(end.mode).singularities
+    return " or ".join(to_text(singularity.zero) for singularity in found)
 
 
 def _step_length(runner: Runner) -> float:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from core.integration.events import NOTHING, Watched
+
 __all__ = ["Settings"]
 
 
@@ -23,6 +25,9 @@ class Settings:
     """Perturbation c·τᵖ, added to every crossing time."""
     max_crossings: int = 5_000_000
     max_steps: int = 10**9
+    max_events: int = 1_000_000
     slides: bool = False
     """Whether the run slides along the surface where both fields point to it; else it stops there."""
+    events: Watched = NOTHING
+    """The events to be found."""
     cancel: Callable[[], bool] | None = None

@@ -12,24 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compilation.compiled import compile_run, modes_entered
-from core.compilation.guards import guard_table
 from core.integration.corner import surfaces_met
 from core.integration.crossings import Crossings
+from core.integration.event_log import EventLog
 from core.integration.failure import Growth
+from core.integration.growth_loop import UNKNOWN, compiled_follow
 from core.integration.hits import crossings_of, no_crossings
 from core.integration.outcome import cause_of_failure
-from core.integration.run_record import Blank, Rows, copied_record, new_record
+from core.integration.run_record import FIELDS, Blank, Record, Rows, beginning_of
 from core.integration.run_settings import Settings
 from core.integration.starting import first_place, leaning, onto_surfaces, regions_entered, way_out
-from core.integration.time_loop import compiled_march
-from core.kernels.abi import LAST, MAX_VISITS, ORDER, TOLERANCE, VISIT, VISITS, Frame
+from core.kernels.abi import LAST, MAX_VISITS, SINGULAR_LENGTH, SINGULARITY, STEP, VISIT, VISITS
 from core.kernels.arrays import Floats
-from core.kernels.root_isolation import scratch_shape
-from core.kernels.taylor_coefficients import STRIDE, order_of
+from core.kernels.taylor_coefficients import STRIDE
 from core.methods import Method
 from core.methods.taylor_step import coefficient_rows
+from core.symbolic.singularities import Singularity
 from core.system import PiecewiseSystem
-from core.transition.event_location import MAX_NODES
+from core.transition.event_location import BOUND
 from core.transition.records import HIT, NO_MODE, ROW
 from core.transition.status import Status
 
@@ -37,9 +37,13 @@ __all__ = ["Runner"]
 
 #: Steps between two readings of the cancel flag: they take milliseconds, a call of the loop a quarter of one.
 _CHUNK = 131072
-#: Crossings that one call of the loop can record if they are kept.
+#: Steps and crossings that the first call of the loop can record at least: more room takes longer to make.
+_FIRST_ROWS, _FIRST_HITS = 512, 64
+#: How many times as many the next call can, up to …
+_MORE = 16
+#: … so many crossings if they are kept …
 _HITS_KEPT = 4096
-#: The same if crossings are not kept: few enough to stay in the processor's cache.
+#: … or if they are not: few enough to stay in the processor's cache.
 _HITS_NOT_KEPT = 1024
 #: Largest number of steps sampled over the run, for `diagnostics.resolution`.
 _SAMPLES = 128
@@ -49,6 +53,20 @@ _UNDECIDED = (Status.SLIDING, Status.REPELLING, Status.GRAZING)
 _AT_SURFACE = (*_UNDECIDED, Status.CORNER, Status.UNDECLARED)
 #: Most corners passed at the same time; more accumulate.
 _MOST_CORNERS = 16
+#: Status by its code; Python takes longer to find it.
+_STATUS = {int(status): status for status in Status}
+#: Places of the fields of the record that are read or written for every run.
+_T, _T_CARRY, _T_START, _T_END, _TAU, _SHIFT, _LONGEST, _LAST_HIT = (
+    FIELDS[name] for name in ("t", "t_carry", "t_start", "t_end", "tau", "shift", "longest", "last_hit")
+)
+_MODE, _FIRST_MODE, _PENDING, _ASKED, _RECORD, _STEPS, _EVALUATIONS, _CROSSINGS, _MAX_CROSSINGS = (
+    FIELDS[name]
+    for name in (
+        "mode", "first_mode", "pending", "asked", "record", "steps", "evaluations", "crossings", "max_crossings",
+    )
+)  # fmt: skip
+_SAMPLES_KEPT, _ROWS, _HITS = (FIELDS[name] for name in ("samples", "rows", "hits"))
+_EVENTS, _MAX_EVENTS, _FOUND, _CROWDED = (FIELDS[name] for name in ("events", "max_events", "found", "crowded"))
 
 
 class Runner:
@@ -75,41 +93,47 @@ class Runner:
         self, system: PiecewiseSystem, method: Method, t0: float, x0: tuple[float, ...], settings: Settings,
         columns: int = 0,
     ) -> None:  # fmt: skip
-        self.system, self.settings = system, settings
-        self._march = compiled_march()
-        self.method, self._levels = method, columns > 0
-        self._table = guard_table(system.laws)
-        self._modes = modes_entered(system.laws, method, columns > 0)
+        laws = system.laws
+        self.system, self.settings, self.method, self._levels = system, settings, method, columns > 0
+        self._modes = modes_entered(laws, method, columns > 0)
+        self._begun = begun = beginning_of(
+            laws, method, settings.transition, settings.slides, settings.tolerance, columns > 0
+        )
+        self._table, self._workspace = begun.table, begun.workspace()
         self._corner: tuple[int, ...] = ()
         self._last_corner, self._corners = math.nan, 0
         self.why_cornered = ""
         self._p = system.parameter_array.copy()
-        d, frame = system.dimension, Frame(system.dimension, system.laws.most_conserved_sliding)
-        m = frame.m if settings.slides else system.laws.most_conserved
-        self._w = frame.empty()
-        self._x, self._carry = self._w[frame.x : frame.x + d], self._w[frame.carry : frame.carry + d]
+        self._w = begun.blank_frame.copy()
+        self._take_views()
         self._x[:] = x0
         self._w[VISITS + LAST : VISITS + VISIT * MAX_VISITS : VISIT] = t0
         self._hit_chunks: list[tuple[NDArray[Any], Floats]] = []
+        self._room_for_rows, self._room_for_hits = _FIRST_ROWS, _FIRST_HITS
         self._t0, self.start = t0, x0
         self.rows = Rows([], [], [], [])
-        self.envelope = np.full((columns, m, 2), (np.inf, -np.inf)) if columns else np.empty((0, m, 2))
+        self.envelope = np.empty((columns, begun.monitored, 2))
+        if columns:
+            self.envelope[:] = np.inf, -np.inf
         self.status, self.seconds = Status.RUNNING, 0.0
         self.growth: Growth | None = None
         """How the solution grows where the run has failed, if that could be told."""
-        self._run = new_record(system.laws, method, settings.transition, settings.slides, m if columns else 0)
-        self._run["t"] = self._run["last_hit"] = self._run["t_start"] = t0
-        self._run["max_crossings"] = settings.max_crossings
-        self._samples = np.empty((_SAMPLES, 3 + d))
+        self.log = EventLog(settings.events, laws, method, self._w)
+        self._record = Record(begun.blank_record * self.log.records)
+        self._run, self._reals, self._wholes = self._record.array, self._record.reals, self._record.wholes
+        self._reals[_T] = self._reals[_LAST_HIT] = self._reals[_T_START] = t0
+        self._wholes[_MAX_CROSSINGS], self._wholes[_MAX_EVENTS] = settings.max_crossings, settings.max_events
+        self._wholes[_EVENTS] = len(settings.events.functions)
+        self._samples = np.empty((_SAMPLES, 3 + len(x0)))
         self._coefficients = np.empty((1, 1))
-        self._workspace: tuple[Floats, ...] = (np.empty((MAX_NODES, 3)), np.empty((1, 1)))
-        if method.adaptive:
-            order = order_of(settings.tolerance)
-            self._w[ORDER], self._w[TOLERANCE] = order, settings.tolerance
-            self._workspace = (self._workspace[0], np.empty(scratch_shape(order)))
-        if not system.laws.two_sided:
+        if not laws.two_sided:
             self._find_first_region()
         self._compile()
+
+    def _take_views(self) -> None:
+        """Take views of state and carry in the frame."""
+        frame = self._begun.frame
+        self._x, self._carry = self._w[frame.x : frame.carry], self._w[frame.carry : frame.increment]
 
     def _find_first_region(self) -> None:
         """Find the region in which the run begins: the loop itself tells two sides of one surface apart."""
@@ -123,12 +147,12 @@ class Runner:
     @property
     def direction(self) -> float:
         """Positive where time runs on, negative where it runs back, 0 before the run is advanced."""
-        return float(self._run["tau"][0])
+        return float(self._reals[_TAU])
 
     @property
     def t(self) -> float:
         """Time."""
-        return float(self._run["t"][0])
+        return float(self._reals[_T])
 
     @property
     def x(self) -> Floats:
@@ -138,12 +162,12 @@ class Runner:
     @property
     def mode(self) -> int:
         """Number of the mode occupied; `NO_MODE` before the first step."""
-        return int(self._run["mode"][0])
+        return int(self._wholes[_MODE])
 
     @property
     def first_mode(self) -> int:
         """Number of the mode in which the run began; `NO_MODE` before the first step."""
-        return int(self._run["first_mode"][0])
+        return int(self._wholes[_FIRST_MODE])
 
     @property
     def first_region(self) -> int:
@@ -158,27 +182,27 @@ class Runner:
     @property
     def samples(self) -> Floats:
         """(k, 3 + d) time, mode, length and state at the start of some steps; the length ends at a crossing."""
-        return self._samples[: int(self._run["samples"][0])]
+        return self._samples[: self._wholes[_SAMPLES_KEPT]]
 
     @property
     def longest(self) -> float:
         """The longest step that a method has chosen."""
-        return float(self._run["longest"][0])
+        return float(self._reals[_LONGEST])
 
     @property
     def steps(self) -> int:
         """Steps taken."""
-        return int(self._run["steps"][0])
+        return int(self._wholes[_STEPS])
 
     @property
     def evaluations(self) -> int:
         """Evaluations of the (discrete) field."""
-        return int(self._run["evaluations"][0])
+        return int(self._wholes[_EVALUATIONS])
 
     @property
     def crossing_count(self) -> int:
         """Number of crossings, kept or not."""
-        return int(self._run["crossings"][0])
+        return int(self._wholes[_CROSSINGS])
 
     @property
     def segment(self) -> int:
@@ -202,12 +226,12 @@ class Runner:
             elif self.settings.cancel is not None and self.settings.cancel():
                 self.status = Status.CANCELLED
             else:
-                if self._run["pending"][0] and not self._make_ready(sign):
+                if self._wholes[_PENDING] and not self._make_ready(sign):
                     break
                 self.status = self._chunk(record, keep_hits)
                 if self.status is Status.CORNER:
                     self._pass_corner(sign)
-                elif self.status in _AT_SURFACE and self._run["pending"][0] and self.crossing_count:
+                elif self.status in _AT_SURFACE and self._wholes[_PENDING] and self.crossing_count:
                     self._hit_chunks[-1][0]["mode"][-1] = NO_MODE  # the mode that followed could not be begun
                 if after is not None:
                     after()
@@ -224,15 +248,17 @@ class Runner:
 
     def _aim(self, t_end: float, record: bool) -> float:
         """Take a time to integrate to; returns the sign of the way there."""
-        run, sign = self._run, 1.0 if t_end >= self.t else -1.0
-        run["t_end"], run["tau"], run["record"] = t_end, sign * self.settings.tau, record
-        run["shift"] = sign * self.settings.shift
+        reals, sign = self._reals, 1.0 if t_end >= self.t else -1.0
+        reals[_T_END], reals[_TAU], reals[_SHIFT] = t_end, sign * self.settings.tau, sign * self.settings.shift
+        self._wholes[_RECORD] = record
+        for name in ("t_end", "tau", "shift") if self.log.records > 1 else ():
+            self._run[name] = self._run[name][0]  # also for the location of events
         return sign
 
     def _make_ready(self, direction: float) -> bool:
         """Make the pending mode ready to begin: compile it, or tell where it leads; returns whether that is known."""
         run = self._run
-        if not (asked := int(run["asked"][0])):
+        if not (asked := self._wholes[_ASKED]):
             self._modes.add(self.mode)
             self._compile()
             return True
@@ -250,7 +276,7 @@ class Runner:
     def _compile(self) -> None:
         """Compile the modes entered so far."""
         laws, modes = self.system.laws, tuple(sorted(self._modes))
-        self._compiled = compile_run(laws, self.method, self._levels, modes)
+        self._compiled = compile_run(laws, self.method, self._levels, modes, self.settings.events.functions)
         if self.method.adaptive:
             self._coefficients = np.empty((coefficient_rows(laws, modes), STRIDE))
 
@@ -314,6 +340,37 @@ class Runner:
         along = laws.pairs[self.mode - len(laws.regions)][2] if self.slides else None
         return surfaces_met(guards, int(run["guard"][0]), int(run["corner"][0]), along)
 
+    def follow(self, t: float, x: Floats, t_end: float, h: float, size: float) -> Growth | None:
+        """How the solution grows with the field of the mode; None where steps of the method do not tell.
+
+        Parameters
+        ----------
+        t, x
+            Time and state (d,) from which it is followed, to `t_end`.
+        h
+            Signed length of the first step.
+        size
+            As of `failure.growth_of`.
+        """
+        row, functions = int(self._table.first_rows[self.mode]), self._compiled.addresses
+        if functions[row, STEP] == 0:
+            return None
+        # Beyond bounds, what kind of growth it is makes the message; else that it grows is enough.
+        most = BOUND if self.status is Status.ESCAPED else 0.0
+        code = compiled_follow()(
+            functions, row, self.method.adaptive, self.method.conservative, self._p, self._begun.blank_frame.copy(),
+            self._coefficients, np.array((x, x)), t, t_end, h, size, most,
+        )  # fmt: skip
+        return None if code == UNKNOWN else Growth(code)
+
+    @property
+    def met(self) -> tuple[Singularity, float] | None:
+        """The singularity that a step from here would pass, and the length of the step; None if it passes none."""
+        number, t, h = self._w[SINGULARITY : SINGULAR_LENGTH + 1].tolist()
+        if number == 0.0 or self.mode == NO_MODE or t != self.t + self._reals[_T_CARRY]:
+            return None
+        return self.system.laws.mode(self.mode).singularities[int(number) - 1], h
+
     def blank(self, t_end: float) -> Blank:
         """What other runs to `t_end` begin from, of the same method and settings; before this one has begun."""
         self._aim(t_end, record=False)
@@ -321,7 +378,7 @@ class Runner:
         nodes, pieces = self._workspace
         return Blank(
             self._compiled.addresses, self._table.guards, self._run, self._w, self._coefficients, nodes, pieces,
-            self.envelope, self._samples, budget,
+            self.envelope, self._samples, self.log.arrays, budget,
         )  # fmt: skip
 
     def hits(self) -> tuple[NDArray[Any], Floats]:
@@ -334,10 +391,10 @@ class Runner:
     def copy(self) -> Runner:
         """An independent copy."""
         other = copy.copy(self)
-        other._run = copied_record(self._run)
-        other._w = self._w.copy()
-        frame = Frame(self.system.dimension, 0)
-        other._x, other._carry = other._w[frame.x : frame.carry], other._w[frame.carry : frame.increment]
+        other._record = self._record.copy()
+        other._run, other._reals, other._wholes = other._record.array, other._record.reals, other._record.wholes
+        other._w, other.log = self._w.copy(), self.log.copy()
+        other._take_views()
         other._samples = self._samples.copy()
         other._coefficients, other._workspace = self._coefficients.copy(), tuple(a.copy() for a in self._workspace)
         return other
@@ -370,26 +427,31 @@ class Runner:
         return crossings_of(hits[-count:], places[-count:], self.system.laws)
 
     def _chunk(self, record: bool, keep_hits: bool) -> Status:
-        budget = min(_CHUNK, self.settings.max_steps - self.steps)
-        size, d = (budget if record else 1), self.system.dimension  # without recording, one row that is never written
-        rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
-        crossings = _HITS_KEPT if keep_hits else _HITS_NOT_KEPT
-        hits = (np.empty(crossings, dtype=HIT), np.empty((crossings, 3, d)))
+        budget, d = min(_CHUNK, self.settings.max_steps - self.steps), len(self.start)
+        rows, rows_x = self._begun.nowhere
+        if record:
+            steps = (self._reals[_T_END] - self.t) / self._reals[_TAU]  # 0 where the method chooses them
+            size = min(max(self._room_for_rows, int(min(steps, _CHUNK)) + 2), budget)
+            rows, rows_x = np.empty(size, dtype=ROW), np.empty((size, d))
+            self._room_for_rows = min(_MORE * size, _CHUNK)
+        size = min(self._room_for_hits, _HITS_KEPT if keep_hits else _HITS_NOT_KEPT)
+        hits, places = np.empty(size, dtype=HIT), np.empty((size, 3, d))
+        saved = self.log.saved(self._run, self._w, self._samples)
         started = time.thread_time()
-        status = self._march(
+        status = self._begun.march(
             self._compiled.addresses, self._table.guards, self._run, self._p, self._w, d, self._coefficients,
-            *self._workspace, budget, rows, rows_x, *hits, self.envelope, self._samples,
+            *self._workspace, budget, rows, rows_x, hits, places, self.envelope, self._samples, *self.log.arrays,
         )  # fmt: skip
         self.seconds += time.thread_time() - started
-        self._collect(int(self._run["rows"][0]), rows, rows_x)
-        if n := int(self._run["hits"][0]):
-            chunk = (hits[0][:n], hits[1][:n])
+        if self._wholes[_CROWDED]:
+            for array, before in saved:
+                array[:] = before
+            self.log.make_room()
+            return self._chunk(record, keep_hits)
+        self.log.collect(self._wholes[_FOUND])
+        self.rows.collect(self._wholes[_ROWS], rows, rows_x)
+        if n := self._wholes[_HITS]:
+            self._room_for_hits = min(_MORE * size, _HITS_KEPT)
+            chunk = (hits[:n], places[:n])
             self._hit_chunks = [*self._hit_chunks, chunk] if keep_hits else [*self._hit_chunks[-1:], chunk]
-        return Status(status)
-
-    def _collect(self, n: int, rows: NDArray[Any], rows_x: Floats) -> None:
-        if n:
-            self.rows.t.append(rows["t"][:n])
-            self.rows.x.append(rows_x[:n])
-            self.rows.mode.append(rows["mode"][:n])
-            self.rows.segment.append(rows["segment"][:n])
+        return _STATUS[status]

@@ -49,7 +49,7 @@ def kinds_of(modes: Integers, regions: int) -> Integers:
     Modes are given by their numbers; those from the number of `regions` on slide.
     """
     before, after = modes[:-1], modes[1:]
-    return np.select([after >= regions, before >= regions, after == before], [2, 3, 1], 0)
+    return np.where(after >= regions, 2, np.where(before >= regions, 3, after == before))
 
 
 def crossed(met: Integers) -> Integers:

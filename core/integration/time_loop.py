@@ -13,14 +13,17 @@ import numba
 from numba import njit, types
 
 from core.kernels.abi import STEP, Frame, call
+from core.kernels.by_reference import by_reference
 from core.kernels.digest import source_digest
 from core.kernels.doubledouble.error_free import two_sum
 from core.kernels.jit import OPTIONS, inlined, internal
 from core.transition.entering import begin_mode, enter_first_mode
 from core.transition.event_location import BOUND, StepContext
+from core.transition.event_search import examine_piece, examine_plain_step
+from core.transition.event_watch import Watch, keep_start, note_transitions, watch_start
 from core.transition.mannshardt import RUNNING, advance, end_at_once
 from core.transition.plain_steps import accept_plain_step
-from core.transition.records import GUARD, HIT, NO_MODE, ROW, RUN
+from core.transition.records import EVENT, GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 from core.transition.surface import Log, guards_contradict, widen_envelope
 
@@ -86,12 +89,12 @@ def finish_step(run, x, rows, rows_x, samples):
 
 def march_signature() -> Any:
     """Types of the arguments and of the result of the loop, see `compiled_march`."""
-    guards, run, row, hit = (numba.from_dtype(d)[::1] for d in (GUARD, RUN, ROW, HIT))
+    guards, run, row, hit, events = (numba.from_dtype(d)[::1] for d in (GUARD, RUN, ROW, HIT, EVENT))
     vector, matrix, places = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
     whole = types.int64
     return whole(
         whole[:, ::1], guards, run, vector, vector, whole, matrix, matrix, matrix, whole,
-        row, matrix, hit, places, places, matrix,
+        row, matrix, hit, places, places, matrix, events, hit, places, vector, matrix,
     )  # fmt: skip
 
 
@@ -102,17 +105,19 @@ def compiled_march() -> Callable[..., int]:
     Returns
     -------
     march(functions, guards, run, p, w, d, scratch, nodes, pieces, budget,
-          rows, rows_x, hits, places, envelope, samples) -> int
+          rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series) -> int
         A Status. Takes up to `budget` steps or parts of steps, and leaves the records ready for the next call; RUNNING
         means that the budget or a buffer is used up, or that the mode to be entered is not compiled yet. See `abi` for
-        functions (rows, functions), p, the frame w and scratch, `records` for the guards (rows,) and records.
+        functions (rows, functions), p, the frame w and scratch, `records` for the guards (rows,) and records. Without
+        events, there is one record, and v and series are not used; for events see `event_search.Watch`, with the frame
+        v of their location.
     """
     sources, head = source_digest(__name__), Frame(0, 0).x
 
     @njit(march_signature(), cache=True, nogil=True, **OPTIONS)
     def march(
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
-        rows, rows_x, hits, places, envelope, samples,
+        rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         run = records[0]
@@ -120,10 +125,21 @@ def compiled_march() -> Callable[..., int]:
         increment, place = w[head + 2 * d : head + 3 * d], w[head + 3 * d : head + 4 * d]
         m = (w.size - head - 4 * d) // 3  # quantities for which the frame has room: see `Frame`
         residual = w[w.size - m : w.size - m + envelope.shape[1]]
-        context = StepContext(functions, guards, run, p, w, scratch, x, carry, increment, place, nodes, pieces)
-        log = Log(hits, places, residual, envelope)
-        run.rows = 0
-        run.hits = 0
+        context = by_reference(
+            StepContext(functions, guards, run, p, w, scratch, x, carry, increment, place, nodes, pieces)
+        )
+        log = by_reference(Log(hits, places, residual, envelope))
+        other = (
+            v[head : head + d],
+            v[head + d : head + 2 * d],
+            v[head + 2 * d : head + 3 * d],
+            v[head + 3 * d : head + 4 * d],
+        )
+        locating = by_reference(
+            StepContext(functions, guards, records[records.size // 2], p, v, scratch, *other, nodes, pieces)
+        )
+        watch = by_reference(Watch(records, events, found, found_x, series, guards.size))
+        run.rows = run.hits = run.found = 0
         if run.mode == NO_MODE:
             status = enter_first_mode(context)
             if status != RUNNING:
@@ -138,6 +154,8 @@ def compiled_march() -> Callable[..., int]:
             status = end_at_once(context, log)
             if status != RUNNING:
                 return status
+        if run.events > 0:
+            note_transitions(run, places, 0)
         if run.pending == 1:
             return RUNNING
         for _ in range(budget):
@@ -155,6 +173,10 @@ def compiled_march() -> Callable[..., int]:
                     run.final = 1
                 else:
                     h = run.tau
+            if run.events > 0:
+                if 2 * run.found > found.size or run.crowded == 1:
+                    return RUNNING
+                watch_start(locating, watch, x, carry)
             # Nearly every step is plain and taken here: passing so many arrays to `advance` costs more than the step.
             t, plain = run.t + run.t_carry, False
             if run.adaptive == 0:
@@ -169,13 +191,27 @@ def compiled_march() -> Callable[..., int]:
                     x[i], carry[i] = two_sum(x[i], carry[i] + increment[i])
                 run.t, run.t_carry = two_sum(run.t, h + run.t_carry)
                 run.rest = 0.0
+                if run.events > 0:
+                    status = examine_plain_step(locating, watch, x, carry, w, h, hits, places)
+                    if status != RUNNING:
+                        end_sample(run, run.t, samples)
+                        return status
             else:
                 hits_before = run.hits
+                if run.events > 0:
+                    keep_start(watch, w, v, d)
                 status = advance(context, log, h)
+                if run.events > 0 and run.taken != 0.0:
+                    ended = examine_piece(locating, watch, x, carry, w, h, run.taken, False, hits, places)
+                    if ended != RUNNING:
+                        end_sample(run, run.t, samples)
+                        return ended
                 if run.hits != hits_before:
                     end_sample(run, hits[run.hits - 1].t, samples)
                 while status == RUNNING and run.past > 0 and run.pending == 0 and run.hits < hits.size:
                     status = end_at_once(context, log)
+                if run.events > 0:
+                    note_transitions(run, places, hits_before)
                 if status == RUNNING and (run.pending == 1 or run.past > 0):
                     if run.rest == 0.0:
                         finish_step(run, x, rows, rows_x, samples)

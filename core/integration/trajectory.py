@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from core.integration.conserved_error import level_residual_along, psi_size, with_exits
 from core.integration.crossings import Crossings, Integers, side_columns, with_columns
 from core.integration.dense_output import Stepper, Track
+from core.integration.events import Events
+from core.integration.outcome import Ending, outcome
 from core.integration.tally import Tally, kinds_of
 from core.interface.arguments import numbers
 from core.kernels.arrays import Floats
@@ -57,8 +59,8 @@ class Trajectory:
     crossing_count: int
     """Number of crossings; with ``record="end"`` they are counted but not kept."""
     status: Status
-    outcome: str
-    """Where it stopped, why, and what to do about it."""
+    ending: Ending = field(repr=False)
+    """What `outcome` is found from."""
     steps: int
     """Steps taken."""
     evaluations: int
@@ -78,6 +80,8 @@ class Trajectory:
     """(k, 3 + d) time, mode, length and state at the start of some steps; the length ends at a crossing."""
     slides: bool = False
     """Whether the run was asked to slide along the surface where both fields point to it."""
+    events: Events = field(default_factory=Events)
+    """The events that `integrate` was asked for; the run is the same without them, but for where one ends it."""
 
     @property
     def tally(self) -> Tally:
@@ -115,6 +119,18 @@ class Trajectory:
             f"<Trajectory of {self.system.name!r} by {self.method}, {step}: t = {self.t[0]:.6g} … {self.t[-1]:.6g}, "
             f"states: {len(self.t)}, crossings: {self.crossing_count}, {self.status.name}>"
         )
+
+    @classmethod
+    def of_fields(cls, **fields: Any) -> Trajectory:
+        """Make a run from its fields, given by name; a frozen class takes four times as long."""
+        run = object.__new__(cls)
+        run.__dict__.update(fields)
+        return run
+
+    @cached_property
+    def outcome(self) -> str:
+        """Where it stopped, why, and what to do about it."""
+        return outcome(self.ending)
 
     @cached_property
     def message(self) -> str:

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from core.interface.cancelling import Cancel
 
-__all__ = ["GivenUp", "as_completed"]
+__all__ = ["GivenUp", "as_completed", "check_hooks"]
 
 Result = TypeVar("Result")
 
@@ -18,6 +18,15 @@ Result = TypeVar("Result")
 _OUTSTANDING = 256
 #: Seconds between two calls of `cancel`.
 _POLL = 0.05
+
+
+def check_hooks(cancel: Any, progress: Any, executor: Any = None) -> None:
+    """Raise ValueError unless cancel and progress can be called, and the executor is one; None is any of them."""
+    for name, hook in (("cancel", cancel), ("progress", progress)):
+        if hook is not None and not callable(hook):
+            raise ValueError(f"{name} = {hook!r}: a function is needed, or None")
+    if executor is not None and not isinstance(executor, Executor):
+        raise ValueError(f"executor = {executor!r}: an Executor of concurrent.futures is needed, or None")
 
 
 class GivenUp:

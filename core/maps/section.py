@@ -9,22 +9,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from core.ensemble import Ensemble, checked_members, integrate_all
+from core.ensemble import MOST, Ensemble, checked_discard, checked_members, integrate_all
 from core.integrate import checked_method, checked_settings, checked_span
 from core.integration.crossings import Integers
+from core.integration.events import NOTHING, Event, checked_direction, checked_events
 from core.integration.members import Wanted
-from core.interface.arguments import count, listed, number
+from core.interface.arguments import count, listed
 from core.interface.cancelling import Cancel
+from core.interface.tasks import check_hooks
 from core.kernels.arrays import Floats
-from core.maps.surface import with_surface
+from core.maps.surface import own_surface
 from core.methods import Method
-from core.symbolic.expressions import quoted
+from core.symbolic.source_text import quoted
 from core.systems import System, system_of
 
-__all__ = ["Section", "checked_wanted", "coordinate_numbers", "section"]
-
-#: Most points of a member, and most of them that are left out.
-_MOST = 10**12
+__all__ = ["Section", "coordinate_numbers", "section"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,20 +33,20 @@ class Section:
     coordinates: tuple[str, ...]
     """Names of the k variables that are the coordinates."""
     points: Floats
-    """(c, k) their values."""
+    """(c, k) their values; where a reset map acts, those after it."""
+    t: Floats
+    """(c,) times of the points."""
+    member: Integers
+    """(c,) number of the member of each point."""
     ensemble: Ensemble
-    """The members, their ends and all else that is known of the points: ``ensemble.crossings``."""
+    """The members, their ends, and all else that is known of the points: they are ``ensemble.crossings`` of a section
+    of the system's own surface, else ``ensemble.events``."""
 
     def __len__(self) -> int:
         return len(self.points)
 
     def __repr__(self) -> str:
         return f"<Section: {len(self)} points of {len(self.ensemble)} members in {', '.join(self.coordinates)}>"
-
-    @property
-    def member(self) -> Integers:
-        """(c,) number of the member of each point."""
-        return self.ensemble.crossings.member
 
     def return_map(self, coordinate: str | None = None) -> Floats:
         """Return (m, 2) pairs of a coordinate: at a point, and at the next one of the same member.
@@ -87,7 +86,7 @@ def section(
 ) -> Section:
     """Find where runs meet a surface: a Poincaré section.
 
-    Crossings of the surface are located like all others, whether anything switches there or not.
+    Where nothing switches there, the points are `events` of the runs, which are the same without them.
 
     Parameters
     ----------
@@ -98,9 +97,7 @@ def section(
     points
         Number of points of each member, at most. Memory is bounded by that, as of `ensemble`.
     of
-        h(t, x), an expression whose zeros are the surface: one of the system's own, or a further one of at most six in
-        all. None: the switching surface; of several surfaces, all. A member that touches it stops there, GRAZING, as at
-        any surface.
+        h(t, x), an expression whose zeros are the surface. None: the switching surface; of several surfaces, all.
     direction
         1: where h increases, −1: where it decreases, 0: both.
     coordinates
@@ -117,28 +114,27 @@ def section(
     ValueError
         On arguments that make no sense.
     """
+    check_hooks(cancel, progress, executor)
     own = system_of(system)
-    chosen, wanted = checked_method(own, method), checked_wanted(points, direction, discard)
-    surface = with_surface(own, of)
-    wanted = wanted._replace(surface=surface.number, way=wanted.way * surface.sign)
+    chosen, way, first = checked_method(own, method), checked_direction(direction), checked_discard(discard)
+    most, surface, events = count(points, "points", MOST), own_surface(own, of), NOTHING
+    if surface is None:
+        wanted, events = Wanted(events=1, discard=first), checked_events(own, Event(str(of), way))
+    else:
+        wanted = Wanted(surface=surface.number, way=way * surface.sign, discard=first, most=most)
     settings = checked_settings(
-        chosen, tau, tolerance, max_crossings=10**9, max_steps=max_steps, sliding=sliding
+        chosen, tau, tolerance, max_crossings=10**9, max_steps=max_steps, sliding=sliding, events=events,
+        max_events=first + most,
     )  # fmt: skip
     names = own.variables if coordinates is None else coordinates
     columns = coordinate_numbers(own.variables, names)
-    members = checked_members(surface.system, chosen, settings, checked_span(t_span), x0, parameters, wanted)
+    members = checked_members(own, chosen, settings, checked_span(t_span), x0, parameters, wanted)
     found = integrate_all(members, executor, cancel, progress)
-    return Section(tuple(names), found.crossings.x[:, columns], found)
-
-
-def checked_wanted(points: int, direction: int, discard: int) -> Wanted:
-    """Return which crossings are wanted, of a surface still to be named; ValueError if that makes no sense."""
-    if direction not in (-1, 0, 1):
-        raise ValueError(f"direction = {direction!r}: 1 where h increases, -1 where it decreases, 0 for both")
-    first = number(discard, "discard")
-    if first < 0 or first != int(first) or first > _MOST:
-        raise ValueError(f"discard = {discard!r}: a whole number from 0 to {_MOST:,} is needed")
-    return Wanted(way=int(direction), discard=int(first), most=count(points, "points", _MOST))
+    if surface is None:
+        t, x, member = found.events.t, found.events.x, found.events.member
+    else:
+        t, x, member = found.crossings.t, found.crossings.x_after, found.crossings.member
+    return Section(tuple(names), x[:, columns], t, member, found)
 
 
 def coordinate_numbers(variables: tuple[str, ...], names: tuple[str, ...]) -> list[int]:
@@ -147,6 +143,8 @@ def coordinate_numbers(variables: tuple[str, ...], names: tuple[str, ...]) -> li
     for name in given:
         if name not in variables:
             raise ValueError(f"{quoted(str(name))} is no variable; coordinates are some of {', '.join(variables)}")
+    if len(set(given)) < len(given):
+        raise ValueError(f"coordinates = {names!r}: a variable is given twice")
     if not given:
         raise ValueError(f"coordinates = {names!r}: at least one of {', '.join(variables)} is needed")
     return [variables.index(name) for name in given]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import inspect
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
@@ -10,16 +11,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.ensemble import Ensemble, ensemble
 from core.interface.arguments import choice, numbers
 from core.interface.cancelling import Cancel
+from core.interface.tasks import check_hooks
 from core.kernels.arrays import Floats
-from core.maps.section import section
-from core.system import Start
+from core.maps.section import Section, section
+from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 from core.transition.status import Status
 
 __all__ = ["Sweep", "sweep"]
 
+#: Roundings of a switching function below which a state is on the surface.
+_ON = 8.0
+#: Arguments of `section` that a sweep gives itself.
+_SET = ("parameters", "coordinates")
 _CONTINUATIONS = ("none", "up", "down")
 
 
@@ -32,11 +39,15 @@ class Sweep:
     values: Floats
     """(v,) values, as given."""
     statuses: tuple[Status, ...]
-    """(v,) how the run of each ended: CROSSING_LIMIT where it has all its points."""
+    """(v,) how the run of each ended: CROSSING_LIMIT, or EVENT_LIMIT, where it has all its points."""
     value: Floats
     """(c,) value of each point."""
     points: Floats
-    """(c,) coordinate of each point."""
+    """(c,) coordinate of each point; where a reset map acts, that after it."""
+    following: Floats
+    """(d,) state in which a continuation goes on, with further values."""
+    sides: Floats
+    """(surfaces,) signs of the switching functions there, if the parameter moves a surface: 0 on it; else empty."""
 
     def __len__(self) -> int:
         return len(self.points)
@@ -56,6 +67,7 @@ def sweep(
     points: int,
     discard: int = 0,
     continuation: str = "none",
+    after: Sweep | None = None,
     executor: Executor | None = None,
     cancel: Cancel | None = None,
     progress: Callable[[float], object] | None = None,
@@ -79,7 +91,11 @@ def sweep(
         Number of points for each value, and of those before which are left out, as of `section`.
     continuation
         "none": each run begins at x0, and all run side by side. "up", "down": each begins where the run of the next
-        smaller, or larger, value has ended, so that it follows a branch for as long as that attracts.
+        smaller, or larger, value has ended (or a little later, if the parameter moves a surface), so that it follows a
+        branch for as long as that attracts. The next begins at x0 after a run that has stopped, and where the surface
+        has moved over that state.
+    after
+        The part of a continuation before, which goes on from there.
     executor, cancel, progress
         As of `ensemble`; with a continuation, runs follow each other, and there is no use for an executor.
     **settings
@@ -95,6 +111,8 @@ def sweep(
     ValueError
         On arguments that make no sense.
     """
+    check_hooks(cancel, progress, executor)
+    _check_settings(settings)
     own = system_of(system)
     given = numbers(values, "values")
     if given.ndim != 1:
@@ -106,21 +124,62 @@ def sweep(
             own, t_span, start, {parameter: given}, executor=executor, progress=progress, **common
         )  # fmt: skip
         statuses = tuple(map(Status, found.ensemble.status.tolist()))
-        return Sweep(parameter, coordinate, given, statuses, given[found.member], found.points[:, 0])
+        return Sweep(
+            parameter, coordinate, given, statuses, given[found.member], found.points[:, 0], start, np.empty(0)
+        )
     ends = [Status.CANCELLED] * len(given)
     order = np.argsort(given, kind="stable")[:: 1 if continuation == "up" else -1]
     parts: dict[int, Floats] = {}
-    here = start
+    moves = any(symbol.name == parameter for g in own.laws.surfaces for symbol in g.free_symbols)
+    here, sides = (start, np.empty(0)) if after is None else (after.following, after.sides)
     for done, k in enumerate(order.tolist(), start=1):
         if cancel is not None and cancel():
             break
-        one = section(own, t_span, here, {parameter: given[k : k + 1]}, **common)
+        value = {parameter: given[k : k + 1]}
+        if len(sides) and (sides * _sides(own, t_span[0], here, value) < 0.0).any():
+            here = start
+        one = section(own, t_span, here, value, **common)
         ends[k], parts[k] = Status(int(one.ensemble.status[0])), one.points[:, 0]
-        here = one.ensemble.x[0] if ends[k] in (Status.CROSSING_LIMIT, Status.COMPLETED) else start
+        here = one.ensemble.x[0] if ends[k] in (Status.CROSSING_LIMIT, Status.EVENT_LIMIT, Status.COMPLETED) else start
+        if moves and ends[k] is Status.CROSSING_LIMIT:
+            on = _going_on(own, t_span[0], one, value, settings)
+            here = on.x[0] if on.status[0] == Status.COMPLETED else start
+        if moves:
+            sides = _sides(own, float(one.ensemble.t[0]), here, value)
         if progress is not None:
             progress(done / len(given))
     shown = [k for k in range(len(given)) if k in parts]
-    value = np.repeat(given[shown], [len(parts[k]) for k in shown])
-    return Sweep(
-        parameter, coordinate, given, tuple(ends), value, np.concatenate([np.empty(0), *(parts[k] for k in shown)])
-    )
+    repeated = np.repeat(given[shown], [len(parts[k]) for k in shown])
+    coordinates = np.concatenate([np.empty(0), *(parts[k] for k in shown)])
+    return Sweep(parameter, coordinate, given, tuple(ends), repeated, coordinates, here, sides)
+
+
+def _going_on(
+    own: PiecewiseSystem, t0: float, one: Section, value: Mapping[str, Floats], settings: Mapping[str, Any]
+) -> Ensemble:
+    """Continue a run by half of the mean time between two crossings.
+
+    Where it has ended, on the surface, would be beyond that of another parameter.
+    """
+    at, x = float(one.ensemble.t[0]), one.ensemble.x
+    later = at + (at - t0) / int(one.ensemble.crossing_count[0]) / 2
+    how = {name: given for name, given in settings.items() if name not in ("of", "direction")}
+    return ensemble(own, (at, later), x, value, **how)
+
+
+def _check_settings(settings: Mapping[str, Any]) -> None:
+    """Refuse arguments that `section` does not take, or that a sweep gives itself."""
+    own = {*inspect.signature(sweep).parameters, *_SET}
+    known = [name for name in inspect.signature(section).parameters if name not in own]
+    for name in settings:
+        if name not in known:
+            raise ValueError(f"{name} is no argument of a sweep; of those of section it takes {', '.join(known)}")
+
+
+def _sides(own: PiecewiseSystem, t: float, x: Floats, value: Mapping[str, Floats]) -> Floats:
+    """Return (surfaces,) signs of the switching functions at a state; 0 where it is on a surface, to rounding."""
+    laws = own.laws
+    p = np.array([value.get(name, np.array([given])) for name, given in own.values.items()])
+    both = laws.evaluate("surfaces", laws.surfaces_and_roundings, t, x[None], p)[0]
+    heights, roundings = np.split(both, 2)
+    return np.where(np.abs(heights) <= _ON * np.finfo(float).eps * roundings, 0.0, np.sign(heights))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.integration.crossings import Crossings
-from core.integration.outcome import reason
+from core.integration.outcome import ending_of, reason
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
 from core.integration.trajectory import Status
@@ -166,7 +166,7 @@ class _Path:
         """Advance by a stride; ValueError where the run has stopped before what is `wanted`."""
         runner, before = self._runner, self._runner.steps
         if self.stop is None and _advance(runner, runner.t + self._stride) is not Status.COMPLETED:
-            self.stop = Stop(runner.t, runner.x, reason(runner))
+            self.stop = Stop(runner.t, runner.x, reason(ending_of(runner)))
         if self.stop is not None:
             where = f"t = {self.stop.t:.16g}, x = {self.stop.x}"
             raise ValueError(f"the solution ends at {where}, before {wanted}: {self.stop.reason}")

@@ -16,7 +16,7 @@ from core.integration.tally import Tally, crossed
 from core.interface.arguments import count, listed, number
 from core.interface.cancelling import Cancel, Cancelled
 from core.interface.summary import Brief
-from core.interface.tasks import GivenUp, as_completed
+from core.interface.tasks import GivenUp, as_completed, check_hooks
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method
 from core.reference import reference_solution
@@ -180,6 +180,7 @@ def work_precision(
     ValueError
         On arguments that make no sense, and where the solution ends before `t_span` does.
     """
+    check_hooks(cancel, progress, executor)
     system = system_of(system)
     names = _checked_names(system, methods, peers)
     span = _checked_span(t_span)

@@ -16,6 +16,7 @@ from core.integration.runner import Runner
 from core.integration.trajectory import Status
 from core.interface.arguments import count, listed, number
 from core.interface.cancelling import Cancel, Cancelled
+from core.interface.tasks import check_hooks
 from core.kernels.arrays import Floats
 from core.methods import Method
 from core.reference import Solution, reference_solution
@@ -119,6 +120,7 @@ def order_study(
     ValueError
         On arguments that make no sense, and where the trajectory has fewer crossings than asked for.
     """
+    check_hooks(cancel, progress)
     system, t0 = system_of(system), number(t0, "t0")
     chosen = checked_method(system, method)
     if chosen.adaptive:

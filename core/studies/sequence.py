@@ -12,6 +12,7 @@ from core.integration.tally import KINDS, Tally, kinds_of
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 from core.system import PiecewiseSystem
+from core.transition.records import NO_MODE
 
 __all__ = ["CrossingSequence"]
 
@@ -32,8 +33,9 @@ class CrossingSequence:
     @classmethod
     def of(cls, run: Trajectory, until: float = np.inf) -> CrossingSequence:
         """Return that of the crossings up to a time after which a run continued."""
-        passed = run.crossings[run.crossings.t <= until].passed
-        return cls(run.system, passed.t, np.append(run.mode[:1], passed.mode))
+        met = run.crossings
+        passed = (met.t <= until) & (met.mode != NO_MODE)
+        return cls(run.system, met.t[passed], np.append(run.mode[:1], met.mode[passed]))
 
     @classmethod
     def labelled(cls, system: PiecewiseSystem, t: list[float], labels: list[int]) -> CrossingSequence:

@@ -24,6 +24,7 @@ _NAMES = (
     "coulomb_friction",
     "stick_slip",
     "bouncing_ball",
+    "vibrating_table",
     "diode_circuit",
     "relay_feedback",
     "gene_switch",
@@ -41,7 +42,7 @@ _NAMES = (
 
 
 class _Catalogue(Mapping[str, PiecewiseSystem]):
-    """The systems by name. Each is imported, and so parsed, on first use: all together take some 0.3 s."""
+    """The systems by name. Each is imported, and so parsed, on first use: all together take some seconds."""
 
     def __getitem__(self, name: str) -> PiecewiseSystem:
         if name not in _NAMES:

@@ -1,8 +1,9 @@
-"""Locate the first crossing in a step, on the scheme itself. Jitted; inlined into `time_loop`.
+"""Locate the first crossing, or event, in a step, on the scheme itself. Jitted; inlined into `time_loop`.
 
 Throughout, the *height* is σ = sign·g, the guard height of the mode occupied (positive inside), and the *rate* is dσ/dt
 in the direction of the run, negative while it approaches the surface. Of a mode with several guards, g stands for the
-one that is looked at, `run.guard`. Lengths s along a step have the sign of the step.
+one that is looked at, `run.guard`. Lengths s along a step have the sign of the step. An event function takes the place
+of the guard where `run.locating` is set.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -24,6 +25,7 @@ from core.kernels.abi import (
     ROUNDING_OF_STATE,
     STEP,
     UNIT,
+    G,
     call,
 )
 from core.kernels.doubledouble.arithmetic import fma
@@ -39,12 +41,16 @@ __all__ = [
     "SHORT",
     "TOUCH",
     "StepContext",
+    "g_rounding",
     "height_at_end",
     "isolate_root_of_series",
     "locate_by_scheme",
     "locate_crossing",
     "locate_near_root",
+    "newton",
+    "polynomial_root",
     "rate_at_end",
+    "root",
     "try_step",
     "write_end",
 ]
@@ -94,6 +100,8 @@ def try_step(context, t, s):
         return math.nan
     run.evaluations += count
     run.tried = s
+    if run.locating > 0:
+        evaluate_event_at_end(context, t + s)
     return height_at_end(context)
 
 
@@ -111,6 +119,15 @@ def write_end(context):
         place[i] = x[i] + (context.carry[i] + context.increment[i])
         size += abs(place[i])
     return size
+
+
+@internal
+def evaluate_event_at_end(context, t):
+    """Evaluate an event function and its rate at the end of the last trial step."""
+    run, w = context.run, context.w
+    write_end(context)
+    call(context.functions[run.row, EVALUATE], t, 0.0, context.p, w, context.scratch)
+    w[G_END], w[RATE_END] = w[G], w[RATES]
 
 
 @inlined
@@ -136,7 +153,7 @@ def rate_at_end(context):
     return math.copysign(1.0, run.tau) * run.sign * context.w[RATE_END + 2 * run.guard]
 
 
-@inlined
+@internal
 def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     """Value at σ = 0 of the cubic s(σ) that has the lengths and slopes ds/dσ of both ends."""
     width, drop = abs(high - low), f_high - f_low
@@ -146,7 +163,7 @@ def _inverse_interpolant(low, high, f_low, f_high, r_low, r_high):
     return low + part * (high - low)
 
 
-@inlined
+@internal
 def root(context, t, low, high, f_low, f_high, r_low, r_high):
     """Step length between low and high, where the height changes sign, at which it vanishes to round-off.
 
@@ -203,9 +220,9 @@ def dip(context, t, low, high, f_low, f_high, r_low, r_high):
 
 
 @internal
-def peak(context, t, high, r_low, r_high):
-    """Length in (0, high) with positive height or zero rate, by regula falsi (Illinois) and bisection on the rate."""
-    low, s, f, r = 0.0, high, 0.0, r_high
+def peak(context, t, low, high, r_low, r_high):
+    """Length in (low, high) with positive height or zero rate, by regula falsi (Illinois) and bisection on the rate."""
+    s, f, r = high, 0.0, r_high
     for k in range(_MAX_TRIALS):
         part = r_low / (r_low - r_high) if k % 3 < 2 and r_low > 0.0 else 0.5  # at a fold r_low is 0
         s = low + part * (high - low)
@@ -219,16 +236,16 @@ def peak(context, t, high, r_low, r_high):
     return s, f, r
 
 
-@inlined
-def locate_crossing(context, t, h, f_end, r_end):
-    """Locate the first crossing in a step of length h; the length up to it goes to run.hit.
+@internal
+def locate_crossing(context, t, begin, h, f_end, r_end):
+    """Locate the first crossing in a step between two lengths, begin and h; the length up to it goes to run.hit.
 
     Between two trial lengths the height is taken to be a cubic (Hermite). The signs of its Bernstein coefficients tell
     whether it has no root or one root there (Descartes). Where it may have more, or the rates show a minimum between,
     trial steps are taken in between.
     """
     run, nodes = context.run, context.nodes
-    s, f, r = 0.0, 0.0 if run.leaving == 1 else run.height, run.rate
+    s, f, r = begin, 0.0 if run.leaving == 1 else run.height, run.rate
     if run.leaving == 1 and run.guards > 1:  # another guard may have been evaluated last
         for i in range(context.x.size):
             context.place[i] = context.x[i]
@@ -250,7 +267,7 @@ def locate_crossing(context, t, h, f_end, r_end):
             run.hit = root(context, t, s, s1, f, f1, r, r1)
             return FOUND if run.hit == run.hit else FAILED
         if f == 0.0 and f1 <= 0.0 and r1 <= 0.0:  # the state has left the surface and returned
-            s, f, r = peak(context, t, s1, r, r1)
+            s, f, r = peak(context, t, s, s1, r, r1)
             if not f > 0.0:
                 run.hit = s
                 return TOUCH if -f <= _MARGIN * g_rounding(context, t + s) else FAILED
@@ -276,8 +293,8 @@ def locate_crossing(context, t, h, f_end, r_end):
     return FAILED
 
 
-@inlined
-def _polynomial_root(row, order, low, high):
+@internal
+def polynomial_root(row, order, low, high):
     """Root of Σ row[k] sᵏ between low, where it is positive, and high: by Newton's method, safeguarded by bisection."""
     s = low + 0.5 * (high - low)
     if abs(high - low) <= _NARROW * abs(high):
@@ -297,8 +314,8 @@ def _polynomial_root(row, order, low, high):
     return s
 
 
-@inlined
-def _newton(context, t, low, high):
+@internal
+def newton(context, t, low, high):
     """Correct run.hit by Newton's method on the scheme itself; returns whether a root between low and high is found."""
     run = context.run
     best, f_best, s, noise = run.hit, math.inf, run.hit, 0.0
@@ -327,16 +344,16 @@ def isolate_root_of_series(context, h):
     return first_root(context.scratch[context.x.size + run.guard], order, h * w[PER_UNIT], run.leaving, context.pieces)
 
 
-@inlined
+@internal
 def locate_near_root(context, t, low, high):
     """Locate a root of the Taylor polynomial on the scheme itself; returns whether the scheme has one nearby."""
     unit, order = context.w[UNIT], int(context.w[ORDER])
     row = context.scratch[context.x.size + context.run.guard]
-    context.run.hit = unit * _polynomial_root(row, order, low, high)
-    return _newton(context, t, unit * low, unit * high)
+    context.run.hit = unit * polynomial_root(row, order, low, high)
+    return newton(context, t, unit * low, unit * high)
 
 
-@inlined
+@internal
 def locate_by_scheme(context, t, h, f_end, r_end, kind, low, high):
     """Locate the first crossing where the Taylor polynomial of the height does not decide.
 
@@ -357,4 +374,4 @@ def locate_by_scheme(context, t, h, f_end, r_end, kind, low, high):
             return SHORT
     elif f_end > 0.0:  # else round-off hides a root at the end of the step
         return NONE
-    return locate_crossing(context, t, h, f_end, r_end)
+    return locate_crossing(context, t, 0.0, h, f_end, r_end)

@@ -47,7 +47,7 @@ _ZENO = int(Status.ZENO)
 _LONGEST_CHAIN = 16
 
 
-@inlined
+@internal
 def land(context, log, t):
     """Advance the state to the crossing found, displaced by the perturbation if any; returns whether the step succeeds.
 
@@ -70,6 +70,7 @@ def land(context, log, t):
         if run.hit * math.copysign(1.0, run.tau) < 0.0:
             run.hit = 0.0  # a start on the surface is not moved back in time
     advance_time(run, run.hit)
+    run.taken = run.hit
     if run.shift == 0.0:
         for i in range(x.size):
             place[i] = x[i]
@@ -84,7 +85,7 @@ def land(context, log, t):
     return True
 
 
-@inlined
+@internal
 def step_over(context, log, t, h):
     """Without a transition: accept the step, and switch modes at its end if a guard has changed sign."""
     run, x, w, place = context.run, context.x, context.w, context.place
@@ -100,7 +101,7 @@ def step_over(context, log, t, h):
         update_other_guards(run, w)
     accept_step(context)
     advance_time(run, h)
-    run.height, run.rate, run.chain = height, rate, 0
+    run.height, run.rate, run.chain, run.taken = height, rate, 0, h
     if height > 0.0:
         run.leaving = 0
         return RUNNING
@@ -113,7 +114,7 @@ def chord_to_zero(height, end):
     return height / (height - end) if height > 0.0 else 0.0
 
 
-@inlined
+@internal
 def look_at_first_passed(run, w):
     """Look at the guard that the chord of the step passes first, if any is not positive at its end."""
     first, least = 0, math.inf
@@ -126,7 +127,7 @@ def look_at_first_passed(run, w):
     look_at(run, w, first)
 
 
-@inlined
+@internal
 def locate_in_shorter_step(context, t, h):
     """Locate a crossing in a shorter step, after one of length h has failed; returns the result and its length."""
     run = context.run
@@ -136,7 +137,7 @@ def locate_in_shorter_step(context, t, h):
     if run.leaving == 0 and check_at_surface(context, t):
         run.hit = 0.0
         return FOUND, h
-    return locate_crossing(context, t, h, height_at_end(context), rate_at_end(context)), h
+    return locate_crossing(context, t, 0.0, h, height_at_end(context), rate_at_end(context)), h
 
 
 @inlined
@@ -147,7 +148,7 @@ def locate(context, t, h, kind, low, high):
     if run.adaptive == 1:
         found = locate_by_scheme(context, t, h, height, rate, kind, low, high)
     elif (h > 0.0) == (run.tau > 0.0):  # a step back from a perturbed crossing is not searched
-        found = locate_crossing(context, t, h, height, rate)
+        found = locate_crossing(context, t, 0.0, h, height, rate)
     if found == SHORT:
         h, run.final = run.hit, 0
         found = NONE
@@ -165,7 +166,7 @@ def end_step(context, t, h):
         update_other_guards(run, w)
     accept_step(context)
     advance_time(run, h)
-    run.height, run.rate = height, rate
+    run.height, run.rate, run.taken = height, rate, h
     run.leaving = 0 if height > 0.0 else run.leaving
     run.longest = max(run.longest, abs(h))
     run.chain = 0
@@ -213,7 +214,7 @@ def compare_guards(context, t, found, length):
     return found, length
 
 
-@inlined
+@internal
 def end_at_once(context, log):
     """End a mode that was entered beyond, or at, the zero of one of its guards and leads further."""
     run = context.run
@@ -234,7 +235,7 @@ def advance(context, log, h):
     run = context.run
     t, found = run.t + run.t_carry, FAILED
     kind, low, high = NO_ROOT, 0.0, 0.0
-    run.rest, run.tried = 0.0, math.nan
+    run.rest, run.tried, run.taken = 0.0, math.nan, 0.0
     if run.adaptive == 1:
         h = cut_to_prepared(context, t, h)
         if run.follow == 1:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-__all__ = ["GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN"]
+__all__ = ["EVENT", "GUARD", "HIT", "JUMP_ANYWHERE", "JUMP_TO_SURFACE", "NO_JUMP", "NO_MODE", "ROW", "RUN"]
 
 #: Mode of a run that has not entered any yet, or that has stopped at a surface; row where there is no mode.
 NO_MODE = -1
@@ -84,6 +84,16 @@ RUN = np.dtype(
         ("samples", np.int64),  # number of samples kept
         ("rows", np.int64),  # number of rows written since the last return
         ("hits", np.int64),  # number of crossings written since the last return
+        ("taken", np.float64),  # length by which `advance` has moved the state
+        ("events", np.int64),  # number of event functions
+        ("locating", np.int64),  # 0 in the run itself; in the record by which events are located in a step that has
+        # been taken: 1, or 2 once a variable-step method has prepared that step again
+        ("watching", np.int64),  # 1: the event functions are known at the state; else it has come there by a jump, or
+        # begins there (0), or has entered another mode there (2)
+        ("found", np.int64),  # number of events written since the last return
+        ("passed", np.int64),  # number of events
+        ("max_events", np.int64),
+        ("crowded", np.int64),  # 1: one step has more events than can be written
     ],
     align=True,
 )
@@ -91,7 +101,7 @@ RUN = np.dtype(
 #: A recorded step; its state is kept apart.
 ROW = np.dtype([("t", np.float64), ("mode", np.int64), ("segment", np.int64)], align=True)
 
-#: A crossing; its states are kept apart.
+#: A crossing or an event; its states are kept apart.
 HIT = np.dtype(
     [
         ("t", np.float64),
@@ -100,7 +110,27 @@ HIT = np.dtype(
         ("rate_after", np.float64),
         ("mode", np.int64),  # mode entered; NO_MODE if the run stopped here
         ("kind", np.int64),
-        ("surface", np.int64),  # number of the surface met; NO_MODE where sliding ends by itself
+        ("surface", np.int64),  # number of the surface met, NO_MODE where sliding ends by itself; or of the event
+        ("length", np.float64),  # length of the step that leads there
+    ],
+    align=True,
+)
+
+#: An event function h: what is asked of it, and what is known of it at the current state and at the end of a step.
+EVENT = np.dtype(
+    [
+        ("way", np.int64),  # 1: where h increases with time, −1: where it decreases, 0: both
+        ("ends", np.int64),  # 1: the run ends there
+        ("side", np.int64),  # sign of h before its next zero; 0 where h is zero and has not taken a sign yet
+        ("before", np.int64),  # its sign before the current state, where another mode has been entered
+        ("vanishes", np.int64),  # 1: it was zero along a whole step
+        ("undefined", np.int64),  # 1: it had no finite value somewhere
+        ("value", np.float64),  # h at the current state, its rate along the run, and a bound on the rounding of h
+        ("rate", np.float64),
+        ("noise", np.float64),
+        ("end_value", np.float64),  # the same at the end of the step
+        ("end_rate", np.float64),
+        ("end_noise", np.float64),
     ],
     align=True,
 )

@@ -25,6 +25,9 @@ class Status(IntEnum):
     UNSTABLE = 12
     CORNER = 13
     UNDECLARED = 14
+    EVENT = 15
+    EVENT_LIMIT = 16
+    SINGULAR = 17
 
     @property
     def reason(self) -> str:
@@ -102,6 +105,12 @@ _WORDS = {
         "the trajectory enters a region for which no law is declared",
         "Declare the law of that region (regions), or end the run before.",
     ),
+    Status.EVENT: ("an event took place that ends the run", "To go on, let the event not end it (terminal=False)."),
+    Status.EVENT_LIMIT: ("the limit of events is reached", "Raise the limit (max_events) to continue."),
+    Status.SINGULAR: (
+        "the next step passes a place where the field is not bounded",
+        "A solution that comes there ends: end the run before. If the exact one does not, take a smaller step size.",
+    ),
 }
 
 _WHILE_SLIDING = {
@@ -119,6 +128,7 @@ _WITHOUT_TAU = {
     "misses it.",
     Status.NO_CONVERGENCE: "The Taylor series is not defined here, as of a square root at zero: take prk8 instead.",
     Status.ESCAPED: "The solution may have a pole: end the run before it.",
+    Status.SINGULAR: "The solution ends there: end the run before.",
     Status.STEP_LIMIT: "Take a larger tolerance or an earlier end time, or raise the limit (max_steps).",
     Status.UNSTABLE: "Take a smaller tolerance.",
 }

@@ -206,7 +206,7 @@ def accumulates(run, w, surface):
     return w[visit + SHRINKING] >= _SHRUNK and gap * ratio <= _SPENT * abs(run.t) * (1.0 - ratio)
 
 
-@inlined
+@internal
 def switch_mode(context, log, found):
     """At the surface: jump, classify, record the crossing, and enter the next mode."""
     run, x = context.run, context.x
@@ -310,7 +310,7 @@ def leave_sliding(context, log, found):
 @inlined
 def record_crossing(run, hit, kind, mode, status):
     """Record how a crossing ends, and count it."""
-    hit.kind, hit.mode = kind, mode if status == _RUNNING else NO_MODE
+    hit.kind, hit.mode, hit.length = kind, mode if status == _RUNNING else NO_MODE, run.hit
     run.hits += 1
     run.crossings += 1
 

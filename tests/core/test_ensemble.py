@@ -169,3 +169,29 @@ def test_progress_rises_to_one_and_a_cancelled_member_is_where_it_began():
     while any(thread.name.startswith("ThreadPoolExecutor") for thread in threading.enumerate()):
         assert time.monotonic() < ends, "the threads go on for nobody"
         time.sleep(0.01)
+
+
+def test_members_that_end_before_any_crossing_take_no_memory_for_crossings():
+    """Each of them is left to `integrate`'s own loop; room was doubled for every one."""
+    found = core.ensemble(
+        "elliptic_curve", (0.0, 5.0), np.tile([1.5, 2.0], (60, 1)), tau=0.01, record="crossings", max_crossings=5
+    )
+    assert found.outcomes == {Status.ESCAPED: 60}
+    assert len(found.crossings) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"record": "events", "max_events": 3}, 'record="events": it needs events'),
+        ({"max_events": 3}, "max_events = 3: it needs events"),
+        (
+            {"record": "events", "events": "x", "max_events": 3, "discard": 4},
+            "discard = 4: a member has 3 events at most",
+        ),
+        ({"record": "crossings", "max_crossings": 3, "discard": 4}, "discard = 4: a member has 3 crossings at most"),
+    ],
+)
+def test_limits_that_leave_nothing_to_record_are_refused(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        core.ensemble("harmonic_oscillator", (0.0, 1.0), **arguments)

@@ -21,7 +21,8 @@ from core.codegen.functions import (
 )
 from core.codegen.step import StepCode
 from core.methods.taylor_step import prepare_step_text
-from core.symbolic.expressions import parse, to_text
+from core.symbolic.expressions import parse
+from core.symbolic.source_text import to_text
 from tests.families.drawn_functions import drawn_expression, evaluated
 
 PARAMETERS = {"k": core.Parameter("k", 1.3, (0.5, 2.5))}

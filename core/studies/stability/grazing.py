@@ -17,9 +17,10 @@ from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.reference import Solution
 from core.studies.sequence import CrossingSequence
+from core.studies.stability.errors import worst_error
 from core.studies.stability.plan import MAX_STEPS, Plan
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
-from core.studies.stability.verdict import start_at, worst_error
+from core.studies.stability.verdict import start_at
 
 __all__ = ["UNKNOWN", "Grazing", "count", "run"]
 

@@ -90,7 +90,7 @@ def _largest(plan: Plan, expected: Expected, method: str, cancel: Cancel) -> tup
 
     def trouble(tau: float) -> str:
         start, options = (plan.x0, plan.t_span[0]), (plan.transition, plan.sliding)
-        verdict = judge(plan.system, *start, expected, method, tau, MAX_STEPS, *options, cancel)
+        (verdict,) = judge(plan.system, *start, expected, method, [tau], MAX_STEPS, *options, cancel)
         if verdict.outcome != expected.status:
             return verdict.message
         if METHODS[method].conservative and verdict.error > _KEPT * expected.size:

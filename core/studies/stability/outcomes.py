@@ -92,7 +92,5 @@ def _column(plan: Plan, x0: tuple[float, ...], method: str, cancel: Cancel) -> t
     except ValueError as why:  # f or g is undefined there
         return NO_START, Tally(), [Verdict(NO_START, Tally(), np.nan, str(why))] * len(plan.taus)
     options = (plan.transition, plan.sliding, cancel)
-    verdicts = [
-        judge(plan.system, x0, plan.t_span[0], expected, method, float(tau), MAX_STEPS, *options) for tau in plan.taus
-    ]
+    verdicts = judge(plan.system, x0, plan.t_span[0], expected, method, plan.taus.tolist(), MAX_STEPS, *options)
     return int(expected.status), expected.crossings.tally, verdicts

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from core.interface.arguments import listed
 from core.interface.cancelling import Cancel
+from core.interface.tasks import check_hooks
 from core.methods import Method
 from core.studies.stability import drift, grazing, largest, outcomes
 from core.studies.stability.drift import Drift
@@ -130,6 +131,7 @@ def stability_study(
     ValueError
         On arguments that make no sense, naming the value and what would do.
     """
+    check_hooks(cancel, progress, executor)
     system = system_of(system)
     wanted = _checked_parts(parts)
     plan = checked_plan(system, t_span, x0, methods, taus, coordinate, values, tau, steps, transition, sliding, cancel)

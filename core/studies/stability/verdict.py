@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-
-import numpy as np
 
 from core.integrate import integrate
 from core.integration.tally import Tally
 from core.integration.trajectory import Status, Trajectory
 from core.interface.cancelling import Cancel, raise_if
 from core.studies.sequence import CrossingSequence
+from core.studies.stability.errors import worst_errors
 from core.system import PiecewiseSystem
 
 __all__ = [
@@ -27,7 +27,6 @@ __all__ = [
     "outcome_words",
     "reference_run",
     "start_at",
-    "worst_error",
 ]
 
 #: Tolerance of the reference.
@@ -42,6 +41,8 @@ _REFERENCE_STEPS = 20_000
 _BEYOND = 0.25
 #: Least distance of the horizon from a crossing, as part of the gap between crossings.
 _CLEAR = 0.25
+#: Number of recorded states of which the errors are evaluated together: few enough to stay in the processor's cache.
+_STATES = 20_000
 
 #: Outcome of a run that is not computed yet. Other outcomes are the values of `Status`, and the following.
 NOT_YET = 0
@@ -138,29 +139,41 @@ def expected_of(
 
 
 def judge(
-    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, tau: float,
+    system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, taus: Iterable[float],
     max_steps: int, transition: str = "mannshardt", sliding: str = "stop", cancel: Cancel | None = None,
-) -> Verdict:  # fmt: skip
-    """Run a method, and compare ending and crossings with the solution; raise `Cancelled` if told to stop."""
-    run = integrate(
-        system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps,
-        transition=transition, sliding=sliding, cancel=cancel,
-    )  # fmt: skip
-    raise_if(cancel)
+) -> list[Verdict]:  # fmt: skip
+    """Run a method with each step size, and compare ending and crossings with the solution.
+
+    Raises
+    ------
+    Cancelled
+        If told to stop.
+    """
+    verdicts: list[Verdict] = []
+    runs: list[Trajectory] = []
+    for tau in taus:
+        run = integrate(
+            system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps,
+            transition=transition, sliding=sliding, cancel=cancel,
+        )  # fmt: skip
+        raise_if(cancel)
+        runs.append(run)
+        if sum(len(run.t) for run in runs) > _STATES:
+            verdicts += _verdicts(runs, expected)
+            runs = []
+    return verdicts + _verdicts(runs, expected)
+
+
+def _verdicts(runs: list[Trajectory], expected: Expected) -> list[Verdict]:
+    errors = worst_errors(runs).tolist()
+    return [_verdict(run, expected, error) for run, error in zip(runs, errors, strict=True)]
+
+
+def _verdict(run: Trajectory, expected: Expected, error: float) -> Verdict:
     outcome, message, passed = int(run.status), run.status.reason, CrossingSequence.of(run)
     if run.status is not expected.status:
         if run.status is Status.COMPLETED:
             outcome, message = WENT_ON, f"it continues where the solution stops because {expected.status.reason}"
     elif run.status in _COUNTED and (difference := passed.difference(expected.crossings)):
         outcome, message = WRONG_CROSSINGS, difference
-    return Verdict(outcome, passed.tally, worst_error(run), message)
-
-
-def worst_error(run: Trajectory) -> float:
-    """Largest |Δψ| off the surface of a run that has recorded its steps, see `Trajectory.change_of_psi`.
-
-    nan where no ψ is known, where it is undefined, and for a run that has escaped or become unstable: its Δψ would be a
-    difference of huge numbers.
-    """
-    gone = run.status in (Status.ESCAPED, Status.UNSTABLE)
-    return np.nan if gone else float(np.fmax.reduce(run.change_of_psi()[~run.sliding], initial=np.nan))
+    return Verdict(outcome, passed.tally, error, message)

@@ -47,7 +47,7 @@ def test_states_keep_their_invariants_through_surfaces_of_sections():
     found = core.section("henon_heiles", (0.0, 1e5), of="y", points=300, direction=1, coordinates=("x", "u"), tau=0.05)
     assert found.coordinates == ("x", "u")
     assert found.points.shape == (300, 2)
-    energy = core.CATALOGUE["henon_heiles"].conserved(-1, 0.0, found.ensemble.crossings.x)
+    energy = core.CATALOGUE["henon_heiles"].conserved(-1, 0.0, found.ensemble.events.x)
     assert np.abs(energy - core.CATALOGUE["henon_heiles"].conserved(-1, 0.0, np.array(start))).max() < 1e-15
 
 
@@ -57,13 +57,13 @@ def test_sections_go_through_walls_and_through_regions_with_names():
     speed = np.abs(walls.points[:, 1])
     assert len(walls) > 10
     assert np.abs(walls.points[:, 0]).max() < 1e-12
-    for k, t in enumerate(walls.ensemble.crossings.t):
+    for k, t in enumerate(walls.t):
         assert run.at(t) == pytest.approx(walls.points[k], abs=1e-9)
     assert (np.diff(speed) <= 1e-9).all() or (np.diff(speed) >= -1e-9).all() or len(np.unique(speed.round(9))) > 1
     room = core.section("thermostat", (0.0, 30.0), of="T", points=50, direction=1, **FINE)
     run = core.integrate("thermostat", (0.0, 30.0), **FINE)
     assert len(room) > 3
-    for k, t in enumerate(room.ensemble.crossings.t):
+    for k, t in enumerate(room.t):
         assert run.at(t) == pytest.approx(room.points[k], abs=1e-9)
         assert run.at(t + 1e-3)[0] > 0.0 > run.at(t - 1e-3)[0]
 
@@ -92,7 +92,7 @@ def test_a_section_of_a_run_that_slides_has_the_points_of_that_run(of):
     found = core.section("stick_slip", (0.0, 60.0), of=of, points=50, sliding="continue", **FINE)
     run = core.integrate("stick_slip", (0.0, 60.0), sliding="continue", **FINE)
     assert len(found) > 6
-    for t, x in zip(found.ensemble.crossings.t, found.points, strict=True):
+    for t, x in zip(found.t, found.points, strict=True):
         assert run.at(t) == pytest.approx(x, abs=1e-8)
 
 
@@ -130,3 +130,15 @@ def test_a_coordinate_that_the_section_has_not_is_refused_by_its_return_map():
     found = core.section(VAN_DER_POL, (0.0, 20.0), of="v", points=2, coordinates=("x",), **FINE)
     with pytest.raises(ValueError, match="choose from x"):
         found.return_map("v")
+
+
+def test_a_coordinate_given_twice_is_refused():
+    with pytest.raises(ValueError, match="a variable is given twice"):
+        core.section(VAN_DER_POL, (0.0, 1.0), points=1, of="x", coordinates=("x", "x"))
+
+
+def test_points_on_a_surface_with_a_reset_map_are_the_states_after_it():
+    found = core.section("two_walls", (0.0, 40.0), points=20, **FINE)
+    crossings = found.ensemble.crossings
+    assert np.array_equal(found.points, crossings.x_after)
+    assert not np.array_equal(found.points, crossings.x)

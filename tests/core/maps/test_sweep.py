@@ -1,5 +1,7 @@
 """Sweeps: what runs leave on a surface for each value of a parameter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ SETTINGS = {"of": "y", "direction": 1, "points": 3, "discard": 12, "method": "ta
 
 def test_each_value_has_the_points_of_its_own_section():
     found = core.sweep(BOTH, (0.0, 1e3), "a", VALUES, "x", **SETTINGS)
-    assert found.statuses == (Status.CROSSING_LIMIT,) * 4
+    assert found.statuses == (Status.EVENT_LIMIT,) * 4
     for a in VALUES:
         alone = core.section(BOTH, (0.0, 1e3), None, {"a": a}, coordinates=("x",), **SETTINGS)
         assert np.array_equal(found.points[found.value == a], alone.points[:, 0])
@@ -33,6 +35,48 @@ def test_a_continuation_stays_on_its_branch_which_depends_on_the_way():
     for a, radius in cycle.items():
         assert down.points[down.value == a] == pytest.approx(radius, abs=1e-6)
     assert np.abs(down.points[down.value == -1.2]).max() < 1e-2
+
+
+#: A swing that meets a wall at x = p loses nothing: from x = 0.5 at rest, v² = 0.25 − p² there. Nothing is beyond it.
+WALL = core.PiecewiseSystem(
+    "A wall", ("x", "v"), surfaces=("x - p",), regions={"+": core.Region(f=("v", "-x"))}, jumps={0: ("x", "-v")},
+    parameters={"p": 0.0}, x0=(0.5, 0.0),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("continuation", ["up", "down"])
+def test_a_continuation_goes_on_beside_a_surface_that_the_parameter_moves(continuation):
+    values = np.linspace(-0.4, 0.4, 9)
+    found = core.sweep(
+        WALL, (0.0, 1e3), "p", values, "v", points=6, continuation=continuation, method="taylor", tolerance=1e-13
+    )
+    assert found.statuses == (Status.CROSSING_LIMIT,) * 9
+    assert found.points == pytest.approx(np.sqrt(0.25 - found.value**2), abs=1e-10), "after the reset map"
+
+
+def test_a_continuation_begins_anew_where_the_surface_has_moved_over_its_state():
+    """From x = 1.4 the swing about 1 would be behind the wall at 1.45; from x0 = 1.5 it meets it from above."""
+    both = core.PiecewiseSystem(
+        "A wall with two sides", ("x", "v"), f_minus=("v", "-x"), f_plus=("v", "1 - x"), g="x - p", jump=("x", "-v"),
+        parameters={"p": 0.0}, x0=(1.5, 0.0),
+    )  # fmt: skip
+    settings = {"points": 4, "continuation": "up", "method": "taylor", "tolerance": 1e-13}
+    first = core.sweep(both, (0.0, 1e2), "p", [0.6], "v", **settings)
+    moved = core.sweep(
+        both, (0.0, 1e2), "p", [1.45], "v", after=replace(first, following=np.array([1.4, 0.0])), **settings
+    )
+    assert len(moved) == 4
+    assert moved.points == pytest.approx(np.sqrt(0.25 - 0.45**2), abs=1e-10)
+
+
+def test_a_continuation_in_parts_is_that_of_the_whole():
+    whole = core.sweep(BOTH, (0.0, 1e3), "a", VALUES, "x", continuation="down", **SETTINGS)
+    found, points = None, []
+    for part in (VALUES[2:], VALUES[:2]):
+        found = core.sweep(BOTH, (0.0, 1e3), "a", part, "x", continuation="down", after=found, **SETTINGS)
+        points = [found.points, *points]
+    assert np.array_equal(np.concatenate(points), whole.points)
+    assert np.array_equal(found.following, whole.following)
 
 
 def test_a_cancelled_sweep_has_the_points_of_the_values_that_are_done():
@@ -53,6 +97,9 @@ def test_a_cancelled_sweep_has_the_points_of_the_values_that_are_done():
         ({"values": [[1.0]]}, "values has shape"),
         ({"values": [np.inf]}, "finite"),
         ({"coordinate": "z"}, "'z' is no variable"),
+        ({"foo": 1}, "foo is no argument of a sweep"),
+        ({"events": "x"}, "events is no argument of a sweep"),
+        ({"coordinates": ("x",)}, "coordinates is no argument of a sweep"),
         ({"continuation": "sideways"}, "choose from none, up, down"),
     ],
     ids=lambda part: part if isinstance(part, str) else "",

@@ -9,7 +9,8 @@ import pytest
 
 import core
 from core.studies.stability import NO_START, NOT_YET, PARTS, WENT_ON, WRONG_CROSSINGS, outcome_words, stability_study
-from core.studies.stability.verdict import expected_of, judge, worst_error
+from core.studies.stability.errors import worst_error, worst_errors
+from core.studies.stability.verdict import expected_of, judge
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
 HARMONIC = core.CATALOGUE["harmonic_oscillator"]
@@ -159,10 +160,20 @@ def test_the_error_of_a_verdict_is_the_largest_change_of_psi_along_the_run(name,
     assert worst_error(run) == np.abs(along).max() if along.size else np.isnan(worst_error(run))
 
 
+@pytest.mark.parametrize("name", ["elliptic_curve", "bouncing_ball", "stick_slip", "chua", "kepler"])
+def test_errors_of_many_runs_are_those_of_each_alone(name):
+    system = core.CATALOGUE[name]
+    starts = np.array(system.x0) + np.random.default_rng(0).uniform(-0.3, 0.3, (6, system.dimension))
+    runs = [core.integrate(system, (0.0, 9.0), x, 0.1, "rk2", max_crossings=500, sliding="continue") for x in starts]
+    alone = [np.fmax.reduce(run.change_of_psi()[~run.sliding], initial=np.nan) for run in runs]
+    alone = [np.nan if run.status.name in ("ESCAPED", "UNSTABLE") else e for run, e in zip(runs, alone, strict=True)]
+    assert np.array_equal(worst_errors(runs), alone, equal_nan=True)
+
+
 def test_a_verdict_and_the_run_that_it_is_about_tell_of_one_error():
     start, span = (1.0, 1.0), (0.0, 10.0)
     expected = expected_of(HARMONIC, start, span)
-    verdict = judge(HARMONIC, start, 0.0, expected, "rk2", 0.01, 10_000)
+    (verdict,) = judge(HARMONIC, start, 0.0, expected, "rk2", [0.01], 10_000)
     run = core.integrate(HARMONIC, (0.0, expected.horizon), start, tau=0.01, method="rk2")
     assert verdict.error == np.abs(run.accumulated_error()).max()
 

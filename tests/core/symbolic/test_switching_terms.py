@@ -1,7 +1,6 @@
 """Surfaces and smooth laws found in text with sign, abs, max, …, against numpy's functions of these names."""
 
 import ast
-import time
 from functools import reduce
 from itertools import combinations
 from typing import Any
@@ -12,10 +11,10 @@ import sympy
 
 from core.symbolic.expressions import SWITCHING, parse
 from core.symbolic.switching_terms import Found, read_switching
+from tests.bounds import bounded_time
 
 XV = ("x", "v")
 #: Seconds for a refusal: loose for a busy machine, all measure below 0.3 s.
-SECONDS = 2.0
 
 # The oracle: text evaluated by numpy ----------------------------------------------------------------------------------
 
@@ -133,7 +132,7 @@ def random_field(rng: np.random.Generator) -> tuple[tuple[str, ...], Found]:
 
 
 def test_the_law_of_each_region_is_the_field_there(draws):
-    for rng in draws(90):
+    for rng in draws(45):
         texts, found = random_field(rng)
         scale = rng.choice([0.7, 3.0])
         at = {name: rng.normal(scale=scale, size=2000) for name in ("x", "v", "t")}
@@ -155,7 +154,7 @@ def cells(lines: np.ndarray) -> set[str]:
 
 
 def test_between_lines_the_regions_are_exactly_those_that_occur(draws):
-    for rng in draws(12):
+    for rng in draws(6):
         check_cells(rng)
 
 
@@ -346,10 +345,8 @@ SEVEN = " + ".join(f"{k + 1}*sign(x - {k})" for k in range(7))
     ],
 )
 def test_what_cannot_be_read_is_refused_at_once_with_its_text_and_a_remedy(f, words):
-    start = time.process_time()
-    with pytest.raises(ValueError, match=r"^f\[1\]|^nothing") as caught:
+    with bounded_time(), pytest.raises(ValueError, match=r"^f\[1\]|^nothing") as caught:
         read_switching(XV, ("mu",), ("v", f))
-    assert time.process_time() - start < SECONDS
     assert words in str(caught.value)
     assert len(str(caught.value)) < 500
 
@@ -363,9 +360,8 @@ def test_what_cannot_be_read_is_refused_at_once_with_its_text_and_a_remedy(f, wo
     ],
 )
 def test_long_switching_functions_take_no_long_time(f):
-    start = time.process_time()
-    found = read_switching(XV, ("mu",), (f"sign({f})", "0"))
-    assert time.process_time() - start < SECONDS
+    with bounded_time():
+        found = read_switching(XV, ("mu",), (f"sign({f})", "0"))
     rng = np.random.default_rng(2)
     check_laws(found, (f"sign({f})", "0"), (), {name: rng.uniform(-2, 2, size=50) for name in ("x", "v", "mu")}, 50)
 

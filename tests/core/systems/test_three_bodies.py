@@ -5,6 +5,7 @@ import pytest
 
 import core
 from core import Status
+from tests.levels import deep_but
 
 BODIES = core.CATALOGUE["three_bodies"]
 EPS = 2.0**-52
@@ -20,7 +21,7 @@ def invariants(x):
     return np.column_stack([energy, p.sum(axis=1), turning])
 
 
-@pytest.mark.parametrize("method", ["dmm2", "prk8", "taylor"])
+@pytest.mark.parametrize("method", deep_but(["dmm2", "taylor"], ["dmm2", "prk8", "taylor"]))
 def test_what_is_conserved_stays_through_collisions(method):
     run = core.integrate(BODIES, (0.0, 40.0), tau=0.02, method=method)
     assert run.status is Status.COMPLETED
