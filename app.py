@@ -5,7 +5,7 @@ import sys
 import panel as pn
 
 from pwsviz.page.explorer import Explorer
-from pwsviz.server.catalogue import compile_beside_once
+from pwsviz.server.catalogue import compile_beside_once, declare_beside_once
 from pwsviz.server.sessions import send_pages_at_once
 
 # Seconds between thread switches. Computations run in threads beside the event loop; at Python's default of 5 ms a
@@ -14,4 +14,5 @@ sys.setswitchinterval(5e-4)
 pn.extension(respect_explicit_sizing=True)
 send_pages_at_once()
 Explorer().page().servable()
+declare_beside_once()
 pn.state.onload(compile_beside_once)

@@ -13,7 +13,7 @@ import core
 from core.studies import heyoka_integrator
 from pwsviz.bench.problems import Problem
 
-__all__ = ["HeyokaByRegion", "HeyokaEnsemble", "HeyokaRun", "has_heyoka"]
+__all__ = ["HeyokaBatches", "HeyokaByRegion", "HeyokaEnsemble", "HeyokaRun", "has_heyoka"]
 
 
 def has_heyoka() -> bool:
@@ -97,14 +97,51 @@ class HeyokaEnsemble:
         return np.array([one[0].state for one in hy.ensemble_propagate_until(self._integrator, end, len(x0), begin)])
 
 
+class HeyokaBatches:
+    """heyoka's ensemble_propagate_until_batch, which integrates as many members at once as the processor has lanes.
+
+    Parameters
+    ----------
+    problem, tolerance
+        As for `HeyokaRun`.
+    """
+
+    def __init__(self, problem: Problem, tolerance: float) -> None:
+        import heyoka as hy
+
+        self._problem, self._lanes = problem, hy.recommended_simd_size()
+        field, surface = _in_heyoka(problem)
+        event = hy.t_event_batch(surface, callback=_Switch(problem.levels[-1], problem.levels[1]))
+        start = np.repeat(np.array(problem.system.x0)[:, None], self._lanes, axis=1)
+        pars = np.zeros((1, self._lanes))
+        self._integrator = hy.taylor_adaptive_batch(field, start, pars=pars, tol=tolerance, t_events=[event])
+
+    def ends(self, x0: NDArray[np.float64], end: float) -> NDArray[np.float64]:
+        """Return the last states (n, d) of members that begin at x0 (n, d)."""
+        import heyoka as hy
+
+        lanes, batches = self._lanes, -(-len(x0) // self._lanes)
+        starts = np.resize(x0, (batches * lanes, x0.shape[1]))  # the last batch is filled up with the first members
+        above = self._problem.system.switching(0.0, starts) > 0
+        levels = np.where(above, self._problem.levels[1], self._problem.levels[-1])
+
+        def begin(one: Any, k: int) -> Any:
+            which = slice(k * lanes, (k + 1) * lanes)
+            one.state[:], one.pars[0] = starts[which].T, levels[which]
+            return one
+
+        ends = hy.ensemble_propagate_until_batch(self._integrator, end, batches, begin)
+        return np.concatenate([one[0].state.T for one in ends])[: len(x0)]
+
+
 class _Switch:
-    """Sets the coefficient of the integrator that crosses; heyoka copies it with the integrator."""
+    """Sets the coefficient of the integrator that crosses, or of a lane; heyoka copies it with the integrator."""
 
     def __init__(self, below: float, above: float) -> None:
         self.below, self.above = below, above
 
-    def __call__(self, integrator: Any, direction: int) -> bool:
-        integrator.pars[0] = self.above if direction > 0 else self.below
+    def __call__(self, integrator: Any, direction: int, *lane: int) -> bool:
+        integrator.pars[(0, *lane)] = self.above if direction > 0 else self.below
         return True
 
 
@@ -112,12 +149,20 @@ def _integrator(problem: Problem, tolerance: float, switch: Callable[[Any, int],
     """heyoka's integrator of a problem, with the surface as terminal event."""
     import heyoka as hy
 
+    field, surface = _in_heyoka(problem)
+    event = hy.t_event(surface, callback=switch)
+    start = np.array(problem.system.x0)
+    return hy.taylor_adaptive(field, start, pars=[0.0], tol=tolerance, t_events=[event], fast_math=fast_math)
+
+
+def _in_heyoka(problem: Problem) -> tuple[list[tuple[Any, Any]], Any]:
+    """Field and surface of a problem as heyoka's expressions."""
+    import heyoka as hy
+
     variables = hy.make_vars(*problem.system.variables)
     names = dict(zip(problem.system.laws.x, variables, strict=True)) | {problem.coefficient: hy.par[0]}
     field = [(v, hy.from_sympy(f, names)) for v, f in zip(variables, problem.field, strict=True)]
-    event = hy.t_event(hy.from_sympy(problem.surface, names), callback=switch)
-    start = np.array(problem.system.x0)
-    return hy.taylor_adaptive(field, start, pars=[0.0], tol=tolerance, t_events=[event], fast_math=fast_math)
+    return field, hy.from_sympy(problem.surface, names)
 
 
 class HeyokaByRegion:

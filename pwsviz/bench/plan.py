@@ -39,8 +39,12 @@ class Plan:
     """Systems for which the orders of all methods are fitted."""
     ensembles: tuple[str, ...]
     """Systems of which many members are integrated at once."""
+    drawn_ensembles: int
+    """Number of problems drawn at random of which many members are integrated, too."""
     members: int
     """Number of members of each."""
+    prange: bool
+    """Whether they are also integrated by a prange of numba, which takes some tens of seconds to compile once."""
 
 
 STANDARD = Plan(
@@ -57,7 +61,9 @@ STANDARD = Plan(
     perturbation_orders=(1, 2, 3),
     orders=("harmonic_oscillator", "elliptic_curve"),
     ensembles=("elliptic_curve", "pendulum"),
+    drawn_ensembles=2,
     members=100_000,
+    prange=True,
 )
 LONG = replace(STANDARD, drawn=40, drift_steps=(10**6, 10**7, 10**8), orders=tuple(core.CATALOGUE))
 QUICK = Plan(
@@ -74,5 +80,7 @@ QUICK = Plan(
     perturbation_orders=(),
     orders=("elliptic_curve",),
     ensembles=("elliptic_curve",),
+    drawn_ensembles=0,
     members=100,
+    prange=False,
 )

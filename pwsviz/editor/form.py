@@ -94,9 +94,6 @@ _HELP = {
 MORE = "Several surfaces, walls, hysteresis"
 """Title of the fields that few need."""
 
-_BUILT_IN = {system.name: system for system in core.CATALOGUE.values()}
-"""Systems of the catalogue, by the name that the menu shows."""
-
 Deliver = Callable[[Callable[[Any], None], Any], None]
 """Calls a function with its argument in the event loop of the page."""
 
@@ -135,7 +132,7 @@ class SystemEditor(pn.viewable.Viewer):
         self.texts = {name: self._make_text(name) for name in FIELDS}
         self.maths = {name: _markup_pane() for name in FIELDS}
         self.status = _markup_pane()
-        titles = [*([CURRENT] if current else []), BLANK, *EXAMPLES, *_BUILT_IN]
+        titles = [*([CURRENT] if current else []), BLANK, *EXAMPLES, *_built_in()]
         self.menu = pmui.MenuButton(
             label="Start from",
             items=[{"label": title} for title in titles],
@@ -202,8 +199,8 @@ class SystemEditor(pn.viewable.Viewer):
         title = item["label"]
         if title in EXAMPLES or title == BLANK:
             self.fill(EXAMPLES.get(title, Draft()))
-        elif title in _BUILT_IN:
-            self.load(_BUILT_IN[title])
+        elif title in (built_in := _built_in()):
+            self.load(built_in[title])
         else:
             self.start()
 
@@ -319,3 +316,8 @@ def _verdict(outcome: Checked) -> str:
 def _without_icons(words: str) -> str:
     """Return a text in which fields do not replace ``:material/name:`` by an icon."""
     return words.replace(":material/", ":\u2060material/")
+
+
+def _built_in() -> dict[str, core.PiecewiseSystem]:
+    """Return the systems of the catalogue by the names that the menu shows; to declare all of them takes seconds."""
+    return {system.name: system for system in core.CATALOGUE.values()}

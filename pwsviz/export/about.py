@@ -42,6 +42,7 @@ def about(scene: Scene, address: str = "", how: str = "") -> dict[str, str]:
         link = "none, the scene is too large"
     parts = {"program": release(), "link": link, "system": scene.declaration.name, "equations": _equations(scene)}
     return parts | {
+        "variables": f"{', '.join(scene.declaration.variables)}; a column of such a name has its values",
         "parameters": _parameters(scene),
         "starts": _starts(scene),
         "integration": how or _integration(scene),

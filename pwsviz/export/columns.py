@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
-__all__ = ["MEANINGS", "meanings"]
+from numpy.typing import NDArray
+
+__all__ = ["MEANINGS", "by_name", "meanings"]
 
 _TIME = "in the system's unit of time"
 
@@ -20,6 +23,7 @@ MEANINGS: Mapping[str, str] = {
     "side_entered": "sign of g on the side entered; 0 where the run slid from, or stopped",
     "change_of_psi": "|Δψ|, the numerical drift of ψ since the start; the largest over several ψ",
     "number": "number of the crossing in its run, from 1",
+    "point": "number of the point of its start, from 1; points left out first do not count",
     "kind": "kind of the crossing",
     "tau": f"step size τ, {_TIME}",
     "tolerance": "error of a step relative to the state",
@@ -37,6 +41,9 @@ MEANINGS: Mapping[str, str] = {
     "expected_crossings": "number of crossings and jumps of the solution",
     "slides": "how often sliding begins",
     "expected_slides": "how often sliding begins in the solution",
+    "value": "value of the parameter",
+    "ended": "how the run of a value ended",
+    "points": "number of its points",
     "correct_sequence": "whether the run has the crossings of the solution, in order",
     "as_the_solution": "whether the run ends as the solution does, with the same sequence of crossings",
     "largest_tau": f"largest step size that works, {_TIME}",
@@ -44,6 +51,14 @@ MEANINGS: Mapping[str, str] = {
     "delta": "distance of the start from the tangency",
 }
 """Meaning of each column by its name; the variables of a system need none."""
+
+
+def by_name(names: Sequence[str], columns: Iterable[NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return columns of variables or parameters by name, with a prefix where a column of ours has the same name."""
+    return {
+        f"variable_{name}" if name in MEANINGS or name == "about" else name: column
+        for name, column in zip(names, columns, strict=True)
+    }
 
 
 def meanings(names: Iterable[str]) -> str:

@@ -202,6 +202,10 @@ const of_width = (png, pixels_per_metre) => {
   return new Blob([png.slice(0, PNG_HEADER), chunk, png.slice(PNG_HEADER)], { type: png.type })
 }
 
+// jsPDF names the character collection of a font after its encoding; ISO 32000-1, 9.7.3, asks for that of the identity.
+// As long as before: the table at the end of the file tells where each object begins.
+const conforming = pdf => pdf.replaceAll("/Ordering (Identity-H)", "/Ordering (Identity)  ")
+
 const WRITERS = {
   async svg({ svg }) {
     return new Blob([new XMLSerializer().serializeToString(svg)], { type: "image/svg+xml" })
@@ -231,7 +235,7 @@ const WRITERS = {
     for (const style of ["normal", "italic", "bold"]) paper.addFont("font.ttf", FONT, style)
     paper.setFont(FONT)
     await paper.svg(svg, { x: 0, y: 0, width: size[0], height: size[1] })
-    return paper.output("blob")
+    return new Blob([Uint8Array.from(conforming(paper.output()), byte => byte.charCodeAt(0))], { type: "application/pdf" })
   },
 }
 

@@ -13,13 +13,17 @@ import core
 from pwsviz.results.requests import (
     CostInputs,
     Scheme,
+    SectionInputs,
     StabilityInputs,
     StudyInputs,
+    SweepInputs,
     run_inputs,
     sliding_of,
     transition_of,
 )
+from pwsviz.results.sections import HORIZON, section_arguments
 from pwsviz.results.studies import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
+from pwsviz.results.sweeps import sweep_arguments
 from pwsviz.scene.scene import OWN, Scene
 from pwsviz.scene.validation import MAX_STEPS
 
@@ -39,6 +43,10 @@ _USUAL: Mapping[str, object] = {
     "perturbation_scale": 1.0,
     "coordinate": 0,
     "peers": ("scipy",),
+    "discard": 0,
+    "continuation": "none",
+    "of": None,
+    "direction": 0,
 }
 """Defaults of `core`, which the program does not repeat."""
 
@@ -210,6 +218,52 @@ def stability_program(scene: Scene, inputs: StabilityInputs) -> str:
     keywords |= _at_surface(inputs)
     call = _call("study = core.stability_study", ("system", f"(0.0, {inputs.t_end!r})"), keywords)
     return f"# Stability.\n{call}\n{_FOUND[inputs.part]}"
+
+
+_WHOLE = "whole = core.Status.CROSSING_LIMIT, core.Status.EVENT_LIMIT  # of runs that have all their points"
+
+
+def sweep_program(inputs: SweepInputs) -> str:
+    """Return the lines that repeat a bifurcation diagram; none if the system has no parameter."""
+    if not inputs.parameter:
+        return ""
+    values = f"np.linspace({inputs.low!r}, {inputs.high!r}, {inputs.values})"
+    declared = inputs.problem.declaration
+    start = {} if repr(inputs.problem.x0) == repr(declared.x0) else {"x0": repr(inputs.problem.x0)}
+    given = sweep_arguments(inputs)
+    texts = _texts({name: one for name, one in given.items() if one is not None and one != _USUAL.get(name)})
+    texts |= {"tau": repr(inputs.tau), "max_steps": f"{MAX_STEPS:_}"}
+    call = _call(
+        "found = core.sweep",
+        ("system", f"(0.0, {inputs.t_end!r})", repr(inputs.parameter), values, repr(inputs.coordinate)),
+        start | texts,
+    )
+    return f"""\
+# The bifurcation diagram: found.points over found.value.
+{call}
+print(found)
+{_WHOLE}
+for status in sorted(set(found.statuses)):
+    ended = "all points found" if status in whole else status.reason
+    print(f"{{found.statuses.count(status)}} values: {{ended}}")"""
+
+
+def section_program(scene: Scene, inputs: SectionInputs) -> str:
+    """Return the lines that find the points of a Poincaré section."""
+    given = section_arguments(inputs)
+    usual = {**_USUAL, "of": None, "direction": 0, "discard": 0, "tau": None}
+    keywords = {name: repr(value) for name, value in given.items() if name not in usual or value != usual[name]}
+    keywords["max_steps"] = f"{given['max_steps']:_}"
+    start = {"x0": "starts"} if len(scene.starts) > 1 else _x0(scene)
+    call = _call("found = core.section", ("system", f"(0.0, {HORIZON!r})"), start | keywords)
+    return f"""\
+# The Poincaré section.
+{call}
+{_WHOLE}
+for k, status in enumerate(found.ensemble.status):
+    points = found.points[found.member == k]
+    ended = "all points found" if status in whole else core.Status(status).reason
+    print(f"start {{k + 1}}: {{len(points)}} points, {{ended}}; the last {{points[-1:]}}")"""
 
 
 # Pieces of text ------------------------------------------------------------------------------------------------------

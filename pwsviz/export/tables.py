@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from pwsviz.export.columns import MEANINGS
+from pwsviz.export.columns import by_name
 from pwsviz.export.files import Tables
 from pwsviz.results.requests import RunInputs
 from pwsviz.results.results import Pictures, PortraitInputs
+from pwsviz.results.sweeps import NO_START, Diagram
 
-__all__ = ["MOST_ROWS", "DrawnRun", "conserved_tables", "drawn_runs", "drawn_table", "portrait_tables"]
+__all__ = ["MOST_ROWS", "DrawnRun", "conserved_tables", "drawn_runs", "drawn_table", "portrait_tables", "sweep_tables"]
 
 MOST_ROWS = 2_000_000
 """Rows of a table, about; of runs that have more steps together, every k-th step of each is kept, and the last."""
@@ -81,7 +82,7 @@ def drawn_table(pictures: Pictures) -> Tables:
         return {
             "start": np.repeat([number for number, _ in numbered], lengths),
             "integrator": np.repeat([orbit.method for _, orbit in numbered], lengths),
-            **_by_name([variables[k] for k in pictures.inputs.axes], np.concatenate([o.path for _, o in numbered])),
+            **by_name([variables[k] for k in pictures.axes], np.concatenate([o.path for _, o in numbered]).T),
         }
 
     return {"drawn": drawn}
@@ -101,6 +102,34 @@ def conserved_tables(runs: Drawn) -> Tables:
     }
 
 
+def sweep_tables(found: Diagram) -> Tables:
+    """Return the points of a bifurcation diagram, value by value and in the order of time, and how each run ended.
+
+    Columns
+    -------
+    points: value, the coordinate by name;
+    values: value, points (how many), ended.
+    """
+
+    def points() -> Columns:
+        value, coordinate = found.sorted_points()
+        return {"value": value, **by_name([found.inputs.coordinate], [coordinate])}
+
+    def values() -> Columns:
+        there = found.done
+        ended = [_ended(*one) for one in zip(found.outcomes[there].tolist(), found.whole[there], strict=True)]
+        return {"value": found.values[there], "points": found.counts[there], "ended": np.array(ended)}
+
+    return {"points": points, "values": values}
+
+
+def _ended(code: int, whole: bool) -> str:
+    """Return in words how the run of a value ended."""
+    if whole:
+        return "all points found"
+    return "no run begins here" if code == NO_START else core.Status(code).reason
+
+
 def _kept(runs: Sequence[DrawnRun]) -> list[NDArray[np.intp]]:
     """Return the rows of each run that go into a table."""
     every = -(-sum(len(one.run.t) for one in runs) // MOST_ROWS)
@@ -113,7 +142,7 @@ def _states(drawn: DrawnRun, rows: NDArray[np.intp]) -> Columns:
     return {
         "step": rows,
         "t": run.t[rows],
-        **_by_name(run.system.variables, run.x[rows]),
+        **by_name(run.system.variables, run.x[rows].T),
         **_where("side", run.system, run.mode[rows]),
     }
 
@@ -130,7 +159,7 @@ def _changes(drawn: DrawnRun, rows: NDArray[np.intp]) -> Columns:
 
 def _crossings(drawn: DrawnRun, places: bool) -> Columns:
     met = drawn.run.crossings
-    at = _by_name(drawn.run.system.variables, met.x) if places else {}
+    at = by_name(drawn.run.system.variables, met.x.T) if places else {}
     entered = _where("side_entered", drawn.run.system, met.mode)
     return {"number": np.arange(1, 1 + len(met)), "t": met.t, **at, **entered, "kind": met.kind}
 
@@ -141,12 +170,6 @@ def _where(name: str, system: core.PiecewiseSystem, mode: NDArray[np.int64]) -> 
     if laws.two_sided:
         return {name: laws.sides[mode, 0]}
     return {name.replace("side", "region"): np.array([*map(laws.name, range(laws.count)), ""])[mode]}
-
-
-def _by_name(variables: Sequence[str], states: NDArray[np.float64]) -> Columns:
-    """Return the columns of states (n, d) by variable, with a prefix where a column of ours has the same name."""
-    names = [f"variable_{name}" if name in MEANINGS or name == "about" else name for name in variables]
-    return dict(zip(names, states.T, strict=True))
 
 
 def _stacked(runs: Sequence[DrawnRun], given: Iterable[Columns]) -> Columns:

@@ -10,8 +10,10 @@ from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 
+import core
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
+    BESIDE,
     LEVEL,
     OCCUPIED,
     assign,
@@ -28,6 +30,7 @@ from pwsviz.figures.style import (
     show_methods,
     side_strips,
     tips,
+    together,
     unseen,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
@@ -77,7 +80,7 @@ class ConservedView:
             y_axis_type="log",
             x_axis_label="time t",
             y_axis_label="numerical drift of ψ, |Δψ|",
-            x_range=DataRange1d(range_padding=0.0),
+            x_range=DataRange1d(range_padding=2 * BESIDE),
             y_range=DataRange1d(range_padding=0.06),
         )
         self._band_glyphs()
@@ -145,7 +148,7 @@ class ConservedView:
             Of the first integrator's run. Without them all crossings have the same marker, and a crossing under the
             pointer is marked in the portrait only if it has a mark there.
         """
-        lines = [line_of(curve.method) for curve in errors]
+        lines = together(line_of(curve.method) for curve in errors)
         heights = [drawable(curve.error[1:]) for curve in errors]
         self.curves.data = {
             "xs": [curve.t[1:] for curve in errors],  # without the start, where the change is 0 by definition
@@ -236,7 +239,10 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
 
 
 def _drift(curve: ErrorCurve) -> str:
-    """Say whether the error of one integrator is round-off, stays below a bound, rises or drifts; empty without ψ."""
+    """Say whether the error of one integrator is round-off, stays below a bound, rises or drifts; empty without ψ.
+
+    A small error of a method that does not conserve ψ is no round-off: it is only seen to stay below a bound.
+    """
     known = (np.isfinite(curve.error) | np.isinf(curve.error)) & ~curve.sliding
     t, error, round_off = curve.t[known], curve.error[known], curve.round_off[known]
     if not len(error):
@@ -249,12 +255,12 @@ def _drift(curve: ErrorCurve) -> str:
     if worst == 0:
         return f"{curve.method} conserves ψ exactly"
     small, steady = bool((error <= round_off).all()), STEADY / (ROUND_OFF * MACHINE_EPSILON)
-    if small or (error <= steady * round_off).all():
+    if core.METHODS[curve.method].conservative and (small or (error <= steady * round_off).all()):
         kind = "round-off" if small else "accumulated round-off"
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
     if curve.runs_off:
         return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {t[-1]:.4g}, where it runs off"
-    if late <= SEEN_TO_RISE * early:
+    if small or late <= SEEN_TO_RISE * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
     word = "drifts to" if late > DRIFT * early else "reaches"
     return f"{curve.method} {word} {rounded_up(worst)}{_relative(worst, size)} by t = {t[-1]:.4g}"

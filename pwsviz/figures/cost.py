@@ -24,8 +24,10 @@ from pwsviz.figures.cost_text import (
     error_of,
     setting_text,
 )
+from pwsviz.figures.legend_marks import MARK_COLUMNS, legend_marks, mark_columns
 from pwsviz.figures.style import (
     GREY,
+    WITH_TABLE,
     Line,
     assign,
     fit_to_corners,
@@ -35,6 +37,7 @@ from pwsviz.figures.style import (
     mark_levels,
     plain_figure,
     tips,
+    together,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -62,13 +65,16 @@ class CostView:
             y_axis_type="log",
             x_axis_label=ACROSS["seconds"],
             y_axis_label=UP["state"],
+            styles=WITH_TABLE,
             x_range=DataRange1d(range_padding=0.06),
             y_range=DataRange1d(range_padding=0.06),
         )
         plot = self.figure
         self._across, self._up = plot.xaxis[0], plot.yaxis[0]
         self.floor = mark_levels(plot, {1e-15: "round-off"})
-        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "width", "label")})
+        self.curves = ColumnDataSource(
+            {name: [] for name in ("xs", "ys", "colour", "dash", "width", "label", *MARK_COLUMNS)}
+        )
         lines = plot.multi_line(
             "xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width="width", line_alpha=0.85
         )
@@ -81,7 +87,8 @@ class CostView:
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         rows = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
         plot.add_tools(tips(rows, renderers=[points, hollow]))
-        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, lines), (WRONG, hollow)], usual=3)
+        keys = legend_marks(plot, self.curves)
+        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, [lines, keys]), (WRONG, hollow)], usual=3)
 
     def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
         """Draw a study, or the part that is computed.
@@ -105,9 +112,10 @@ class CostView:
             "xs": [one.cost for one in drawn],
             "ys": [one.height(bottom) for one in drawn],
             "colour": [one.line.colour for one in drawn],
-            "dash": [list(one.line.dash) for one in drawn],
+            "dash": [list(line.dash) for line in together(one.line for one in drawn)],
             "width": [min(one.line.width, 2.5) for one in drawn],
             "label": [one.curve.title for one in drawn],
+            **mark_columns([one.line.marker for one in drawn], True),
         }
         rows = [row for one in drawn for row in one.points(bottom)]
         for source, wanted in ((self.points, True), (self.wrong, False)):

@@ -76,7 +76,10 @@ def _cheapest(study: core.WorkPrecision, target: float, across: Across, up: Up) 
             cells += [NONE, NONE]
         else:
             cost, curve, k = best
-            cells += [f"{curve.title}, {setting_text(curve, k)}", cost_words(cost, across)]
+            told = cost_words(cost, across)
+            if across == "seconds":  # a number stays with its unit
+                told = told.replace(" ", "\u00a0")
+            cells += [f"{curve.title}, {setting_text(curve, k)}", told]
     return tuple(cells)
 
 

@@ -33,7 +33,7 @@ def extent(pictures: Pictures) -> Window:
         [orbit.focus for orbit in given if not (orbit.runs_off and stay)]
         for given in (pictures.orbits, pictures.others[:: len(pictures.orbits)])
     )
-    system, axes = pictures.inputs.selected[0].problem.build(), pictures.inputs.axes
+    system, axes = pictures.system, pictures.axes
     surface = closed_surface(system, Window.around(base.focus).scaled(COMPARABLE), axes)
     first = Window.around(np.concatenate([base.focus, surface]))
     points = np.concatenate([base.focus, surface, *orbits])

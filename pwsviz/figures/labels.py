@@ -56,9 +56,11 @@ const INSETS = [0.03, 0.1, 0.2, 0.3]  // of what is seen, between its edge and t
 const ALONG = 80    // points along an edge at which a surface is sought
 const CELLS = 36    // along the longer side of what is seen, by which regions are told apart
 const DEEP = 2      // cells around the label of a region, at least, that belong to it
-const TEXT = 0.6    // cells that a character of a label takes
+const CHARACTER = 7.2, LINE = 16  // pixels that a character of a label takes, and its line
 const [across, up] = ranges, width = across.end - across.start, height = up.end - up.start
 const cell = Math.max(width, height) / CELLS
+const frame = cb_context.index?.query_one(view => view.model.id == plot)?.frame.bbox
+const pixel = frame?.width > 0 ? width / frame.width : cell / 12
 const shown = { x: [], y: [], text: [], align: [], baseline: [], dx: [], dy: [] }
 const add = (x, y, text, align, baseline, dx, dy) => {
   for (const [name, value] of Object.entries({ x, y, text, align, baseline, dx, dy })) { shown[name].push(value) }
@@ -71,7 +73,7 @@ const column = x => Math.floor((x - across.start) / cell), row = y => Math.floor
 const number = (i, j) => i * 1000 + j
 const marked = new Set(marks.flatMap(({ data }) => Array.from(data.x, (x, k) => number(column(x), row(data.y[k])))))
 const extent = ({ x, text, align }) => {
-  const long = TEXT * text.length * cell
+  const long = CHARACTER * text.length * pixel
   const low = x - { left: 0, center: long / 2, right: long }[align]
   return [low, low + long]
 }
@@ -151,18 +153,23 @@ const nameRegions = () => {
   }
   const surfaces = shown.text.map((text, k) => {
     const [low, high] = extent({ x: shown.x[k], text, align: shown.align[k] })
-    return { low, high, y: shown.y[k] }
+    return { low, high, y: shown.y[k] + (shown.baseline[k] == "bottom" ? LINE / 2 * pixel : 0) }
   })
-  const free = ([x, y]) => surfaces.every(({ low, high, y: there }) =>
-    x < low - DEEP * cell || x > high + DEEP * cell || Math.abs(y - there) > DEEP * cell)
+  const apart = Math.max(LINE * pixel, cell)
+  const free = label => {
+    const [left, right] = extent(label)
+    const there = left > across.start && right < across.end
+    return there && surfaces.every(({ low, high, y }) =>
+      right < low - apart || left > high + apart || Math.abs(label.y - y) > 1.5 * apart)
+  }
   const bestPlace = (k, text, suits) => {
     let best = null, most = 0
     for (let j = rows - 1 - DEEP; j >= DEEP; j--) {
       for (let i = DEEP; i < columns - DEEP; i++) {
-        if (region[j][i] != k || depth[j][i] < DEEP || !free(place(i, j))) { continue }
+        if (region[j][i] != k || depth[j][i] < DEEP) { continue }
         const out = Math.max(Math.abs((i + 0.5) / columns - 0.5), Math.abs((j + 0.5) / rows - 0.5))
-        const score = out + depth[j][i] / CELLS, [x, y] = place(i, j)
-        if (score > most + 1e-9 && suits({ x, y, text, align: "center" })) { most = score; best = [x, y] }
+        const score = out + depth[j][i] / CELLS, [x, y] = place(i, j), label = { x, y, text, align: "center" }
+        if (score > most + 1e-9 && free(label) && suits(label)) { most = score; best = [x, y] }
       }
     }
     return best

@@ -10,9 +10,20 @@ from numpy.typing import ArrayLike
 
 from core import Status
 from pwsviz.figures.style import GREEN, GREY, ORANGE, PURPLE, VERMILION
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.orbits import End, Orbit
 
-__all__ = ["ENDS", "KIND_COLOURS", "KIND_MARKERS", "crossing_columns", "end_columns", "kind_columns"]
+__all__ = [
+    "ENDS",
+    "KIND_COLOURS",
+    "KIND_MARKERS",
+    "crossing_columns",
+    "end_columns",
+    "kind_columns",
+    "left_out",
+    "star_labels",
+]
 
 KIND_WORDS = {"transversal": "crossing", "sliding": "sliding begins", "leaving": "sliding ends", "corner": "corner"}
 """What legends call crossings of some kinds; others by their own name."""
@@ -29,6 +40,9 @@ KIND_COLOURS = {
 
 MOST_MARKS = 3000
 """Most crossings marked in one portrait, shared equally among its runs: more take a browser too long to paint."""
+
+NEAR_STARS = 1 / 35
+"""Distance of two stars, relative to the longer side of the view, within which one covers the number of the other."""
 
 MARK_SIZE = {True: 7, False: 5}
 """Diameter in pixels of the mark of a crossing: of the selected start, and of another one."""
@@ -51,11 +65,48 @@ ENDS = {
     Status.ZENO: EndLook("Zeno", "hex_dot", ORANGE),
     Status.ESCAPED: EndLook("blow-up", "circle_x", VERMILION),
     Status.UNSTABLE: EndLook("unstable", "circle_x", VERMILION),
+    Status.SINGULAR: EndLook("singular field", "circle_x", GREY),
     Status.NO_CONVERGENCE: EndLook("no solution", "circle_cross", GREY),
     Status.STEP_LIMIT: EndLook("step limit", "circle_cross", GREY),
     Status.CONTRADICTION: EndLook("defect", "circle_cross", GREY),
 }
 """Mark of an end by the status of the run; whatever stops a run has one."""
+
+
+def star_labels(starts: Sequence[tuple[float, float]], view: Window | None) -> tuple[list[str], list[str]]:
+    """Return the number in the star of each start, and beside it: of stars that cover one another, all numbers at once.
+
+    Parameters
+    ----------
+    starts : sequence of (float, float)
+        Where the stars are.
+    view : Window or None
+        What is seen, as far as it is known.
+    """
+    inside, beside = [str(k + 1) for k in range(len(starts))], [""] * len(starts)
+    near = 0.0 if view is None else NEAR_STARS * view.longest
+    for crowd in _crowds(np.array(starts, dtype=float).reshape(-1, 2), near):
+        rightmost = max(crowd, key=lambda k: starts[k][0])
+        beside[rightmost] = ", ".join(str(k + 1) for k in crowd)
+        for k in crowd:
+            inside[k] = ""
+    return inside, beside
+
+
+def _crowds(places: Floats, near: float) -> list[list[int]]:
+    """Return the groups of two or more places that hang together by distances of at most `near`."""
+    left, crowds = list(range(len(places))), []
+    while left:
+        crowd, reached = [left.pop(0)], 0
+        while reached < len(crowd):
+            away = places[left] - places[crowd[reached]]
+            joins = [k for k, there in zip(left, np.hypot(*away.T) <= near, strict=True) if there]
+            left = [k for k in left if k not in joins]
+            crowd += joins
+            reached += 1
+        if len(crowd) > 1:
+            crowds.append(sorted(crowd))
+    return crowds
 
 
 def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
@@ -78,7 +129,7 @@ def crossing_columns(orbits: Sequence[tuple[int, Orbit]], selected: int) -> dict
     selected : int
         Number of the selected start.
     """
-    most = max(1, MOST_MARKS // len(orbits))
+    most = _most_marks(len(orbits))
     marks = [(number, orbit, k) for number, orbit in orbits for k in range(min(len(orbit.kinds), most))]
     places = np.array([orbit.crossings[k] for _, orbit, k in marks]).reshape(-1, 2)
     chosen = [number == selected for number, _, _ in marks]
@@ -93,6 +144,17 @@ def crossing_columns(orbits: Sequence[tuple[int, Orbit]], selected: int) -> dict
         "chosen": chosen,
         "size": [MARK_SIZE[one] for one in chosen],
     }
+
+
+def left_out(orbits: Sequence[Orbit]) -> str:
+    """Say that not all places of crossings are marked, if they are too many."""
+    most = _most_marks(len(orbits))
+    marked, there = sum(min(len(one.kinds), most) for one in orbits), sum(one.places for one in orbits)
+    return f"Marked are {marked:,} of {there:,} places of crossings, the first of each run." if marked < there else ""
+
+
+def _most_marks(runs: int) -> int:
+    return max(1, MOST_MARKS // runs)
 
 
 def end_columns(orbits: Iterable[tuple[int, Orbit]]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from bokeh.models import ColumnDataSource, DataRange1d
 from numpy.typing import ArrayLike
 
 import core
+from pwsviz.figures.legend_marks import MARK_COLUMNS, legend_marks, mark_columns
 from pwsviz.figures.style import (
     GREEN,
     GREY,
@@ -211,12 +212,13 @@ class OrderView:
         plot = self.figure
         self.fits = ColumnDataSource({"xs": [], "ys": [], "colour": []})
         fits = plot.multi_line("xs", "ys", source=self.fits, color="colour", alpha=0.25, line_width=9, line_cap="round")
-        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label")})
+        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label", *MARK_COLUMNS)})
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
         self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "label")})
         marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
-        entries = [({"field": "label"}, lines), ({"field": "label"}, marks), ("fit", fits)]
+        keys = legend_marks(plot, self.curves)
+        entries = [({"field": "label"}, [lines, keys]), ({"field": "label"}, marks), ("fit", fits)]
         _, self._marks, _ = legend_below(plot, 2, entries, usual=5)
 
     def show(self, shown: Sequence[Studied]) -> None:
@@ -229,6 +231,8 @@ class OrderView:
             "colour": [one.line.colour for one in drawn],
             "dash": [list(one.line.dash) for one in drawn],
             "label": [one.label for one in drawn],
+            # Of several integrators the marks tell rows, not methods, and have entries of their own.
+            **mark_columns([one.marker for one in drawn], not several),
         }
         counts = [int(one.there.sum()) for one in drawn]
         self.points.data = {

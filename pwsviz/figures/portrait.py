@@ -20,7 +20,7 @@ import core
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
-from pwsviz.figures.marks import crossing_columns, end_columns
+from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     ORANGE,
@@ -37,13 +37,16 @@ from pwsviz.figures.style import (
     refit,
     show_methods,
     tips,
+    together,
     unseen,
 )
 from pwsviz.figures.touch import attach_touch
+from pwsviz.geometry.first_view import with_room
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.projection import Axes, axis_labels
 from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
+from pwsviz.text.math_names import variable_name
 
 PALE_STAR = "#F7DDA2"
 """Fill of the stars of other starts, on which a black number is legible."""
@@ -203,13 +206,15 @@ class PortraitView:
 
     def _start_glyphs(self) -> None:
         plot = self.figure
-        columns = ("x", "y", "number", "size", "fill", "chosen", "heard")
+        columns = ("x", "y", "number", "crowd", "size", "fill", "chosen", "heard")
         self.starts = unseen(columns)
         look: dict[str, Any] = {"size": "size", "fill_color": "fill", "line_color": RIM, "line_width": 1.2}
         self.stars = plot.add_glyph(self.starts, Scatter(marker="star", **look))
         letters: dict[str, Any] = {"text_color": "black", "text_font_size": "10px", "text_font_style": "bold"}
         centred: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "y_offset": 1}
         plot.add_glyph(self.starts, Text(text="number", **letters, **centred))
+        beside: dict[str, Any] = {"text_align": "left", "text_baseline": "bottom", "x_offset": 9, "y_offset": -5}
+        plot.add_glyph(self.starts, Text(text="crowd", **{**letters, "text_color": RIM}, **beside))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size")})
         look = {"size": "size", "fill_color": "colour", "line_color": "white", "line_width": 1.5}
         plot.add_glyph(self.moving, Scatter(marker="marker", **look))
@@ -242,6 +247,7 @@ class PortraitView:
             bounds = np.array([across.start, across.end, up.start, up.end], dtype=float)
             if np.isfinite(bounds).all():
                 self._visible = Window(*bounds.tolist())
+                self._number_stars()
                 on_window(self._visible)
 
         for axis in (across, up):
@@ -291,13 +297,13 @@ class PortraitView:
         system : core.PiecewiseSystem
             The system.
         pictures : Pictures
-            The curves, in the plane of ``pictures.inputs.axes``.
+            The curves, in the plane of ``pictures.axes``.
         starts : sequence of (float, float)
             The present starts in that plane; the user may have moved them since the curves were submitted.
         selected : int
             Index of the selected start.
         """
-        axes = pictures.inputs.axes
+        axes = pictures.axes
         self._name(system, axes)
         self.orbits.data = _curves(pictures.orbits)
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
@@ -314,10 +320,12 @@ class PortraitView:
     def show_starts(self, starts: Sequence[tuple[float, float]], selected: int) -> None:
         """Put the stars at the starts; after a refused move this puts its star back."""
         chosen = [k == selected for k in range(len(starts))]
+        numbers, crowds = star_labels(starts, self._visible or self.frame)
         self.starts.data = {  # sent after each gesture, as `heard` differs: the browser may have moved them by itself
             "x": [float(x) for x, _ in starts],
             "y": [float(y) for _, y in starts],
-            "number": [str(k + 1) for k in range(len(starts))],
+            "number": numbers,
+            "crowd": crowds,
             "size": [26 if it else 21 for it in chosen],
             "fill": [ORANGE if it else PALE_STAR for it in chosen],
             "chosen": chosen,
@@ -325,19 +333,26 @@ class PortraitView:
         }
         self.ground.keep_clear()
 
+    def _number_stars(self) -> None:
+        """Number the stars anew where the view tells others apart."""
+        x, y = self.starts.data["x"], self.starts.data["y"]
+        numbers, crowds = star_labels(list(zip(x, y, strict=True)), self._visible or self.frame)
+        if self._pictures is not None and crowds != list(self.starts.data["crowd"]):
+            self.starts.data = {**self.starts.data, "number": numbers, "crowd": crowds}
+
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""
         if self._named == (system, axes):
             return
         self._named = system, axes
         self.figure.xaxis.axis_label, self.figure.yaxis.axis_label = axis_labels(system, axes)
-        self._names = system.variables[axes[0]], system.variables[axes[1]]
+        self._names = variable_name(system.variables[axes[0]]), variable_name(system.variables[axes[1]])
         self.ground.name(system, axes)
 
     def fit(self) -> None:
         """Let the view show the trajectories drawn last."""
         if self._pictures is not None:
-            self.look_at(extent(self._pictures).scaled(ROOM))
+            self.look_at(with_room(self._pictures.system, extent(self._pictures).scaled(ROOM)))
 
     def look_at(self, window: Window) -> None:
         """Let the view show at least this part of the plane, as large as the screen and equal scales allow."""
@@ -347,6 +362,7 @@ class PortraitView:
             axis.min_interval = 1e-9 * power_of_ten(max(map(abs, window)))
             axis.max_interval = 1e4 * power_of_ten(max(window.width, window.height))
         refit(self.figure)
+        self._number_stars()
 
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
@@ -354,7 +370,7 @@ class PortraitView:
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
-    lines = [line_of(orbit.method) for orbit in orbits]
+    lines = together(line_of(orbit.method) for orbit in orbits)
     return {
         "xs": [orbit.path[:, 0] for orbit in orbits],
         "ys": [orbit.path[:, 1] for orbit in orbits],

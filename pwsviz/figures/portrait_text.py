@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import core
 from core.symbolic import to_text
-from pwsviz.figures.marks import ENDS
+from pwsviz.figures.marks import ENDS, left_out
 from pwsviz.geometry.projection import (
     PLANE,
     Axes,
@@ -19,6 +19,7 @@ from pwsviz.geometry.projection import (
 )
 from pwsviz.results.results import Pictures
 from pwsviz.scene.names import readable
+from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import listed
 
 __all__ = ["SUMMARY", "figures_of", "portrait_note", "portrait_text"]
@@ -30,7 +31,7 @@ def portrait_text(
     system: core.PiecewiseSystem, pictures: Pictures, starts: Sequence[tuple[float, float]], selected: int
 ) -> str:
     """Return what the portrait shows, in sentences for screen readers."""
-    across, up = (system.variables[k] for k in pictures.inputs.axes)
+    across, up = (variable_name(system.variables[k]) for k in pictures.axes)
     x, y = starts[selected]
     count = len(starts)
     which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
@@ -39,7 +40,11 @@ def portrait_text(
 
 
 def figures_of(pictures: Pictures) -> str:
-    """Return of which start the figures below the portrait are, and which others stop early; empty if there is one."""
+    """Return of which start the figures below the portrait are, which others stop early, and what is not marked."""
+    return " ".join(filter(None, (_which_start(pictures), left_out([*pictures.orbits, *pictures.others]))))
+
+
+def _which_start(pictures: Pictures) -> str:
     count, index = pictures.inputs.start_count, pictures.inputs.index
     if count == 1:
         return ""
@@ -55,7 +60,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
     """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
     sentences = []
     if system.dimension > PLANE:
-        plane = ", ".join(system.variables[k] for k in axes)
+        plane = ", ".join(variable_name(system.variables[k]) for k in axes)
         sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
         shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
         if hidden := [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]:

@@ -13,6 +13,7 @@ from core.studies import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
 from pwsviz.figures.stability_text import side_words, wrong_number
 from pwsviz.figures.style import (
+    BESIDE,
     VERMILION,
     assign,
     fit_to_corners,
@@ -21,6 +22,7 @@ from pwsviz.figures.style import (
     mark_levels,
     plain_figure,
     tips,
+    together,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -43,7 +45,7 @@ class DriftFigure:
             y_axis_type="log",
             x_axis_label="time since the start",
             y_axis_label="numerical drift of ψ, |Δψ|",
-            x_range=DataRange1d(range_padding=0.02),
+            x_range=DataRange1d(range_padding=2 * BESIDE),
             y_range=DataRange1d(range_padding=0.06),
         )
         plot = self.figure
@@ -90,7 +92,7 @@ class GrazingFigure:
             y_axis_type="log",
             x_axis_label="distance δ of the start from the tangency",
             y_axis_label="largest |Δψ|",
-            x_range=DataRange1d(range_padding=0.04),
+            x_range=DataRange1d(range_padding=0.07),
             y_range=DataRange1d(range_padding=0.06),
         )
         plot = self.figure
@@ -150,7 +152,7 @@ def _lines(plot: Any, source: ColumnDataSource) -> Any:
 
 def _columns(methods: tuple[str, ...], xs: list[Floats], ys: list[Floats]) -> dict[str, list[Any]]:
     """Return the columns of curves, one for each of the integrators named."""
-    lines = [line_of(name) for name in methods]
+    lines = together(map(line_of, methods))
     return {
         "xs": xs,
         "ys": ys,

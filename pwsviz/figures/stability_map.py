@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 import core
 from core.studies import NOT_YET, OutcomeMap
 from pwsviz.figures.stability_outcomes import OUTCOMES, lasts, outcomes_shown
-from pwsviz.figures.style import GREY, assign, fit_to_corners, legend_below, line_of, plain_figure, tips
+from pwsviz.figures.style import GREY, assign, fit_to_corners, legend_below, line_of, plain_figure, tips, together
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 
 __all__ = ["NO_VALUE", "Choose", "MapFigure", "Shown"]
@@ -110,7 +111,7 @@ class MapFigure:
 
     def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
         """Draw what is computed of the map of one integrator, and the largest step size of each integrator."""
-        self.figure.yaxis[0].axis_label = f"{study.coordinate_name} at the start"
+        self.figure.yaxis[0].axis_label = f"{variable_name(study.coordinate_name)} at the start"
         cells = {} if study.map is None else _cells(study.map, study.methods.index(method))
         known, whole = np.isfinite(cells.get("height", np.empty(0))), cells.get("lasts", np.empty(0, dtype=bool))
         every = np.ones(len(known), dtype=bool)
@@ -143,7 +144,7 @@ class MapFigure:
             "y": [bottom] * len(there),
             "text": [f" {name}" for name in names],
             "colour": [line_of(name).colour for name in names],
-            "dash": [list(line_of(name).dash) for name in names],
+            "dash": [list(line.dash) for line in together(map(line_of, names))],
         }
 
 

@@ -33,6 +33,7 @@ OUTCOMES: Mapping[int, Outcome] = {
     Status.UNSTABLE: Outcome("the scheme leaves the solution", "#7f1d1d"),
     Status.CONTRADICTION: Outcome("an error of the program", "#000000"),
     Status.NO_CONVERGENCE: Outcome("a step has no solution", PURPLE),
+    Status.SINGULAR: Outcome("a step passes a singularity", "#db2777"),
     Status.SLIDING: Outcome("stops: sliding", GREEN),
     Status.GRAZING: Outcome("stops: touches the surface", BROWN),
     Status.ZENO: Outcome("stops: crossings accumulate", VIOLET),

@@ -14,6 +14,7 @@ from bokeh.models.renderers import GlyphRenderer
 import core
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
+    BESIDE,
     HEIGHT,
     OCCUPIED,
     ROOM,
@@ -26,11 +27,13 @@ from pwsviz.figures.style import (
     segments,
     side_strips,
     tips,
+    together,
     unseen,
 )
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.states import StateCurves
+from pwsviz.text.math_names import variable_name
 
 MOST_PANELS = 6
 """Most coordinates that are drawn: more panels would be too flat."""
@@ -43,9 +46,6 @@ WIDEST = 3.0
 
 LEGEND_HEIGHT = 64
 """Pixels of the lowest panel that its legend and the label of its axis take."""
-
-BESIDE = 0.01
-"""Part of the time that the axis shows before the start and after the end."""
 
 LEFT = 64
 """Pixels left of each panel, so that their axes stand below one another."""
@@ -109,7 +109,7 @@ class Panel:
 
     def place(self, name: str, panels: int, lowest: bool) -> None:
         """Name the coordinate, and give the panel its part of the height; the lowest one has the legend."""
-        self.figure.yaxis.axis_label = name
+        self.figure.yaxis.axis_label = variable_name(name)
         self.figure.xaxis.axis_label = "time t" if lowest else None
         self.figure.xaxis.major_label_text_alpha = 1.0 if lowest else 0.0
         self.figure.legend.visible = lowest
@@ -118,7 +118,7 @@ class Panel:
 
     def show(self, k: int, runs: Sequence[StateCurves]) -> None:
         """Draw the k-th coordinate of the runs."""
-        looks = [line_of(run.method) for run in runs]
+        looks = together(line_of(run.method) for run in runs)
         self.curves.data = {
             "xs": [run.curves[k][0] for run in runs],
             "ys": [run.curves[k][1] for run in runs],
@@ -209,15 +209,33 @@ def _range(bounds: Sequence[Floats]) -> tuple[float, float]:
     return float(near.min()), float(near.max())
 
 
-def state_text(names: Sequence[str], runs: Sequence[StateCurves]) -> str:
-    """Return the range of each coordinate drawn, of the first integrator's run."""
+def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int = 0) -> str:
+    """Return the range of each coordinate drawn, of the first integrator's run, and what is not drawn.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the coordinates.
+    runs : sequence of StateCurves
+        One for each integrator.
+    crossings : int
+        How many crossings the first one's run has.
+    """
     first = runs[0]
     ranges = [f"{name} from {low:.4g} to {high:.4g}" for name, (low, high) in zip(names, first.bounds, strict=True)]
     off = " Its last part runs off and is not drawn." if first.runs_off else ""
     more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
-    return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges[:MOST_PANELS])}.{off}{more}{_whose(runs)}"
+    marks = _whose(runs) + _how_many(crossings)
+    return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges[:MOST_PANELS])}.{off}{more}{marks}"
 
 
 def _whose(runs: Sequence[StateCurves]) -> str:
     """Say whose sides and crossings are marked, where there are several runs."""
     return f" Shades and marks are those of {runs[0].method}." if len(runs) > 1 else ""
+
+
+def _how_many(crossings: int) -> str:
+    """Say that not all crossings are marked, if they are too many."""
+    if crossings <= MOST_MARKS:
+        return ""
+    return f" Marked are the first {MOST_MARKS} of {crossings:,} crossings, and shaded the sides up to there."

@@ -30,7 +30,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
 
 # The palette of Okabe and Ito, which is legible in the common kinds of colour blindness, on light and on dark ground.
-BLUE = "#0072B2"
+BLUE = "#1378BC"  # theirs, a little lighter, for the shaded sides of a dark page
 VERMILION = "#D55E00"
 GREEN = "#009E73"
 ORANGE = "#E69F00"
@@ -40,7 +40,7 @@ PURPLE = "#CC79A7"
 VIOLET = "#9000F0"
 OCHRE = "#C0A860"
 BROWN = "#786030"
-BERRY = "#903C6C"
+BERRY = "#9B4776"
 # Neutral ones.
 GREY = "#808080"
 SAND = "#A89A80"
@@ -60,6 +60,9 @@ ROOM = "var(--legend, 0px)"
 """CSS height by which a legend is taller than usual, set by `KEEP_PLACE`: added to a figure, whose frame then stays."""
 
 PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
+
+WITH_TABLE = {"height": f"calc(max(300px, {HEIGHT} - 190px) + {ROOM})", "flex": "none"}
+"""Styles of a figure that leaves room on the screen for a small table below it."""
 
 KEEP_PLACE = """
 const SPARE = 8  // pixels beside an entry, and beside the legend
@@ -94,6 +97,13 @@ It knows plot and legend by their ids, not as models: in the browser a legend ma
 the figure is painted next, at each change of any model that can be reached from them. Through the callbacks on the data
 of its glyphs these would be the whole figure, and from its other callbacks other figures, too.
 """
+
+NO_TAB_STOP = """
+const ground = cb_context.index.find_one(cb_obj)?.canvas_view.events_el
+if (ground != null) { ground.tabIndex = -1 }
+"""
+"""JavaScript that takes a figure out of the order of the Tab key: it has no name there, and takes no key that the page
+does not offer elsewhere. After a click it has the focus all the same."""
 
 TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
@@ -156,6 +166,12 @@ def line_of(method: str) -> Line:
     return looks[members.index(method) % len(looks)]
 
 
+def together(lines: Iterable[Line]) -> list[Line]:
+    """Return the looks of curves that are drawn together: solid if all are alike, for there is none to tell apart."""
+    found = list(lines)
+    return [line._replace(dash=()) for line in found] if len(set(found)) == 1 else found
+
+
 def plain_figure(summary: str, **options: Any) -> figure:
     """Make a figure with the common look.
 
@@ -180,6 +196,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
         wheel.update(modifiers="ctrl", zoom_on_axis=False)
     print_ticks(plot)
+    plot.js_on_change("inner_width", CustomJS(code=NO_TAB_STOP))
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
     return plot
@@ -205,6 +222,9 @@ def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:
     formatters: dict[str, Any] = dict.fromkeys(numbers, CustomJSHover(code=TIP_NUMBER))
     return HoverTool(tooltips=f'<div style="{TIP_CELLS}">{cells}</div>', formatters=formatters, **options)
 
+
+BESIDE = 0.025
+"""Part of an axis before the first and after the last mark, so that both are whole on a phone, too."""
 
 LEVEL: dict[str, Any] = {"line_color": GREY, "line_dash": "dotted", "line_width": 1.5}
 """Look of what marks a level."""
@@ -300,7 +320,7 @@ def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
     names = list(dict.fromkeys(methods))
     if names == source.data["method"]:
         return
-    lines = [line_of(name) for name in names]
+    lines = together(map(line_of, names))
     source.data = {
         "xs": [[np.nan]] * len(names), "ys": [[np.nan]] * len(names), "method": names,
         "colour": [line.colour for line in lines], "dash": [list(line.dash) for line in lines],

@@ -8,19 +8,19 @@ from html import escape
 
 import core
 from pwsviz.figures.order import Studied
-from pwsviz.figures.style import LEGEND_GLYPH, line_of
+from pwsviz.figures.style import LEGEND_GLYPH, Line, line_of, together
 from pwsviz.results.results import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
 
 
-def run_line(summary: Summary) -> str:
+def run_line(summary: Summary, line: Line) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
     figures = f"{plural(summary.steps, 'step')}, {summary.met}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'
-    return f'<div class="run">{swatch(summary.method)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
+    return f'<div class="run">{swatch(line)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
 
 
 def run_lines(summaries: Sequence[Summary]) -> str:
@@ -33,7 +33,8 @@ def run_lines(summaries: Sequence[Summary]) -> str:
         if each.status is not core.Status.COMPLETED:
             stopped.setdefault(each.status, []).append(each)
     reasons = [_reason(*group) for group in stopped.values()]
-    return "".join(map(run_line, summaries)) + "".join(as_text(words, "stopped") for words in reasons)
+    lines = map(run_line, summaries, together(line_of(each.method) for each in summaries))
+    return "".join(lines) + "".join(as_text(words, "stopped") for words in reasons)
 
 
 def _reason(first: Summary, *others: Summary) -> str:
@@ -42,9 +43,8 @@ def _reason(first: Summary, *others: Summary) -> str:
     return f"{first.method}: {first.message}{likewise}"
 
 
-def swatch(method: str) -> str:
+def swatch(line: Line) -> str:
     """Return a sample of the line of an integrator, as SVG."""
-    line = line_of(method)
     dashes = " ".join(map(str, line.dash))
     return (
         f'<svg width="{LEGEND_GLYPH}" height="8" aria-hidden="true"><line x1="0" y1="4" x2="{LEGEND_GLYPH}" y2="4" '

@@ -23,11 +23,17 @@ Mask = NDArray[np.bool_]
 RESOLUTION = 1500
 """Pixels assumed along the longer side of a plot, more than most screens give it."""
 
+EVERYWHERE = (-np.inf, np.inf, -np.inf, np.inf)
+"""Ends (left, right, bottom, top) of a window that leaves out nothing."""
+
 RECENT = 8
 """Pixels of a path that are near what follows since they lead to it."""
 
 MOST_CELLS = 10_000_000
 """Pixels of a picture that it is looked up in whether they have been painted: four times those of a square one."""
+
+MOST_SPARE = 4_000_000
+"""Pixels of a picture that are kept for the next one."""
 
 _compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
 
@@ -182,9 +188,44 @@ def painted_first(path: Floats, pixel: float) -> Mask:
     if len(path) < 3 or not columns * rows <= MOST_CELLS:
         return new
     new[:] = False
-    painted = np.full((int(columns) + 1, int(rows) + 1), -1.0, np.float32)
+    shape = int(columns) + 1, int(rows) + 1
+    cells = _spare.pop() if _spare else np.empty(0, np.float32)
+    if cells.size < shape[0] * shape[1]:
+        cells = np.full(shape[0] * shape[1], -1.0, np.float32)
+    painted = cells[: shape[0] * shape[1]].reshape(shape)
     _first_painted(path, x_low - pixel, y_low - pixel, pixel, painted, new)
+    if cells.size <= MOST_SPARE and not _spare:
+        _unpaint(path, x_low - pixel, y_low - pixel, pixel, painted, new)
+        _spare.append(cells)
     return new
+
+
+_spare: list[NDArray[np.float32]] = []
+"""A raster without a mark, kept for the next path: to fill a new one takes longer than to paint on it."""
+
+
+@_compiled
+def _unpaint(path, x_low, y_low, pixel, painted, new):
+    for k in range(new.size):
+        if new[k]:
+            x, y = path[k, 0], path[k, 1]
+            across, up = path[k + 1, 0] - x, path[k + 1, 1] - y
+            count = 1 + int(np.sqrt(across * across + up * up) / pixel)
+            for i in range(count + 1):
+                column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
+                painted[column, row] = -1.0
+
+
+@_compiled
+def _is_painted(painted, column, row, until):
+    """Whether the pixel, which most often is that of an earlier turn, or one beside it was painted before."""
+    if 0.0 <= painted[column, row] < until:
+        return True
+    for a in range(max(column - 1, 0), min(column + 2, painted.shape[0])):
+        for b in range(max(row - 1, 0), min(row + 2, painted.shape[1])):
+            if 0.0 <= painted[a, b] < until:
+                return True
+    return False
 
 
 @_compiled
@@ -199,11 +240,7 @@ def _first_painted(path, x_low, y_low, pixel, painted, new):
         count = 1 + int(length)
         for i in range(count + 1):
             column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
-            before = False
-            for a in range(max(column - 1, 0), min(column + 2, painted.shape[0])):
-                for b in range(max(row - 1, 0), min(row + 2, painted.shape[1])):
-                    before = before or (painted[a, b] >= 0 and passed + length * i / count - painted[a, b] > RECENT)
-            if not before:
+            if not _is_painted(painted, column, row, passed + length * i / count - RECENT):
                 new[k] = True
                 break
         if new[k]:
@@ -282,6 +319,24 @@ def _bounds(points, valid):
     return x_low, x_high, y_low, y_high
 
 
+def longest_side(points: Floats, window: tuple[float, float, float, float] = EVERYWHERE) -> float:
+    """Return the longer side of the box of the points (n, 2) within a window; 0 if there are none."""
+    size: float = _longest_side(np.ascontiguousarray(points), np.array(window, dtype=float))
+    return size
+
+
+@_compiled
+def _longest_side(points, window):
+    x_low = y_low = np.inf
+    x_high = y_high = -np.inf
+    for i in range(points.shape[0]):
+        x, y = points[i, 0], points[i, 1]
+        there = abs(x) < np.inf and abs(y) < np.inf
+        if there and window[0] <= x <= window[1] and window[2] <= y <= window[3]:
+            x_low, x_high, y_low, y_high = min(x_low, x), max(x_high, x), min(y_low, y), max(y_high, y)
+    return max(x_high - x_low, y_high - y_low, 0.0)
+
+
 def spliced(points: Floats, rows: Floats, places: Indices) -> tuple[Floats, Mask]:
     """Insert rows into a curve, and return the result with a mask of these rows.
 
@@ -312,35 +367,10 @@ def _spread(points, marks, out):
             k += 1
 
 
-def distinct_pixels(points: Floats, limit: int = 1000) -> Indices:
-    """Return the indices of at most `limit` points, one in each square of two pixels."""
+def distinct_pixels(points: Floats) -> Indices:
+    """Return the indices of points that a screen tells apart: the first one in each square of two pixels."""
     x_low, x_high, y_low, y_high = _bounds(np.ascontiguousarray(points), np.ones(len(points), dtype=bool))
     span = max(x_high - x_low, y_high - y_low) if len(points) else 0.0
     if span == 0.0:
         return np.arange(min(len(points), 1))
-    return np.flatnonzero(first_in_cells(points, 2 * span / RESOLUTION))[:limit]
-
-
-def envelope(t: Floats, y: Floats, columns: int = 1200) -> tuple[Floats, Floats]:
-    """Return the least and greatest value in each pixel column, as one zigzag line.
-
-    Parameters
-    ----------
-    t : (n,) array
-        Times, ascending.
-    y : (n,) array
-        Values; NaN if there is none.
-    columns : int
-        Pixel columns across the plot.
-
-    Returns
-    -------
-    t, y : (k,) arrays with k ≤ 2 columns
-        The series itself if it has at most 2 × columns points; else two points a column, at its first time.
-    """
-    if len(t) <= 2 * columns:
-        return t, y
-    starts = np.unique(np.searchsorted(t, t[0] + (t[-1] - t[0]) * (np.arange(columns) / columns)))
-    starts = starts[starts < len(t)]
-    low, high = np.fmin.reduceat(y, starts), np.fmax.reduceat(y, starts)
-    return np.repeat(t[starts], 2), np.column_stack([low, high]).ravel()
+    return np.flatnonzero(first_in_cells(points, 2 * span / RESOLUTION))

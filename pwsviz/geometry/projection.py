@@ -16,6 +16,7 @@ import core
 from core.kernels import Floats
 from core.symbolic import TIME
 from pwsviz.geometry.shades import region_name
+from pwsviz.text.math_names import variable_name
 
 Name = TypeVar("Name")
 
@@ -81,10 +82,11 @@ def surface_name(system: core.PiecewiseSystem) -> str:
 
 def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
     """Return the labels of the axes of the portrait."""
-    across, up = (system.variables[k] for k in axes)
+    names = list(map(variable_name, system.variables))
+    across, up = (names[k] for k in axes)
     if system.dimension == PLANE:
         return across, up
-    return f"{across} ({', '.join(_others(system.variables, axes))} not shown)", up
+    return f"{across} ({', '.join(_others(names, axes))} not shown)", up
 
 
 def conserved_note(system: core.PiecewiseSystem) -> str:

@@ -64,13 +64,14 @@ HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 
 TABS_SX = {
     ".MuiTab-root": {
-        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "6px", "fontSize": "0.8125rem"
+        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "fontSize": "0.775rem",
+        "letterSpacing": 0,
     },
     ".MuiTabs-list": {"flexWrap": "wrap"},
     ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
 }  # fmt: skip
-"""Titles as narrow as possible, in two rows on a narrow screen."""
+"""Titles as narrow as possible: in one row from 1400 pixels of screen on, in two on a narrow one."""
 
 ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;

@@ -29,7 +29,13 @@ _USE = (
     "Double click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) do not.",
     "Each tab beside the portrait answers one question: is ψ conserved, what is the order, when does the solution "
-    "cross, what does an error cost, which step sizes work, what is the scheme.",
+    "cross, what does an error cost, where does it meet a surface, which step sizes work, what does a parameter "
+    "change, what is the scheme.",
+    "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
+    "starts. A click there starts a trajectory on the surface, with the conserved quantities of the selected one.",
+    "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
+    "once a transient is over. Click in it to set the parameter. Behind “more”: which surface, how many points, and "
+    "whether each run continues that of the value before.",
     "Where both fields point to the surface, the solution slides along it (Filippov), or stops there if that box is "
     "not ticked; a thick green line shows where, a dashed one where the surface repels.",
     "Numbers may be formulas, such as 1/3, sqrt(2) or 2pi. Point at a field or an integrator to see what it means.",

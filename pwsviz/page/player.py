@@ -14,6 +14,7 @@ from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import line_of
 from pwsviz.results.animation import MET, Frames
 from pwsviz.text.numbers import PRINTED
+from pwsviz.text.words import listed
 
 SPEEDS = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0, "4×": 4.0}
 """Offered speeds, by label."""
@@ -41,9 +42,10 @@ export function render({ model, data, el }) {
       <input type="range" class="scrub" min="0" step="any" aria-label="Time">
       <output class="now" aria-live="off"></output>
       <label>Speed <select class="speed"></select></label>
+      <span class="note"></span>
     </div>`
   const part = name => el.querySelector("." + name)
-  const [player, play, scrub, now, speed] = ["player", "play", "scrub", "now", "speed"].map(part)
+  const [player, play, scrub, now, speed, note] = ["player", "play", "scrub", "now", "speed", "note"].map(part)
   for (const [name, factor] of Object.entries(model.speeds)) { speed.add(new Option(name, factor)) }
   speed.value = "1"
 
@@ -145,6 +147,7 @@ export function render({ model, data, el }) {
   })
   const take = () => {
     ways = model.ways
+    note.textContent = model.note
     end = Math.max(0, ...ways.map(way => way.t.length > 0 ? way.t[way.t.length - 1] : 0))
     time = Math.min(time, end)
     play.disabled = scrub.disabled = end == 0
@@ -175,6 +178,7 @@ _CSS = """
 .play:disabled { opacity: 0.5; cursor: default; }
 .speed { font: inherit; color: inherit; background: var(--mui-palette-background-paper, Canvas); height: 30px;
          border: 1px solid var(--mui-palette-divider, #808080); border-radius: 6px; }
+.note { flex-basis: 100%; color: var(--mui-palette-text-secondary, inherit); } .note:empty { display: none; }
 .now { min-width: 12em; font-variant-numeric: tabular-nums; }
 :focus-visible { outline: 2px solid var(--mui-palette-primary-main, #0072B2); outline-offset: 2px; }
 """
@@ -196,6 +200,7 @@ class Bar(pn.custom.JSComponent):
     """Button, slider and speed; runs in the browser, and sends nothing to the server."""
 
     ways = param.List(default=[], doc="The frames and the look of each run; the first is that of which is spoken.")
+    note = param.String(default="", doc="What is not shown of them; set with `ways`.")
     begun = param.Integer(default=0, doc="How often the player was opened; each time it begins to play.")
     trail = param.Number(default=TRAIL)
     speeds = param.Dict(default=SPEEDS)
@@ -253,7 +258,8 @@ class Player(pn.viewable.Viewer):
         if self.wanted and self.bar is not None:
             count = selected or len(frames)
             sizes = [max(6, 18 - 8 * k) if k < count else SMALL for k in range(len(frames))]
-            self.bar.ways = [_way(one, size, whose) for one, size in zip(frames, sizes, strict=True)]
+            ways = [_way(one, size, whose) for one, size in zip(frames, sizes, strict=True)]
+            self.bar.param.update(note=without_trail(frames), ways=ways)
 
     def _toggle(self, _event: Any) -> None:
         self.open = not self.open
@@ -264,13 +270,23 @@ class Player(pn.viewable.Viewer):
             self.bar = Bar(sizing_mode="stretch_width", margin=(2, 8))
             self.bar.jscallback(args=self._targets, now=_MOVE)
         if self.bar is not None:
-            self.bar.ways = []
+            self.bar.param.update(note="", ways=[])
             self.bar.begun += self.open
             self._place.objects = [self.bar] if self.open else []
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return the controls, if it is open; the button that opens it stands elsewhere."""
         return self._place
+
+
+def without_trail(frames: Sequence[Frames]) -> str:
+    """Say which integrators have no trail, and why; empty if all have one."""
+    bare = list(dict.fromkeys(one.method for one in frames if not one.traced))
+    if not bare:
+        return ""
+    several = len({one.method for one in frames}) > 1
+    whose = f" of {listed(bare)}" if several else ""
+    return f"No trail{whose}: the run has too many turns. A shorter one has a trail."
 
 
 def _way(one: Frames, size: int, whose: str) -> dict[str, Any]:

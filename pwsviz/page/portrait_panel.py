@@ -111,7 +111,7 @@ class PortraitPanel(pn.viewable.Viewer):
             return
         self.trouble.object = ""
         fade(self.pane, past=False)
-        system, axes = outcome.inputs.declaration, outcome.inputs.axes
+        system, axes = outcome.inputs.declaration, outcome.axes
         self.shown = outcome
         self._mark_starts()
         self._aim_first(outcome)
@@ -175,7 +175,7 @@ class PortraitPanel(pn.viewable.Viewer):
     def _mark_starts(self) -> None:
         """Draw the present curves, with the starts of the scene."""
         assert self.shown is not None  # noqa: S101  (called only after the first portrait)
-        a, b = self.shown.inputs.axes
+        a, b = self.shown.axes
         starts = [(start[a], start[b]) for start in self.scene.starts]
         self.portrait.show_orbits(self.shown.inputs.declaration, self.shown, starts, self.scene.selected)
 
@@ -183,7 +183,7 @@ class PortraitPanel(pn.viewable.Viewer):
         """Submit the computation of the frames of the player, while it is open."""
         if self.player.wanted and self.shown is not None:
             shown = self.shown.inputs
-            inputs = (*shown.selected, *shown.others), shown.axes
+            inputs = (*shown.selected, *shown.others), self.shown.axes
             self.scheduler.submit(
                 "frames",
                 inputs,
@@ -274,7 +274,8 @@ class PortraitPanel(pn.viewable.Viewer):
         """Return the state at a point, rounded to about a pixel; coordinates that are not shown come from `others`."""
         view = self._visible or self.portrait.frame
         assert view is not None  # noqa: S101  (a click needs a picture)
-        return at_point(x, y, view, others, self.scene.axes)
+        assert self.shown is not None  # noqa: S101
+        return at_point(x, y, view, others, self.shown.axes)
 
     def _try(self, change: Callable[[], None]) -> None:
         try:
@@ -304,7 +305,7 @@ def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, i
 def _ground_of(shown: Pictures, window: Window) -> tuple[InitialValueProblem, Window, Levels, Axes]:
     """Return the arguments of `Results.backdrop` for these curves."""
     levels = shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
-    return shown.inputs.selected[0].problem, window, levels, shown.inputs.axes
+    return shown.inputs.selected[0].problem, window, levels, shown.axes
 
 
 def _digits(view: Window) -> int:

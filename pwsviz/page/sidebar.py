@@ -18,6 +18,7 @@ from pwsviz.page.initial_states import Trajectories
 from pwsviz.scene.names import LABELS, short_name
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
+from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import as_text
 from pwsviz.widgets.choices import Choices
 from pwsviz.widgets.dropdown import Dropdown
@@ -44,6 +45,9 @@ AT_SURFACE = {
 
 START = "Coordinate of the selected start. A start can also be dragged in the portrait."
 """Tooltip of a coordinate."""
+
+AUTOMATIC = ()
+"""The plane that suits the system, as a value of its list: a Select cannot show the value None."""
 
 NUMBERS = ("tau", "tolerance", "t_end", "perturbation_scale")
 
@@ -109,9 +113,9 @@ class Sidebar(pn.viewable.Viewer):
         self.write.on_click(lambda _: on_edit())
         self.plane = Dropdown(
             LABELS["axes"],
-            description="The two variables on the axes.",
-            options={"": (0, 1)},
-            value=(0, 1),
+            description="The two variables on the axes; “automatic” takes those in which the trajectory is not flat.",
+            options={"automatic": AUTOMATIC},
+            value=AUTOMATIC,
         )
         self.plane.param.watch(self._take_plane, "value")
 
@@ -173,12 +177,14 @@ class Sidebar(pn.viewable.Viewer):
             for p in system.parameters
         }
         coordinates = {
-            f"x0.{i}": {"label": f"{name} at start", "description": START} for i, name in enumerate(system.variables)
+            f"x0.{i}": {"label": f"{variable_name(name)} at start", "description": START}
+            for i, name in enumerate(system.variables)
         }
         spare = {key: list(fields) for key, fields in self._made.items()}
         self.fields = {key: self._field(spare, key, **options) for key, options in (parameters | coordinates).items()}
         self._built_for = system
-        self.plane.offer({_plane_name(system, axes): axes for axes in planes(system)}, self.scene.axes)
+        offered = {_plane_name(system, axes): axes for axes in planes(system)}
+        self.plane.offer({"automatic": AUTOMATIC, **offered}, self.scene.axes or AUTOMATIC)
         self.plane.visible = system.dimension > PLANE
         self.about.object = as_text(system.doc, "about")
         self._place(self.parameters, [self.fields[key] for key in parameters])
@@ -216,8 +222,8 @@ class Sidebar(pn.viewable.Viewer):
         if self._preset not in (None, self.scene.declaration):
             self.preset_note.object = ""
         self.system.offer(self._systems(), self.scene.system)
-        if self.scene.axes in self.plane.options.values():
-            self.plane.value = self.scene.axes
+        if (plane := self.scene.axes or AUTOMATIC) in self.plane.options.values():
+            self.plane.value = plane
 
     def _enable(self, *_: Any) -> None:
         """Enable the controls that have an effect, and say which methods are left out."""
@@ -237,8 +243,9 @@ class Sidebar(pn.viewable.Viewer):
             self.scene.accept("system", event.new)
 
     def _take_plane(self, event: Any) -> None:
-        if event.new is not None and event.new != self.scene.axes and self._built_for == self.scene.declaration:
-            self.scene.accept("axes", event.new)
+        chosen = event.new or None
+        if event.new is not None and chosen != self.scene.axes and self._built_for == self.scene.declaration:
+            self.scene.accept("axes", chosen)
 
     def _load(self, event: Any) -> None:
         """Load a preset, and say what to look at and what to try."""
@@ -281,4 +288,4 @@ def _titles() -> dict[str, str]:
 
 
 def _plane_name(system: core.PiecewiseSystem, axes: Axes) -> str:
-    return ", ".join(system.variables[k] for k in axes)
+    return ", ".join(variable_name(system.variables[k]) for k in axes)

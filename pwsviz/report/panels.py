@@ -75,13 +75,13 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
     inputs = PortraitInputs.of(scene)
     pictures = results.pictures(inputs)
     view = PortraitView(_ignore, _ignore, _ignore, _ignore, _ignore)
-    a, b = scene.axes
+    a, b = pictures.axes
     starts = [(start[a], start[b]) for start in scene.starts]
     view.show_orbits(scene.declaration, pictures, starts, scene.selected)
     view.fit()
     ground = inputs.selected[0].problem
     window = extent(pictures).scaled(2.0)
-    view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, scene.axes))
+    view.show_backdrop(results.backdrop(ground, window, pictures.orbits[0].levels, pictures.axes))
     _make_static(view.figure, HEIGHT["portrait"])
     tables = {**portrait_tables(drawn_runs(inputs, scene.selected, results.run)), **drawn_table(pictures)}
     return view.figure, _measured((*inputs.selected, *inputs.others), results), tables
@@ -90,7 +90,7 @@ def _portrait(scene: Scene, results: Results) -> Drawn:
 def _conserved(scene: Scene, results: Results) -> Drawn:
     inputs = run_inputs(scene)
     view = ConservedView()
-    view.show(results.error_curves(inputs), results.landmarks(inputs[0], scene.axes))
+    view.show(results.error_curves(inputs), results.landmarks(inputs[0], results.plane(scene.declaration, scene.axes)))
     _make_static(view.figure, HEIGHT["plot"])
     tables = conserved_tables(lambda: [DrawnRun(scene.selected + 1, results.run(one)) for one in inputs])
     return view.figure, _measured(inputs, results), tables

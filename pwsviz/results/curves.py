@@ -7,8 +7,17 @@ from typing import NamedTuple
 import numpy as np
 
 import core
+from pwsviz.geometry.bends import bent_pieces
 from pwsviz.geometry.phase_plane import Window
-from pwsviz.geometry.polyline_reduction import RESOLUTION, Floats, Mask, painted_first, spliced
+from pwsviz.geometry.polyline_reduction import (
+    EVERYWHERE,
+    RESOLUTION,
+    Floats,
+    Mask,
+    longest_side,
+    painted_first,
+    spliced,
+)
 from pwsviz.geometry.projection import PLANE, Axes, in_plane
 
 __all__ = ["FAR", "Curve", "curve", "jump_lines", "pixel_size"]
@@ -47,10 +56,7 @@ class Curve(NamedTuple):
 
 def pixel_size(points: Floats, near: Window | None) -> float:
     """Return the size of a pixel of the view for which points (n, 2) are drawn within `near`, `FAR` times this view."""
-    there = np.isfinite(points).all(axis=1)
-    if near is not None:
-        there &= near.holds(points)
-    size = float(np.ptp(points[there], axis=0).max()) if there.any() else 0.0
+    size = longest_side(points, near or EVERYWHERE)
     return (size if near is None else min(size, near.longest / FAR)) / RESOLUTION
 
 
@@ -90,7 +96,7 @@ def _first_turns(given: Curve, near: Window | None) -> Curve:
     """Leave out the steps that repeat earlier ones on the screen, if any is long enough to bend visibly."""
     t, points, kinks, _ = given
     pixel = pixel_size(points, near)
-    if pixel == 0.0 or not _bent_pieces(given, near, pixel).any():
+    if pixel == 0.0 or not _bent(given, near, pixel).any():
         return given
     shown: Mask = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
     if near is not None:
@@ -109,17 +115,9 @@ def _first_turns(given: Curve, near: Window | None) -> Curve:
     )
 
 
-def _bent_pieces(given: Curve, near: Window | None, pixel: float) -> Mask:
+def _bent(given: Curve, near: Window | None, pixel: float) -> Mask:
     """Return (n − 1,) which pieces of a curve may bend visibly, where it is seen."""
-    t, points, kinks, _ = given
-    there = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
-    shown = there if near is None else there & near.holds(points)
-    lasts: Mask = (np.diff(t) > 0.0) & there[1:] & there[:-1]
-    corners = kinks.copy()
-    corners[[0, -1]] = True
-    corners[1:] |= ~lasts
-    corners[:-1] |= ~lasts
-    return np.asarray(_bent(points, corners, BEND * pixel) & lasts & (shown[1:] | shown[:-1]))
+    return bent_pieces(given.t, given.points, given.kinks, BEND * pixel, near or EVERYWHERE)
 
 
 def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None) -> Curve:
@@ -128,7 +126,7 @@ def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None
     pixel = pixel_size(points, near)
     if pixel == 0.0:
         return given
-    bent = _bent_pieces(given, near, pixel)
+    bent = _bent(given, near, pixel)
     most = len(points) + FINEST
     while len(k := np.flatnonzero(bent)) and len(points) < most:
         share = np.arange(1, PARTS) / PARTS
@@ -147,16 +145,3 @@ def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None
         t, kinks = np.insert(t, inserted, times.ravel()), np.insert(kinks, inserted, False)
         points = np.insert(points, inserted, new, axis=0)
     return Curve(t, points, kinks, whole)
-
-
-def _bent(points: Floats, corners: Mask, tolerance: float) -> Mask:
-    """Return (n − 1,) which pieces end at a vertex farther than the tolerance from the line through its neighbours.
-
-    At a corner the curve turns, however short its pieces are; a piece between two of them is taken to be bent.
-    """
-    away = np.zeros(len(points))
-    chord, leg = points[2:] - points[:-2], points[1:-1] - points[:-2]
-    with np.errstate(all="ignore"):
-        away[1:-1] = np.abs(chord[:, 0] * leg[:, 1] - chord[:, 1] * leg[:, 0]) / np.hypot(*chord.T)
-    turned = ~(away <= tolerance) & ~corners  # also where it is NaN: where the curve returns to a point
-    return np.asarray(turned[1:] | turned[:-1] | corners[1:] & corners[:-1])

@@ -30,10 +30,15 @@ FEW_STEPS = 300
 APART = 40.0
 """Pixels that most steps are long if they are marked: three times the mark, on a screen of a third of `RESOLUTION`."""
 
+MOST_PLACES = 1000
+"""Most places of crossings of one run that are marked: more take a browser too long to paint."""
+
 SEVERAL_LEVELS = 6
 """Most level sets of ψ drawn through an orbit in each region."""
 
-RUNS_OFF = (core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT)
+RUNS_OFF = (
+    core.Status.ESCAPED, core.Status.UNSTABLE, core.Status.SINGULAR, core.Status.NO_CONVERGENCE, core.Status.STEP_LIMIT,
+)  # fmt: skip
 """Statuses of runs that may have gone very far, of which only the part near the beginning is drawn."""
 
 
@@ -74,6 +79,8 @@ class Orbit:
     """Ends of the steps if they are few, else none."""
     end: End | None
     """Where and why it stopped early; None if it reached the end time."""
+    places: int
+    """How many places of crossings a screen tells apart, of which the first `MOST_PLACES` are in `crossings`."""
     focus: Floats
     """(k, 2) what a view of it is fitted to: all of it, or of a run that may have gone very far its beginning."""
 
@@ -96,7 +103,8 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
     crossings = run.crossings.passed
     at = in_plane(crossings.x, axes)
     marks = np.flatnonzero(near.holds(at)) if near else np.arange(len(crossings))
-    marks = marks[distinct_pixels(at[marks])]
+    apart = distinct_pixels(at[marks])
+    marks = marks[apart[:MOST_PLACES]]
     jumped = marks[crossings.kind[marks] == "jump"]
     pixel, within = pixel_size(points, near), None
     if near is not None:
@@ -114,6 +122,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
         levels=_levels(run),
         steps=_steps(run, near, axes),
         end=_end(run, axes),
+        places=len(apart),
         focus=path if view is None else _part(path, view),
     )
 

@@ -6,10 +6,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import core
-from pwsviz.scene.scene import Scene, Start
+from pwsviz.scene.scene import END_TIME, Scene, Start
+from pwsviz.scene.sweeping import swept_coordinate, swept_direction, swept_parameter, swept_range
 
 STABILITY_END = 500.0
 """Largest end time of the hundreds of runs of a stability study, and of the solution they are compared with."""
+
+USUAL_METHOD = "rk2"
+"""Of the run that shows what a system looks like: explicit, so that it needs no ψ and compiles fastest."""
 
 Values = tuple[tuple[str, float], ...]
 
@@ -100,7 +104,7 @@ class ErrorInputs:
 
     runs: tuple[RunInputs, ...]
     """One for each integrator."""
-    axes: tuple[int, int]
+    axes: tuple[int, int] | None
     """Of the portrait, in which the crossing under the pointer is marked, too."""
 
 
@@ -154,6 +158,69 @@ class StabilityInputs:
         return cls(problem, end, tuple(scene.used), part, coordinate, tau, *at_surface)
 
 
+@dataclass(frozen=True)
+class SweepInputs:
+    """Exactly what one bifurcation diagram depends on: not the present value of its parameter."""
+
+    problem: InitialValueProblem
+    """With the values of the other parameters."""
+    scheme: Scheme
+    tau: float
+    parameter: str
+    """Its name; empty if the system has none."""
+    low: float
+    high: float
+    values: int
+    coordinate: str
+    of: str
+    """h, or "" for the switching surfaces."""
+    direction: int
+    continuation: str
+    points: int
+    discard: int
+    t_end: float
+
+    @classmethod
+    def of_scene(cls, scene: Scene) -> SweepInputs:
+        """Read it from a scene, leaving out settings that have no effect on a section."""
+        parameter, (low, high) = swept_parameter(scene), swept_range(scene)
+        name, method = parameter.name if parameter else "", scene.selected_method
+        others = tuple(sorted((key, value) for key, value in scene.values.items() if key != name))
+        scheme = Scheme(method, tolerance=Scheme.of(scene, method).tolerance, slide=scene.slides)
+        return cls(
+            InitialValueProblem(scene.declaration, others, scene.x0), scheme, scene.tau, name, low, high,
+            scene.sweep_values, swept_coordinate(scene), scene.sweep_of, swept_direction(scene),
+            scene.sweep_continuation, scene.sweep_points, scene.sweep_discard, scene.sweep_end,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SectionInputs:
+    """Exactly what the points of one Poincaré section depend on."""
+
+    problem: InitialValueProblem
+    """The system, without a start."""
+    starts: tuple[Start, ...]
+    scheme: Scheme
+    tau: float
+    of: str
+    """h, or "" for the switching surfaces."""
+    direction: int
+    points: int
+    discard: int
+
+    @classmethod
+    def of_scene(cls, scene: Scene) -> SectionInputs:
+        """Read it from a scene. Crossings are located, and not perturbed, whatever the scene says."""
+        method = scene.selected_method
+        tolerance = scene.tolerance if core.METHODS[method].adaptive else None
+        scheme = Scheme(method, tolerance=tolerance, slide=scene.slides)
+        return cls(
+            InitialValueProblem.of(scene, ()), scene.starts, scheme, scene.tau, scene.section_of,
+            scene.section_direction, scene.section_points, scene.section_discard,
+        )  # fmt: skip
+
+
 def run_inputs(scene: Scene) -> tuple[RunInputs, ...]:
     """Return the inputs of the run of each integrator from the selected start."""
     return tuple(_run_inputs(scene, name, scene.x0) for name in scene.used)
@@ -170,6 +237,13 @@ def study_inputs(scene: Scene) -> tuple[StudyInputs, ...]:
     """Return the inputs of the order study of each integrator that the scene studies."""
     problem = InitialValueProblem.of(scene)
     return tuple(StudyInputs(problem, Scheme.of(scene, method)) for method in scene.order_methods)
+
+
+def usual_inputs(system: core.PiecewiseSystem) -> RunInputs:
+    """Return the inputs of a run of a system as it is declared, by a method that every system admits."""
+    scheme = Scheme(USUAL_METHOD, slide=not system.laws.jumps)
+    problem = InitialValueProblem(system, tuple(sorted(system.values.items())), system.x0)
+    return RunInputs(problem, scheme, float(Scene.param["tau"].default), END_TIME)
 
 
 def _run_inputs(scene: Scene, method: str, start: Start) -> RunInputs:

@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
+from pwsviz.geometry.envelope import envelope
+from pwsviz.geometry.first_view import first_plane
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop
-from pwsviz.geometry.polyline_reduction import Floats, envelope
-from pwsviz.geometry.projection import Axes
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.projection import PLANE, Axes
 from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
@@ -25,13 +27,18 @@ from pwsviz.results.requests import (
     CostInputs,
     InitialValueProblem,
     RunInputs,
+    SectionInputs,
     StabilityInputs,
     StudyInputs,
+    SweepInputs,
     other_inputs,
     run_inputs,
+    usual_inputs,
 )
+from pwsviz.results.sections import SectionPoints, studied_section
 from pwsviz.results.states import StateCurves, state_curves
 from pwsviz.results.studies import studied_cost, studied_order, studied_stability
+from pwsviz.results.sweeps import Diagram, swept
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
@@ -109,7 +116,8 @@ class PortraitInputs:
     """One for each integrator."""
     others: tuple[RunInputs, ...] = ()
     """Those of the other starts, start by start."""
-    axes: Axes = (0, 1)
+    axes: Axes | None = (0, 1)
+    """The plane; None for the first plane of the system."""
     index: int = 0
     """Index of the selected start among all."""
 
@@ -135,9 +143,16 @@ class Pictures:
     """The curves of one portrait, and the figures of the selected runs."""
 
     inputs: PortraitInputs
+    axes: Axes
+    """The plane in which they lie."""
     orbits: list[Orbit]
     others: list[Orbit]
     summaries: list[Summary]
+
+    @property
+    def system(self) -> core.PiecewiseSystem:
+        """The system, at the values of its parameters."""
+        return self.inputs.selected[0].problem.build()
 
     @property
     def numbered(self) -> list[tuple[int, Orbit]]:
@@ -156,7 +171,7 @@ class Results:
     computed : Counter
         How often each kind of result was computed, not found in the cache: ``"run"``, ``"orbit"``, ``"frames"``,
         ``"landmarks"``, ``"states"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``,
-        ``"study"``, ``"cost"``, ``"stability"``.
+        ``"study"``, ``"cost"``, ``"stability"``, ``"section"``, ``"sweep"``, ``"plane"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
@@ -168,16 +183,24 @@ class Results:
 
     def pictures(self, inputs: PortraitInputs, cancel: Cancel = never) -> Pictures:
         """Return the curves of the portrait and the figures of its selected runs."""
-        axes = inputs.axes
+        axes = self.plane(inputs.declaration, inputs.axes, cancel)
         self._begin(inputs.selected, cancel)
         first = self.orbit(inputs.selected[0], None, axes, cancel)
         near = drawn_within(first)
         return Pictures(
             inputs=inputs,
+            axes=axes,
             orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
             others=[self.orbit(one, near, axes, cancel) for one in inputs.others],
             summaries=[self.summary(one, cancel) for one in inputs.selected],
         )
+
+    def plane(self, system: core.PiecewiseSystem, chosen: Axes | None, cancel: Cancel = never) -> Axes:
+        """Return the chosen plane; without one that in which the system, as it is declared, is looked at first."""
+        if chosen is not None or system.dimension == PLANE:
+            return chosen or (0, 1)
+        usual = usual_inputs(system)
+        return self._get("plane", usual, cancel, lambda: first_plane(system, self.run(usual, cancel).x))
 
     def error_curves(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> list[ErrorCurve]:
         """Return the curves of the plot of the conserved quantity."""
@@ -315,6 +338,14 @@ class Results:
     ) -> core.StabilityStudy:
         """Return a stability study."""
         return self._in_turn("stability", inputs, cancel, lambda: studied_stability(inputs, self._pool, cancel, report))
+
+    def sweep(self, inputs: SweepInputs, cancel: Cancel = never, report: Report = silent) -> Diagram:
+        """Return a bifurcation diagram."""
+        return self._in_turn("sweep", inputs, cancel, lambda: swept(inputs, self._pool, cancel, report))
+
+    def section(self, inputs: SectionInputs, cancel: Cancel = never, report: Report = silent) -> SectionPoints:
+        """Return the points of a Poincaré section."""
+        return self._in_turn("section", inputs, cancel, lambda: studied_section(inputs, self._pool, cancel, report))
 
     def _in_turn(self, kind: str, inputs: Hashable, cancel: Cancel, compute: Callable[[], Value]) -> Value:
         """Run a long computation, at most `STUDIES_AT_ONCE` at the same time."""

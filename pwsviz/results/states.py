@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import core
-from pwsviz.geometry.polyline_reduction import Floats, envelope
+from pwsviz.geometry.envelope import envelope
+from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.orbits import RUNS_OFF
 
 SAMPLES = 1200

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from sympy.printing.pretty.pretty_symbology import greek_unicode
-
 import core
 from pwsviz.scene.views import VIEWS
+from pwsviz.text.math_names import unicode_name, variable_name
 from pwsviz.text.numbers import RAISED
 
 LABELS: Mapping[str, str] = {
@@ -20,7 +19,14 @@ LABELS: Mapping[str, str] = {
     "view": "View", "study_method": "Integrator of the view", "peers": "External solvers",
     "cost_across": "Horizontal axis of Cost", "cost_up": "Vertical axis of Cost",
     "stability_part": "Part of Stability", "stability_shown": "Colours of the map",
-    "stability_coordinate": "Coordinate of Stability",
+    "stability_coordinate": "Coordinate of Stability", "sweep_parameter": "Parameter",
+    "sweep_range": "Range of the parameter", "sweep_coordinate": "Coordinate",
+    "sweep_of": "Surface of the diagram: h(t, x) = 0", "sweep_direction": "Direction of crossing",
+    "sweep_continuation": "Continuation", "sweep_values": "Values", "sweep_points": "Points a value",
+    "sweep_discard": "Left out before", "sweep_end": "Latest end time",
+    "section_of": "Surface of the section", "section_direction": "Direction of the section",
+    "section_axes": "Coordinates of the section", "section_points": "Points of each start",
+    "section_discard": "Points left out first", "section_map": "Return map",
 }  # fmt: skip
 """Label of each setting."""
 
@@ -28,21 +34,25 @@ EXTERNAL_SOLVERS = {"scipy": "SciPy", "heyoka": "heyoka"}
 COST_ACROSS = {"seconds": "run time", "evaluations": "evaluations"}
 COST_UP = {"state": "state error", "time": "crossing time error", "invariant": "error of ψ"}
 STABILITY_PARTS = {"map": "Map", "drift": "Long run", "grazing": "Near grazing"}
+SWEEP_CONTINUATIONS = {"none": "from the start", "up": "continued upwards", "down": "continued downwards"}
 STABILITY_SHOWN = {"outcome": "outcome", "error": "|Δψ|"}
+SECTION_DIRECTIONS = {0: "both ways", 1: "rising", -1: "falling"}
+SWEEP_DIRECTIONS: Mapping[str | int, str] = {"auto": "automatic"} | SECTION_DIRECTIONS
 
+_DIRECTIONS = {str(way): words for way, words in SWEEP_DIRECTIONS.items()}
 _CHOICES = {
     "peers": EXTERNAL_SOLVERS, "cost_across": COST_ACROSS, "cost_up": COST_UP, "stability_part": STABILITY_PARTS,
-    "stability_shown": STABILITY_SHOWN, "system": {"own": "your own"},
+    "stability_shown": STABILITY_SHOWN, "section_of": {"": "the switching surfaces"},
+    "section_direction": _DIRECTIONS, "sweep_direction": _DIRECTIONS,
+    "sweep_parameter": {"": "the first with bounds"}, "sweep_coordinate": {"": "the first that varies on the surface"},
+    "sweep_of": {"": "the switching surfaces"},
+    "sweep_continuation": SWEEP_CONTINUATIONS, "system": {"own": "your own"},
 }  # fmt: skip
-_CHARACTERS = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", "_": ""}
 
 
 def short_name(parameter: core.Parameter) -> str:
     """Return the symbol of a parameter in Unicode (a₋, ω²₊), or its name where Unicode cannot express the symbol."""
-    text = re.sub(r"\\([A-Za-z]+)", lambda found: greek_unicode.get(found[1], found[0]), parameter.symbol)
-    for latex, character in _CHARACTERS.items():
-        text = text.replace(latex, character)
-    return parameter.name if set(text) & set("\\{}^") else text
+    return unicode_name(parameter.symbol, parameter.name)
 
 
 def choice_name(setting: str, choice: object) -> str:
@@ -55,8 +65,9 @@ def choice_name(setting: str, choice: object) -> str:
 
 
 def readable(text: str, system: core.PiecewiseSystem) -> str:
-    """Return an expression as it is printed: powers raised, a dot for each product, parameters by their symbols."""
-    symbols = {q.name: short_name(q) for q in system.parameters}
+    """Return an expression as it is printed: powers raised, a dot for each product, names by their symbols."""
+    symbols = {name: variable_name(name) for name in system.variables}
+    symbols |= {q.name: short_name(q) for q in system.parameters}
     text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
     text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(RAISED), text)
     return text.replace("**", "^").replace("*", "·").replace("-", "−")

@@ -16,6 +16,7 @@ import core
 from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS, choice_name, short_name
 from pwsviz.scene.scene import MAX_STARTS, Scene, Start
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
+from pwsviz.scene.sweeping import COUNTS, SWEEP_SETTINGS
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 
 VERSION = 2
@@ -42,6 +43,8 @@ _WORDS = ("view", "study_method", "cost_across", "cost_up", "stability_part", "s
 _LAST = (
     "selected", "axes", "window", "tolerance", "locate", "slide", "perturbation_order", "perturbation_scale", "peers",
     *_WORDS, "stability_coordinate", "order_all",
+    "section_of", "section_direction", "section_axes", "section_points", "section_discard", "section_map",
+    *SWEEP_SETTINGS,
 )  # fmt: skip
 _SETTINGS = (*_FIRST, "starts", "tau", "t_end", *_LAST)
 _LISTS = {"methods": core.METHODS, "peers": EXTERNAL_SOLVERS}
@@ -96,13 +99,15 @@ def _text(scene: Scene, key: str) -> str:
         case "starts":
             return ";".join(",".join(map(_decimal, start)) for start in value)
         case "axes":
-            return ",".join(variables[k] for k in value)
-        case "window":
+            return "auto" if value is None else ",".join(variables[k] for k in value)
+        case "window" | "sweep_range":
             return "auto" if value is None else ",".join(map(_decimal, value))
         case "stability_coordinate":
             return str(variables[value])
-        case "locate" | "slide" | "order_all":
+        case "locate" | "slide" | "order_all" | "section_map":
             return "on" if value else "off"
+        case "section_axes":
+            return "auto" if value is None else ",".join((*variables, "t")[k] for k in value)
         case "methods" | "peers":
             return ",".join(value)
         case "perturbation_order":
@@ -308,20 +313,26 @@ def _take(scene: Scene, key: str, text: str) -> None:
         case "starts":
             value = tuple(tuple(map(_number, part.split(","))) for part in text.split(";"))
         case "axes":
-            value = tuple(_index(name, variables) for name in text.split(","))
-        case "window":
+            value = None if text == "auto" else tuple(_index(name, variables) for name in text.split(","))
+        case "window" | "sweep_range":
             value = None if text == "auto" else tuple(map(_number, text.split(",")))
         case "stability_coordinate":
             value = _index(text, variables)
+        case "section_axes":
+            value = None if text == "auto" else tuple(_index(name, (*variables, "t")) for name in text.split(","))
+        case "section_direction" | "sweep_direction":
+            value = int(text) if text in ("-1", "0", "1") else text
         case "selected":
             value = int(text) if re.fullmatch("[0-9]{1,3}", text) else text
-        case "locate" | "slide" | "order_all":
+        case "locate" | "slide" | "order_all" | "section_map":
             value = {"on": True, "off": False}.get(text, text)
         case "methods" | "peers":
             value = text.split(",") if text else []
         case "perturbation_order":
             value = {str(order or "none"): order for order in scene.param[key].objects}.get(text, text)
-        case "tolerance" | "perturbation_scale":
+        case "tolerance" | "perturbation_scale" | "section_points" | "section_discard" | "sweep_end":
+            value = _number(text)
+        case _ if key in COUNTS:
             value = _number(text)
     scene.accept(key, value)
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 __all__ = ["PRESETS", "Preset"]
 
@@ -157,7 +159,7 @@ def _stopping() -> tuple[Preset, ...]:
             "Three swings of a pendulum towards α = 0.5: one falls short, one crosses, and one just touches and ends.",
             "Move the start that touches, or α, by 10⁻⁶: the swing falls short or crosses.",
             {
-                "system": "pendulum", "starts": ((-0.49, 0.0), (-0.51, 0.0), (-0.5, 0.0)),
+                "system": "pendulum", "starts": ((-0.35, 0.0), (-0.65, 0.0), (-0.5, 0.0)),
                 "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved",
             },
         ),
@@ -231,6 +233,66 @@ def _several_surfaces() -> tuple[Preset, ...]:
     )  # fmt: skip
 
 
+def _sections() -> tuple[Preset, ...]:
+    settings: dict[str, Any] = {"methods": ["taylor"], "tau": 1.0, "tolerance": 1e-10, "view": "section"}
+    return (
+        Preset(
+            "henon_heiles_section", "Poincaré section of Hénon and Heiles", "",
+            "Orbits of energy 1/8 at x = 0: islands in a chaotic sea, as without the wall: the potential is even in x.",
+            "Click on the section: orbits of the same energy. Zoom into the edge of an island.",
+            {
+                **settings, "system": "henon_heiles", "values": {"wall": 0.0}, "t_end": 40.0,
+                "starts": tuple(_of_energy(1 / 8, y, v) for y, v in _HENON_HEILES), "section_points": 4000,
+            },
+        ),
+        Preset(
+            "vibrating_table", "A ball on a vibrating table", "",
+            "Just after each bounce: islands about periodic bounces, as at φ = π/2, v = π, between chaotic bands.",
+            "Set ε = 0.97: five orbits end in that periodic bounce, four at rest. Set a = 0.4: the bands join.",
+            {
+                **settings, "system": "vibrating_table", "t_end": 12.0,
+                "starts": tuple((0.0, y, 0.0) for y in (3.0, 0.5, 1.0, 2.0, 4.0, 5.0, 8.0, 12.0, 16.0)),
+                "section_points": 4000,
+            },
+        ),
+    )  # fmt: skip
+
+
+def _sweeps() -> tuple[Preset, ...]:
+    settings: dict[str, Any] = {"methods": ["taylor"], "tau": 1.0, "view": "sweep"}
+    return (
+        Preset(
+            "vibrating_table_sweep", "A bouncing ball: from order to chaos", "",
+            "The ball comes to rest, or bounces at speed π; at a = 1.527 every second bounce differs, and near 1.71 "
+            "chaos begins.",
+            "Click at a = 1.3 and 1.72. Behind “more”, continue downwards: one bounce a period lasts down to a = π/3.",
+            {
+                **settings, "system": "vibrating_table", "values": {"a": 1.3, "restitution": 0.5}, "axes": (1, 2),
+                "starts": ((4.2, 6.0, 0.0),), "t_end": 60.0, "sweep_range": (1.0, 1.8), "sweep_coordinate": "v",
+                "sweep_discard": 400, "sweep_end": 5000.0,
+            },
+        ),
+        Preset(
+            "chua_sweep", "Chua’s circuit: from order to chaos", "",
+            "One point a loop: two from α = 8.17, four from 8.39, then chaos; beyond 8.8 it visits both scrolls.",
+            "Click at α = 8.1, 8.3 and 8.7. Zoom in by Ctrl and the wheel, and sweep the values in sight.",
+            {
+                **settings, "system": "chua", "values": {"alpha": 8.7}, "axes": (0, 2), "t_end": 100.0,
+                "sweep_parameter": "alpha", "sweep_discard": 200, "sweep_end": 3000.0,
+            },
+        ),
+    )  # fmt: skip
+
+
+_HENON_HEILES = ((-0.1, 0.0), (0.2, 0.0), (0.28, 0.0), (0.36, 0.0), (-0.25, 0.1), (0.05, 0.25), (-0.15, 0.3))
+"""Where orbits of Hénon and Heiles meet x = 0, as (y, v)."""
+
+
+def _of_energy(energy: float, y: float, v: float) -> tuple[float, float, float, float]:
+    """Return the state of Hénon and Heiles at x = 0 of some energy, that leaves to the right."""
+    return 0.0, y, math.sqrt(2 * energy - y**2 - v**2 + 2 * y**3 / 3), v
+
+
 def _frozen(preset: Preset) -> Preset:
     settings = MappingProxyType(dict(preset.settings))
     return Preset(preset.key, preset.title, preset.figure, preset.look, preset.try_, settings)
@@ -241,6 +303,7 @@ PRESETS: Mapping[str, Preset] = MappingProxyType({
     preset.key: _frozen(preset)
     for group in (
         _field_types, _portraits, _time_errors, _transitions, _conserved, _stopping, _comparisons, _several_surfaces,
+        _sections, _sweeps,
     )
     for preset in group()
 })  # fmt: skip

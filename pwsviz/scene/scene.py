@@ -20,11 +20,15 @@ from pwsviz.scene.names import (
     COST_ACROSS,
     COST_UP,
     EXTERNAL_SOLVERS,
+    SECTION_DIRECTIONS,
     STABILITY_PARTS,
     STABILITY_SHOWN,
+    SWEEP_CONTINUATIONS,
+    SWEEP_DIRECTIONS,
     choice_name,
     short_name,
 )
+from pwsviz.scene.sweeping import AFRESH, COUNTS, SWEEP_SETTINGS, checked
 from pwsviz.scene.validation import (
     MAX_STEPS,
     number,
@@ -32,7 +36,9 @@ from pwsviz.scene.validation import (
     plane,
     require_few_steps,
     require_known,
+    surface_function,
     switch,
+    whole,
     whole_number,
     window,
 )
@@ -53,13 +59,16 @@ TOLERANCES = (1e-15, 1e-3)
 END_TIME = 20.0
 """End time of a system that has none of its own in `END_TIMES`."""
 
-END_TIMES = {"type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
-"""End times of slow systems: at `END_TIME` their trajectories have only just reached the surface."""
+END_TIMES = {"vibrating_table": 12.0, "type_upward": 40.0, "type_downward": 40.0, "type_sliding": 40.0}
+"""End times of systems that are too slow for `END_TIME`, or run out of sight by then."""
 
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
 """Offered orders p of the perturbation c·τᵖ of crossing times; None for no perturbation."""
 
 _TIMES = {"tau": "The step size", "t_end": "The end time"}
+
+_PLAIN_STUDIES: Mapping[str, Any] = {"stability_coordinate": 0, "section_of": "", "section_axes": None, **AFRESH}
+"""What another system resets of the views: it has other variables."""
 
 Start = tuple[float, ...]
 
@@ -87,7 +96,9 @@ class Scene(param.Parameterized):
     values = param.Dict(default={}, doc="Value of each parameter of the system.")
     starts: Any = param.ClassSelector(default=(), class_=tuple, doc="Initial states, one for each trajectory.")
     selected: Any = param.Integer(default=0, bounds=(0, MAX_STARTS - 1), doc="Index of the start that is selected.")
-    axes: Any = param.ClassSelector(default=(0, 1), class_=tuple, doc="The two variables that span the portrait.")
+    axes: Any = param.ClassSelector(
+        default=None, class_=tuple, doc="The two variables that span the portrait; None: as suits what it shows."
+    )
     window: Any = param.ClassSelector(
         default=None, class_=tuple, doc="Ends (left, right, bottom, top) of the portrait; None: as suits what it shows."
     )
@@ -112,6 +123,30 @@ class Scene(param.Parameterized):
     stability_part: Any = param.Selector(default="map", objects=list(STABILITY_PARTS))
     stability_shown: Any = param.Selector(default="outcome", objects=list(STABILITY_SHOWN), doc="Colours of the map.")
     stability_coordinate = param.Integer(default=0, bounds=(0, None), doc="The variable along the map's other axis.")
+    section_of = param.String(default="", doc="h of the section, as `core` reads it; empty: the switching surfaces.")
+    section_direction: Any = param.Selector(
+        default=0, objects=list(SECTION_DIRECTIONS), doc="1: crossings where h rises, −1: where it falls, 0: both."
+    )
+    section_axes: Any = param.ClassSelector(
+        default=None, class_=tuple, doc="The two coordinates shown, time being the last; None: those that show most."
+    )
+    section_points = param.Integer(default=2000, bounds=(1, 1_000_000), doc="Points of each start.")
+    section_discard = param.Integer(default=0, bounds=(0, 1_000_000), doc="Points of each start left out first.")
+    section_map = param.Boolean(default=False, doc="Whether the return map is shown, not the section itself.")
+    sweep_parameter = param.String(default="", doc="The parameter of the diagram; empty: the first with bounds.")
+    sweep_range: Any = param.ClassSelector(
+        default=None, class_=tuple, doc="Its first and last value; None: its bounds."
+    )
+    sweep_coordinate = param.String(default="", doc="The variable shown; empty: the first that varies on the surface.")
+    sweep_of = param.String(default="", doc="h(t, x), whose zeros are the section; empty: the switching surface.")
+    sweep_direction: Any = param.Selector(
+        default="auto", objects=list(SWEEP_DIRECTIONS), doc="As of the section; auto: as a closed curve has one point."
+    )
+    sweep_continuation: Any = param.Selector(default="none", objects=list(SWEEP_CONTINUATIONS))
+    sweep_values = param.Integer(default=400, bounds=COUNTS["sweep_values"][1:], doc="Values of the parameter.")
+    sweep_points = param.Integer(default=100, bounds=COUNTS["sweep_points"][1:], doc="Points kept for each.")
+    sweep_discard = param.Integer(default=100, bounds=COUNTS["sweep_discard"][1:], doc="Points left out before.")
+    sweep_end = param.Number(default=2000.0, bounds=(1e-3, 1e5), doc="Time at which a run ends that lacks points.")
 
     def __init__(self, **params: Any) -> None:
         self._no_defaults = False
@@ -196,12 +231,12 @@ class Scene(param.Parameterized):
         """
         fresh = Scene(own=self.own)
         given = dict(settings)
+        fresh.accept("methods", given.pop("methods", fresh.methods))  # a system that lacks some would keep the others
         fresh.accept("system", given.pop("system", fresh.system))
         for name, value in given.pop("values", {}).items():
             fresh.accept(f"values.{name}", value)
         fresh.accept_times(given.pop("tau", fresh.tau), given.pop("t_end", fresh.t_end))
-        for name in ("methods", "starts"):  # before the settings that refer to one of them
-            fresh.accept(name, given.pop(name, getattr(fresh, name)))
+        fresh.accept("starts", given.pop("starts", fresh.starts))  # before the settings that refer to one of them
         for name, value in given.items():
             fresh.accept(name, value)
         self.loads += 1
@@ -226,12 +261,10 @@ class Scene(param.Parameterized):
         """
         if system.dimension < PLANE:
             raise ValueError("A portrait needs at least two variables.")
-        changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": (0, 1), "window": None}
+        changes = {"values": dict(system.values), "starts": (system.x0,), "selected": 0, "axes": None, "window": None}
         checked_start(system, 0.0, system.x0)
         with self._without_defaults():
-            self.param.update(
-                own=system, system=OWN, stability_coordinate=0, view=self._telling_view(system), **changes
-            )
+            self.param.update(own=system, system=OWN, view=self._telling_view(system), **changes, **_PLAIN_STUDIES)
         self.t_end = self._end_of_system()
 
     @param.depends("system", watch=True)
@@ -242,14 +275,19 @@ class Scene(param.Parameterized):
             raise ValueError("There is no system of your own yet: write one first.")
         chosen = self.declaration
         self.param.update(
-            values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=(0, 1), stability_coordinate=0,
-            t_end=self._end_of_system(), view=self._telling_view(chosen), window=None,
+            values=dict(chosen.values), starts=(chosen.x0,), selected=0, axes=None, window=None,
+            t_end=self._end_of_system(), view=self._telling_view(chosen), **_PLAIN_STUDIES,
         )  # fmt: skip
 
     @param.depends("axes", watch=True)
     def _look_afresh(self) -> None:
         if not self._no_defaults:
             self.window = None
+
+    @param.depends("sweep_parameter", watch=True)
+    def _sweep_afresh(self) -> None:
+        if not self._no_defaults:
+            self.sweep_range = None
 
     def _telling_view(self, system: core.PiecewiseSystem) -> str:
         """Return the view shown, or the state where that is empty: the system has no ψ to be conserved."""
@@ -314,6 +352,7 @@ class Scene(param.Parameterized):
             self.move(self.selected, self._checked_x0(part, value))
             return
         checks: dict[str, Callable[[str, object], Any]] = {
+            **{key: partial(checked, self, key) for key in SWEEP_SETTINGS},
             "tau": self._checked_tau,
             "tolerance": lambda _, value: self._checked_number("The tolerance", "tolerance", value),
             "t_end": self._checked_end,
@@ -328,6 +367,12 @@ class Scene(param.Parameterized):
             "slide": lambda _, value: switch(value),
             "order_all": lambda _, value: switch(value),
             "stability_coordinate": self._checked_coordinate,
+            "section_of": self._checked_surface,
+            "sweep_of": self._checked_surface,
+            "section_axes": lambda _, value: None if value is None else plane(value, 1 + self.declaration.dimension),
+            "section_points": lambda _, value: self._checked_count("The number of points", "section_points", value),
+            "section_discard": lambda _, value: self._checked_count("The number left out", "section_discard", value),
+            "section_map": lambda _, value: switch(value),
             "system": self._checked_system,
             "view": lambda _, value: one_of(VIEWS, value, partial(choice_name, "view")),
             "window": lambda _, value: window(value),
@@ -412,6 +457,12 @@ class Scene(param.Parameterized):
 
     def _checked_coordinate(self, _: str, value: object) -> int:
         return whole_number(value, "The number of a variable", len(self.declaration.variables))
+
+    def _checked_count(self, subject: str, field: str, value: object) -> int:
+        return whole(value, subject, *self.param[field].bounds)
+
+    def _checked_surface(self, _: str, value: object) -> str:
+        return surface_function(value, (*self.declaration.variables, *self.declaration.values))
 
     def _checked_values(self, name: str, value: object) -> dict[str, float]:
         parameters = {p.name: p for p in self.declaration.parameters}

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from core.symbolic import parse
-from pwsviz.text.typed import as_python
+from pwsviz.text.typed import Typed, as_python
 
 LIMIT = 1e9
 """Largest |coordinate| of the ends of a window."""
@@ -18,6 +18,9 @@ NARROWEST = 1e-9
 MAX_STEPS = 2_000_000
 """Most steps of one run on the page, so that a mistyped step size cannot keep it busy."""
 
+
+MAX_FUNCTION = 300
+"""Characters of the function of a section, which a link can hold."""
 
 _ENDS = ("left", "right", "bottom", "top")
 
@@ -118,8 +121,10 @@ def switch(value: object) -> bool:
     return value
 
 
-def plane(value: object, count: int) -> tuple[int, int]:
-    """Return two different numbers of variables below `count`; ValueError if they are not."""
+def plane(value: object, count: int) -> tuple[int, int] | None:
+    """Return two different numbers of variables below `count`, or None; ValueError if they are not."""
+    if value is None:
+        return None
     whole = isinstance(value, tuple) and len(value) == 2 and all(type(i) is int and 0 <= i < count for i in value)
     if not isinstance(value, tuple) or not whole or value[0] == value[1]:
         raise ValueError(
@@ -133,6 +138,37 @@ def whole_number(value: object, subject: str, count: int) -> int:
     if type(value) is not int or not 0 <= value < count:
         raise ValueError(f"{subject} has to lie between 0 and {count - 1}; it is “{value}”.")
     return value
+
+
+def whole(value: object, subject: str, low: int, high: int) -> int:
+    """Read a whole number and check its range; ValueError, as of `number`, if it is none."""
+    result = number(value, subject, low, high)
+    if result != int(result):
+        raise ValueError(f"{subject} has to be a whole number from {low:,} to {high:,}.")
+    return int(result)
+
+
+def surface_function(value: object, names: Iterable[str]) -> str:
+    """Return a function h(t, x) whose zeros are a section, as `core` reads it; empty for the switching surfaces.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be read, or is constant; the message quotes what was typed.
+    """
+    typed = Typed()
+    text = typed.read(str(value)).strip()
+    if not text:
+        return ""
+    if len(text) > MAX_FUNCTION:
+        raise ValueError(f"The function is {len(text):,} characters long; at most {MAX_FUNCTION} can be read.")
+    try:
+        function = parse(text, names, "h")
+    except ValueError as reason:
+        raise ValueError(typed.message(str(reason))) from None
+    if not function.free_symbols:
+        raise ValueError(f"“{value}” is constant: a section is where a function of the state vanishes.")
+    return text
 
 
 def _rounded_up(value: float) -> str:

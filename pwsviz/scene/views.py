@@ -21,7 +21,9 @@ VIEWS = {
     "order": View("Order", "pwsviz.tabs.order:state_order_tab"),
     "time": View("Crossing time", "pwsviz.tabs.order:time_order_tab"),
     "cost": View("Cost", "pwsviz.tabs.cost:CostTab"),
+    "section": View("Section", "pwsviz.tabs.section:SectionTab"),
     "stability": View("Stability", "pwsviz.tabs.stability:StabilityTab"),
+    "sweep": View("Sweep", "pwsviz.tabs.sweep:SweepTab"),
     "scheme": View("Scheme", "pwsviz.tabs.scheme:SchemeTab"),
 }
 """Each view by its key, in display order; links contain the key."""

@@ -9,12 +9,13 @@ import os
 import subprocess
 import sys
 from functools import cache
+from threading import Thread
 
 import core
 from pwsviz.results.requests import sliding_of
 from pwsviz.scene.scene import Scene
 
-__all__ = ["compile_beside_once", "compile_catalogue"]
+__all__ = ["compile_beside_once", "compile_catalogue", "declare_beside_once"]
 
 LEAST_PRIORITY = 19
 """Niceness of the process that compiles: it takes only the time that nobody else wants."""
@@ -25,6 +26,14 @@ def compile_beside_once() -> subprocess.Popen[bytes]:
     """Start a process that compiles the catalogue and ends; later calls in the same process start no other."""
     command = [sys.executable, "-m", "pwsviz.server.catalogue"]
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)  # noqa: S603  (our own)
+
+
+@cache
+def declare_beside_once() -> Thread:
+    """Start a thread that declares the catalogue, whose names the list of systems shows; later calls start no other."""
+    thread = Thread(target=lambda: list(core.CATALOGUE.values()), name="pwsviz-catalogue", daemon=True)
+    thread.start()
+    return thread
 
 
 def compile_catalogue() -> None:

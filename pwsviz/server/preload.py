@@ -16,6 +16,7 @@ from pwsviz.page.explorer import COVER, RESULTS
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs
 from pwsviz.scene.scene import Scene
+from pwsviz.server.catalogue import declare_beside_once
 
 
 def compute_first_scene() -> None:
@@ -36,6 +37,7 @@ def prepare() -> None:
     """Compute the first scene, and keep what there is by then: the collector of garbage stops all to go through it."""
     compute_first_scene()
     COVER.draw()
+    declare_beside_once().join()
     gc.freeze()
     gc.set_threshold(BETWEEN_COLLECTIONS)
 

@@ -18,7 +18,7 @@ from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers, table_markup
 from pwsviz.text.words import as_text, complaint
-from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, plot_pane, text_pane
+from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, is_seen, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
 Outcome = Any
@@ -203,7 +203,7 @@ class LongTab(Tab):
 
     def begin(self) -> None:
         """Show the progress bar, and fade figures and words: what they show is not what was asked for."""
-        self.progress.begin()
+        self.progress.begin(former=any(map(is_seen, self.plots)))
         self.words.styles = FADED
         self._fade(past=True)
 

@@ -46,8 +46,9 @@ class ConservedTab(Tab):
     def compute(self, inputs: ErrorInputs, cancel: Cancel, report: Report) -> ErrorPicture:
         """Reduce the errors of the runs to the resolution of a screen."""
         curves = self.results.error_curves(inputs.runs, cancel)
-        marks = self.results.landmarks(inputs.runs[0], inputs.axes, cancel)
-        return ErrorPicture(inputs.runs[0].problem.declaration, curves, marks)
+        system = inputs.runs[0].problem.declaration
+        axes = self.results.plane(system, inputs.axes, cancel)
+        return ErrorPicture(system, curves, self.results.landmarks(inputs.runs[0], axes, cancel))
 
     def build(self) -> list[Any]:
         """One figure."""

@@ -16,6 +16,7 @@ from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.math_names import variable_name
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import complaint
 from pwsviz.widgets.setting_buttons import choice
@@ -48,7 +49,7 @@ class StabilityTab(LongTab):
         self._coordinate = choice(
             scene,
             "stability_coordinate",
-            lambda: {v: k for k, v in enumerate(scene.declaration.variables)},
+            lambda: {variable_name(v): k for k, v in enumerate(scene.declaration.variables)},
             ("system", "own"),
         )
         self._place = pn.Column(margin=0, sizing_mode="stretch_width")

@@ -13,11 +13,12 @@ from pwsviz.export.tables import DrawnRun, portrait_tables
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.state import StateView, state_text
-from pwsviz.geometry.projection import in_plane
+from pwsviz.geometry.projection import Axes, in_plane
 from pwsviz.results.requests import ErrorInputs, run_inputs
 from pwsviz.results.states import StateCurves
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.math_names import variable_name
 
 
 class StatePicture(NamedTuple):
@@ -25,6 +26,8 @@ class StatePicture(NamedTuple):
 
     curves: list[StateCurves]
     first: core.Trajectory
+    axes: Axes
+    """Of the portrait, in which the crossing under the pointer is marked, too."""
 
 
 class StateTab(Tab):
@@ -47,7 +50,8 @@ class StateTab(Tab):
     def compute(self, inputs: ErrorInputs, cancel: Cancel, report: Report) -> StatePicture:
         """Reduce the runs to the resolution of a screen."""
         curves = [self.results.states(one, cancel) for one in inputs.runs]
-        return StatePicture(curves, self.results.run(inputs.runs[0], cancel))
+        axes = self.results.plane(inputs.runs[0].problem.declaration, inputs.axes, cancel)
+        return StatePicture(curves, self.results.run(inputs.runs[0], cancel), axes)
 
     def build(self) -> list[Any]:
         """Make place for the panels, which depend on the system."""
@@ -55,14 +59,14 @@ class StateTab(Tab):
 
     def draw(self, outcome: StatePicture) -> str:
         """Draw the runs, and return the ranges of the coordinates in words."""
-        names = outcome.first.system.variables
-        self.view.show(outcome.curves, names, outcome.first, in_plane(outcome.first.crossings.x, self.scene.axes))
+        names = list(map(variable_name, outcome.first.system.variables))
+        self.view.show(outcome.curves, names, outcome.first, in_plane(outcome.first.crossings.x, outcome.axes))
         for panel in self.view.panels[len(self.plots) :]:
             self.plot(panel.figure)
             if self._portrait is not None:
                 link_crossings(self._portrait, panel, self.view.shared.instants)
         self._panels.objects = self.plots[: len(names)]
-        return state_text(names, outcome.curves)
+        return state_text(names, outcome.curves, len(outcome.first.crossings))
 
     def pictures(self) -> list[figure]:
         """Return all panels."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
+from _thread import start_new_thread
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from threading import Condition, Event, Thread
+from threading import Condition, Event
 from time import monotonic
 from typing import Any
 
@@ -48,7 +49,7 @@ class Lane:
         self._changed = Condition()
         self._waiting: Job | None = None
         self._running: Job | None = None
-        self._thread: Thread | None = None
+        self._draining = False
 
     @property
     def busy(self) -> bool:
@@ -67,9 +68,9 @@ class Lane:
         """Submit `job`, in place of any that is still waiting."""
         with self._changed:
             self._waiting = job
-            if self._thread is None:
-                self._thread = Thread(target=self._drain, name="pwsviz-lane", daemon=True)
-                self._thread.start()
+            if not self._draining:
+                self._draining = True
+                start_new_thread(self._drain, ())  # `Thread.start` keeps the event loop waiting until the thread runs
             self._changed.notify_all()
 
     def cancel(self) -> None:
@@ -83,7 +84,7 @@ class Lane:
     def join(self, timeout: float | None = None) -> bool:
         """Wait at most `timeout` seconds; return whether all jobs are done."""
         with self._changed:
-            return self._changed.wait_for(lambda: self._thread is None, timeout)
+            return self._changed.wait_for(lambda: not self._draining, timeout)
 
     def _drain(self) -> None:
         while (job := self._next()) is not None:
@@ -112,6 +113,6 @@ class Lane:
                 if not self._changed.wait_for(partial(self._replaced, candidate), candidate.quiet):
                     self._running, self._waiting = candidate, None
                     return candidate
-            self._thread = None
+            self._draining = False
             self._changed.notify_all()
             return None

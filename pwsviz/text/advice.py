@@ -10,6 +10,8 @@ __all__ = ["on_page"]
 _SAID = (
     (r'let it slide \(sliding="continue"\)', "choose “Slide along the surface”"),
     (r"Raise the limit \(max_crossings\) to continue", "Take an earlier end time"),
+    (r"Raise the limit \(max_events\) to continue", "Take an earlier end time"),
+    (r" \(terminal=False\)", ""),
     (r", or raise the limit \(max_steps\)", ""),
     (r"Declare the law of that region \(regions\)", "Declare a law for that region in the editor"),
     (r"give a tau, which no step is longer than", "take a smaller τ, which no step is longer than"),

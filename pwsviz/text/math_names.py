@@ -9,18 +9,19 @@ import sympy
 from sympy import Symbol
 from sympy.printing.pretty.pretty_symbology import greek_unicode
 
-__all__ = ["default_name", "name_markup", "operator", "plain_text", "said_name"]
+__all__ = ["default_name", "name_markup", "operator", "plain_text", "said_name", "unicode_name", "variable_name"]
 
 _ACCENTS = {"hat": "^", "bar": "‾", "tilde": "~", "vec": "→", "dot": "˙", "ddot": "¨"}
 _SIGNS = {"-": "−", "'": "′"}
 _COMMANDS = {
     "pm": "±", "sum": "∑", "cdots": "⋯", "ldots": "…", "leftarrow": "←", "circ": "∘", "top": "⊤",
 }  # fmt: skip
+_UNICODE = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", "_": ""}
 _ACCENTED = "|".join(_ACCENTS)
-#: A base with at most two scripts, each a character, a command or a group in braces. The possessive quantifiers (++)
-#: do not backtrack, so that no text takes long to match.
+#: A base with at most two scripts, each a character, a command or a group in braces. Each part of a base has one way to
+#: match, so that no text takes long.
 _SCRIPT = r"(?:[_^](?:\{[^{}]*\}|\\[A-Za-z]++|[^\\{}\s]))"
-_BASE = rf"(?:\\(?:{_ACCENTED})\{{[^{{}}]*\}}|\\[A-Za-z]++|[^\\_^{{}}])++"
+_BASE = rf"(?:\\(?:{_ACCENTED})\{{[^{{}}]*\}}|\\[A-Za-z]++|[^\\_^{{}}])+"
 _NAME = re.compile(rf"(?P<base>{_BASE})(?P<scripts>{_SCRIPT}{{0,2}})")
 _ENDS_IN_SUBSCRIPT = re.compile(r"_\{[^{}]*\}$")
 _PIECE = re.compile(rf"\\({_ACCENTED})\{{([^{{}}]*)\}}|\\([A-Za-z]+)|([^\W\d_]+)|(\d+(?:\.\d+)?)|(\S)")
@@ -77,6 +78,19 @@ def default_name(name: str) -> str:
             stem = str(sympy.latex(Symbol(name.removesuffix(word))))
             return f"{stem[:-1]}{sign}}}" if _ENDS_IN_SUBSCRIPT.search(stem) else f"{stem}_{{{sign}}}"
     return str(sympy.latex(Symbol(name)))
+
+
+def unicode_name(latex: str, otherwise: str) -> str:
+    """Return the LaTeX of a symbol in Unicode (a₋, ω²₊), or another name where Unicode cannot express it."""
+    text = re.sub(r"\\([A-Za-z]+)", lambda found: greek_unicode.get(found[1], found[0]), latex)
+    for part, character in _UNICODE.items():
+        text = text.replace(part, character)
+    return otherwise if set(text) & set("\\{}^") else text
+
+
+def variable_name(name: str) -> str:
+    """Return the name of a variable as formulas show it, φ for ``phi``, as far as Unicode can express it."""
+    return unicode_name(default_name(name), name)
 
 
 def said_name(text: str) -> str:

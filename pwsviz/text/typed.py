@@ -17,8 +17,8 @@ _RAISED = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 _PRINTED = re.compile(rf"(?:([0-9]+(?:\.[0-9]+)?)×)?(?<![\w.])10({_RAISED.pattern})")
 _LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 #: A number that is no part of a name, with its exponent if it has one: of 2e only 2, of 2e3x all but x. It is taken
-#: whole: possessive quantifiers (++) give nothing back.
-_NUMBER = r"(?<![\w.])(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?+"
+#: whole: possessive quantifiers (++) give nothing back. (That of a group does in Python before 3.11.5.)
+_NUMBER = r"(?<![\w.])(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++|(?![eE][+-]?[0-9]))"
 #: A number, or a closing bracket, before what it multiplies: a name or a bracket; after a bracket also a number.
 _PRODUCT = re.compile(rf"({_NUMBER}) *(?=[^\W\d]|\()|(\)) *(?=[\w(])")
 

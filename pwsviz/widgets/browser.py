@@ -28,13 +28,39 @@ try {
 """JavaScript run in the browser when ``dark_theme`` of the page changes."""
 
 
-NAME_PANEL = """
-// Give the view below the tabs the role that goes with theirs, and the name of the tab that is chosen.
+FIND = """
 const find = (node, chosen) => {
   const parts = [...node.querySelectorAll("*")]
   const found = parts.find(part => part.matches(chosen))
   return found ?? parts.filter(part => part.shadowRoot).map(part => find(part.shadowRoot, chosen)).find(part => part)
 }
+"""
+"""JavaScript function that finds an element in the page and all its shadow trees."""
+
+NAME_MENU = """
+// Call the button with three bars as people do, who may speak its name: “menu” in place of “drawer”.
+let looks = 0
+const name_menu = () => {
+  const button = find(document, "button[aria-label$=drawer]")
+  if (button == null) { if (looks++ < 300) { setTimeout(name_menu, 100) }; return }
+  const say = () => {
+    const name = button.getAttribute("aria-label"), better = name.replace("drawer", "menu")
+    if (better != name) { button.setAttribute("aria-label", better) }
+  }
+  new MutationObserver(say).observe(button, { attributeFilter: ["aria-label"] })
+  say()
+  const root = button.getRootNode()  // its tip is made anew at each visit of the pointer
+  const say_tip = () => root.querySelectorAll("[role=tooltip] > *").forEach(({ firstChild: words }) => {
+    if (words?.data?.endsWith("drawer")) { words.data = words.data.replace("drawer", "menu") }
+  })
+  new MutationObserver(say_tip).observe(root, { childList: true, subtree: true, characterData: true })
+}
+name_menu()
+"""
+"""JavaScript that renames the button of the sidebar, and its tip; in panel-material-ui they say “drawer”."""
+
+NAME_PANEL = """
+// Give the view below the tabs the role that goes with theirs, and the name of the tab that is chosen.
 let searches = 0
 const name_panel = () => {
   const tabs = find(document, ".MuiTabsPanel")
@@ -93,7 +119,9 @@ export function render({ model }) {
     else model.redone += 1
   }
   document.addEventListener("keydown", press)
+  FIND
   NAME_PANEL
+  NAME_MENU
   model.on("remove", () => document.removeEventListener("keydown", press))
   model.on("query", () => {
     const address = new URL(window.location.href)
@@ -103,5 +131,7 @@ export function render({ model }) {
 }
 """.replace("NARROW", str(NARROW))
         .replace("IS_DARK", IS_DARK)
+        .replace("FIND", FIND)
         .replace("NAME_PANEL", NAME_PANEL)
+        .replace("NAME_MENU", NAME_MENU)
     )

@@ -37,7 +37,10 @@ class Dropdown(pn.widgets.Select):
     def offer(self, options: Mapping[str, Any], value: Any) -> None:
         """Show other options, and which of them is chosen.
 
-        Panel tells the browser of a value only if it changes; here its name may change alone.
+        Panel tells the browser of a value only if it changes; here its name may change alone. Where neither changes,
+        the browser is told nothing: a visitor may just have chosen another entry.
         """
+        renamed = list(options.items()) != list(dict(self.options).items())
         self.param.update(options=dict(options), value=value)
-        self.param.trigger("value")
+        if renamed:
+            self.param.trigger("value")

@@ -79,12 +79,17 @@ def empty(pane: pn.pane.Bokeh) -> None:
     pane.styles = {**pane.object.styles, **EMPTY}
 
 
+def is_seen(pane: pn.pane.Bokeh) -> bool:
+    """Return whether a figure shows anything, be it outdated."""
+    return bool(pane.styles.get("visibility") != EMPTY["visibility"])
+
+
 def fade(pane: pn.pane.Bokeh, past: bool) -> None:
     """Fade a figure that shows an outdated result, if it shows any, or show it plainly.
 
     The styles of a pane replace those of its figure, so all of them are given each time.
     """
-    if not past or pane.styles.get("visibility") != EMPTY["visibility"]:
+    if not past or is_seen(pane):
         pane.styles = {**pane.object.styles, **PLAIN, **(FADED if past else {})}
 
 

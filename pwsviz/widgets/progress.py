@@ -38,7 +38,7 @@ class Progress(pn.viewable.Viewer):
     def __init__(self, on_cancel: Callable[[], None], on_again: Callable[[], None]) -> None:
         super().__init__()
         self._bar = bar_pane("the computation", margin=(9, 8))
-        self._words = pmui.Typography("", variant="caption", margin=(6, 8), width=92)
+        self._words = pmui.Typography("", variant="caption", margin=(6, 8), sx={"whiteSpace": "nowrap"})
         self._cancel = pmui.Button(label="Cancel", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX)
         self._again = pmui.Button(
             label="Run again", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX, visible=False
@@ -54,15 +54,15 @@ class Progress(pn.viewable.Viewer):
         """Whether a computation is running."""
         return bool(self._row.visible and self._cancel.visible)
 
-    def begin(self) -> None:
-        """Show that a computation has begun, of unknown length."""
+    def begin(self, former: bool = False) -> None:
+        """Show that a computation has begun, of unknown length; `former`: and that a former result is still seen."""
         self._bar.param.update(object=_bar("the computation"), visible=True)
-        self._say("preparing …", cancellable=True)
+        self._say("preparing …" + former * " (below: the former result)", cancellable=True)
 
     def advance(self, done: int, total: int) -> None:
         """Show how many of all parts are done."""
         self._bar.object = _bar("the computation", done / max(total, 1))
-        self._say(f"{done} of {total}", cancellable=True)
+        self._say(f"{done:,} of {total:,}", cancellable=True)
 
     def end(self) -> None:
         """Hide the bar: the computation is finished."""

@@ -1,0 +1,41 @@
+"""What can be seen on a section of a system at all, told by its declaration: in words."""
+
+from __future__ import annotations
+
+import core
+from core.symbolic import TIME
+from pwsviz.geometry.section_crossings import has_reset
+
+__all__ = ["prospects", "reset_words"]
+
+
+def reset_words(system: core.PiecewiseSystem, of: str) -> str:
+    """Return that the points are states after a reset map, if one acts at the surface; else nothing."""
+    return ", just after the reset map" if has_reset(system, of) else ""
+
+
+def prospects(system: core.PiecewiseSystem) -> str:
+    """Return why a section can show little, or what it depends on; nothing if neither is known."""
+    words = []
+    if _is_flow_in_the_plane(system):
+        words.append(
+            "Laws in the plane without t lead to closed curves or to rest: after a transient few points differ."
+        )
+    if _conserves(system):
+        words.append("Every region conserves ψ: other starts may have other points.")
+    return " ".join(words)
+
+
+def _is_flow_in_the_plane(system: core.PiecewiseSystem) -> bool:
+    """Whether the state, a point of the plane, determines all that follows, and moves without jumps."""
+    laws = system.laws
+    said = {symbol for mode in laws.regions for rate in mode.field for symbol in rate.free_symbols}
+    said |= {symbol for g in laws.surfaces for symbol in g.free_symbols}
+    return system.dimension == 2 and not system.transitions and not laws.jumps and TIME not in said
+
+
+def _conserves(system: core.PiecewiseSystem) -> bool:
+    """Whether each region has a conserved quantity that does not contain time, and no jump changes it."""
+    return not system.laws.jumps and all(
+        any(TIME not in psi.free_symbols for psi in mode.conserved) for mode in system.laws.regions
+    )

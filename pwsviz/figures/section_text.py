@@ -1,0 +1,87 @@
+"""A Poincaré section in plain words, and as a table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from pwsviz.figures.section_prospects import prospects, reset_words
+from pwsviz.results.requests import SectionInputs
+from pwsviz.results.sections import SectionPoints
+from pwsviz.scene.names import readable
+from pwsviz.text.advice import on_page
+from pwsviz.text.words import listed, plural
+
+__all__ = ["section_how", "section_rows", "section_text", "surface_words"]
+
+_WAYS = {0: "crossed either way", 1: "crossed upwards", -1: "crossed downwards"}
+
+
+def surface_words(inputs: SectionInputs) -> str:
+    """Return where the points lie, as “S: g = 0, crossed either way”."""
+    system = inputs.problem.declaration
+    own = "S: g = 0" if system.two_sided else "all surfaces"
+    return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {_WAYS[inputs.direction]}"
+
+
+def section_text(outcome: SectionPoints) -> str:
+    """Return how many points there are, and of which starts there are fewer, and why."""
+    counts, inputs = outcome.counts, outcome.inputs
+    after = reset_words(inputs.problem.declaration, inputs.of)
+    words = [f"{plural(sum(counts), 'point')} of {plural(len(counts), 'start')} on {surface_words(inputs)}{after}."]
+    short: dict[core.Status, list[int]] = {}
+    for k in outcome.short:
+        if (status := outcome.statuses[k]) is not None:
+            short.setdefault(status, []).append(k)
+    whole = sum(count == inputs.points for count in counts)
+    if short and whole:
+        words.append(f"{_number(whole)} all {inputs.points:,}.")
+    words += [_ended(outcome, status, which) for status, which in short.items()]
+    words.append(prospects(inputs.problem.declaration))
+    return " ".join(filter(None, words))
+
+
+def _number(count: int) -> str:
+    return "One start has" if count == 1 else f"{count} starts have"
+
+
+def _ended(outcome: SectionPoints, status: core.Status, which: list[int]) -> str:
+    """Say of some starts that their runs ended early, and why."""
+    counts = [outcome.counts[k] for k in which]
+    names = listed([str(k + 1) for k in which])
+    if status is core.Status.STEP_LIMIT and not any(counts):
+        return f"{_named(which, names)} not come back to this surface."
+    found = f"{plural(counts[0], 'point')} by t = {outcome.ends[which[0]]:.6g}" if len(which) == 1 else (
+        f"{', '.join(f'{count:,}' for count in counts)} points"
+    )  # fmt: skip
+    return f"{_named(which, names)} ended with {found}: {on_page(status.reason)}."
+
+
+def _named(which: list[int], names: str) -> str:
+    return f"Start {names} has" if len(which) == 1 else f"Starts {names} have"
+
+
+def section_how(outcome: SectionPoints) -> str:
+    """Return how the points were found, for files and captions."""
+    inputs = outcome.inputs
+    adaptive = inputs.scheme.tolerance is not None
+    step = f"tolerance {inputs.scheme.tolerance:.3g}" if adaptive else f"step size τ = {inputs.tau:.15g}"
+    left = f", after {inputs.discard:,} that are left out" if inputs.discard else ""
+    after = reset_words(inputs.problem.declaration, inputs.of)
+    points = f"at most {plural(inputs.points, 'point')} of each start{left}"
+    return f"points on {surface_words(inputs)}{after}: {points}; integrated by {inputs.scheme.method} with {step}"
+
+
+def section_rows(outcome: SectionPoints) -> dict[str, NDArray[Any]]:
+    """Return a row for each point: start, point, t and the variables by name."""
+    starts = [outcome.of_start(k) for k in range(len(outcome.statuses))]
+    table: dict[str, NDArray[Any]] = {
+        "start": np.concatenate([np.full(len(one.t), one.start + 1) for one in starts]),
+        "point": np.concatenate([np.arange(1, len(one.t) + 1) for one in starts]),
+        "t": np.concatenate([one.t for one in starts]),
+    }
+    x = np.concatenate([one.x for one in starts])
+    return table | {name: x[:, k] for k, name in enumerate(outcome.inputs.problem.declaration.variables)}

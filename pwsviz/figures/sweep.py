@@ -1,0 +1,124 @@
+"""The bifurcation diagram: points of a section over the values of a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from bokeh.core.properties import value
+from bokeh.events import Event, PointEvent, Tap
+from bokeh.models import ColumnDataSource, CrosshairTool, DataRange1d
+from bokeh.models.glyphs import VSpan, VStrip
+
+from pwsviz.figures.point_cloud import PointCloud
+from pwsviz.figures.style import (
+    BLUE,
+    GREY,
+    VERMILION,
+    WITH_TABLE,
+    assign,
+    invisible,
+    legend_below,
+    plain_figure,
+    ranges,
+    tips,
+)
+from pwsviz.figures.sweep_text import SUMMARY, ending, parameter_name, stretches
+from pwsviz.figures.touch import attach_touch
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.results.sweeps import Diagram
+from pwsviz.text.math_names import variable_name
+from pwsviz.text.numbers import printed
+
+__all__ = ["SweepView"]
+
+MARGIN = 0.02
+"""Margin beside the range of the parameter, relative to it."""
+
+NO_STRIP: dict[str, Any] = {"start": [np.nan], "end": [np.nan], "words": [""], "colour": [GREY], "values": [""]}
+"""Columns of a strip without a place."""
+
+
+class SweepView:
+    """One fixed figure; `show` only changes its data.
+
+    Parameters
+    ----------
+    on_choose : callable
+        Called with the value of the parameter on which the user clicks.
+    on_window : callable
+        Called with the visible part of the plane, when the user has changed it.
+    """
+
+    def __init__(self, on_choose: Callable[[float], None], on_window: Callable[[Window], None]) -> None:
+        self.figure = plain_figure(
+            SUMMARY,
+            x_axis_label="parameter",
+            y_axis_label="coordinate",
+            x_range=DataRange1d(),
+            y_range=DataRange1d(),
+            active_scroll="wheel_zoom",
+            styles=WITH_TABLE,
+        )
+        plot = self.figure
+        attach_touch(plot)
+        self.early = ColumnDataSource(NO_STRIP)
+        strips = plot.add_glyph(
+            self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.25, line_width=0)
+        )
+        self.cloud = PointCloud(plot, [BLUE], on_window)
+        self.present = ColumnDataSource({"x": [0.0]})
+        line = plot.add_glyph(self.present, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[6, 4]))
+        self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
+        across, _ = ranges(plot)
+        across.renderers = [plot.add_glyph(self.ends, invisible(size=1))]
+        plot.add_tools(
+            tips([("", "@words"), ("", "@values")], renderers=[strips]),
+            CrosshairTool(dimensions="height", line_color=GREY, line_alpha=0.6, visible=False),
+        )
+        self._present, self._early = legend_below(
+            plot, 3, [("present value", line), ({"field": "words"}, strips)], usual=3
+        )
+        plot.on_event(Tap, lambda event: _choose(event, on_choose))
+
+    def show(self, found: Diagram) -> None:
+        """Draw a diagram, or what is computed of it."""
+        inputs = found.inputs
+        self.figure.xaxis[0].axis_label = parameter_name(inputs)
+        self.figure.yaxis[0].axis_label = variable_name(inputs.coordinate)
+        margin = MARGIN * (inputs.high - inputs.low)
+        assign(self.ends, x=[inputs.low - margin, inputs.high + margin], y=[0.0, 0.0])
+        self.cloud.show(found.portions)
+        assign(self.early, **_strips(found))
+        self._early.visible = self.early.data["words"] != NO_STRIP["words"]
+
+    def mark(self, present: float, name: str) -> None:
+        """Put the line at the present value of the parameter."""
+        assign(self.present, x=[present])
+        self._present.label = value(printed(f"present value, {name} = {present:.6g}"))
+
+
+def _strips(found: Diagram) -> dict[str, Any]:
+    """Return the columns of the stretches of values whose runs end early, each as wide as its values.
+
+    They are never empty: the browser cannot draw the entry of a legend of a glyph without marks.
+    """
+    half = found.spacing / 2
+    there = list(stretches(found))
+    if not there:
+        return NO_STRIP
+    looks = [ending(code) for code, _, _ in there]
+    first, last = (np.array([found.values[one[k]] for one in there]) for k in (1, 2))
+    return {
+        "start": first - half,
+        "end": last + half,
+        "words": [look.words for look in looks],
+        "colour": [look.colour for look in looks],
+        "values": [printed(f"{a:.6g}" if a == b else f"{a:.6g} to {b:.6g}") for a, b in zip(first, last, strict=True)],
+    }
+
+
+def _choose(event: Event, on_choose: Callable[[float], None]) -> None:
+    if isinstance(event, PointEvent) and event.x is not None:
+        on_choose(float(event.x))

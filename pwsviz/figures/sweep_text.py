@@ -1,0 +1,201 @@
+"""A bifurcation diagram in words, and its table of the values whose runs end early."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core import Status
+from pwsviz.figures.section_prospects import prospects, reset_words
+from pwsviz.figures.stability_outcomes import OUTCOMES, Outcome
+from pwsviz.figures.style import GREY
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.section_crossings import is_one_way
+from pwsviz.results.requests import SweepInputs
+from pwsviz.results.sweeps import NO_START, Diagram
+from pwsviz.scene.names import readable, short_name
+from pwsviz.text.math_names import variable_name
+from pwsviz.text.numbers import printed
+from pwsviz.text.tables import Numbers
+from pwsviz.text.words import plural
+
+__all__ = [
+    "SUMMARY", "ending", "parameter_name", "period_of", "stretches", "surface_words", "sweep_how", "sweep_numbers",
+    "sweep_text",
+]  # fmt: skip
+
+SUMMARY = "Bifurcation diagram: points that runs leave on a surface, against a parameter"
+"""What the figure shows, for screen readers."""
+
+TOO_FEW = Outcome("fewer crossings than wanted", GREY)
+"""Of a run that reaches the end time before it has all its points."""
+
+LONGEST_PERIOD = 64
+"""Most points after which those of a value are said to repeat."""
+
+SAME = 1e-6
+"""Distance of two points that are the same, relative to the height of the diagram."""
+
+MOST_STRETCHES = 3
+"""Most stretches of values that the table lists of one outcome."""
+
+
+def parameter_name(inputs: SweepInputs) -> str:
+    """Return the symbol of the parameter."""
+    names = (short_name(q) for q in inputs.problem.declaration.parameters if q.name == inputs.parameter)
+    return next(names, inputs.parameter)
+
+
+def ending(code: int) -> Outcome:
+    """Return words and colour for how a run ends before it has all its points; `NO_START` if it cannot begin."""
+    if code == NO_START:
+        return Outcome("no run begins here", "#404040")
+    if code == Status.COMPLETED:
+        return TOO_FEW
+    return OUTCOMES.get(code, Outcome(Status(code).reason, GREY))
+
+
+def stretches(found: Diagram) -> Iterator[tuple[int, int, int]]:
+    """Yield (outcome, first, last) for each stretch of values, by their numbers, whose runs end early in one way.
+
+    Values that are still to come belong to none.
+    """
+    code: NDArray[np.int64] = np.where(found.done & ~found.whole, found.outcomes, Status.RUNNING)
+    for piece in np.split(np.arange(len(code)), np.flatnonzero(np.diff(code)) + 1):
+        if code[piece[0]] != Status.RUNNING:
+            yield int(code[piece[0]]), int(piece[0]), int(piece[-1])
+
+
+def period_of(points: Floats, height: float) -> int:
+    """Return after how many points they repeat, to `SAME` times a height; 0 if they do not.
+
+    A period counts if it is seen twice at least.
+    """
+    for period in range(1, min(LONGEST_PERIOD, len(points) // 2) + 1):
+        if np.abs(points[period:] - points[:-period]).max() <= SAME * height:
+            return period
+    return 0
+
+
+def sweep_text(found: Diagram, present: float) -> str:
+    """Return in words what the diagram shows, and what it shows at the present value of the parameter."""
+    inputs = found.inputs
+    declared = inputs.problem.declaration
+    done, whole = int(found.done.sum()), int(found.whole.sum())
+    words = (
+        f"{plural(int(found.counts.sum()), 'point')}: {variable_name(inputs.coordinate)} on {_where(inputs)} "
+        f"for {plural(done, 'value')} of {parameter_name(inputs)} from {inputs.low:.6g} to {inputs.high:.6g}."
+    )
+    if done and whole == done:
+        words += f" Each has all its {plural(inputs.points, 'point')}."
+    elif whole:
+        words += f" {whole:,} of them have all their {plural(inputs.points, 'point')}."
+    elif done:
+        words += f" None of them has all its {plural(inputs.points, 'point')}."
+    said = (words, _at_present(found, present), _nothing_left(found), _refusal(found), prospects(declared))
+    return " ".join(filter(None, said))
+
+
+def _at_present(found: Diagram, present: float) -> str:
+    """Say whether the points at the value nearest to the present one repeat."""
+    there = np.flatnonzero(found.whole)
+    if not len(there) or not found.values[0] <= present <= found.values[-1]:
+        return ""
+    nearest = found.values[there[np.abs(found.values[there] - present).argmin()]]
+    if abs(nearest - present) > found.spacing:
+        return ""
+    spread = [(part.y.min(), part.y.max()) for part in found.portions if len(part.y)]
+    height = max(high for _, high in spread) - min(low for low, _ in spread) or 1.0
+    points = found.points_at(float(nearest))
+    at = f"At {parameter_name(found.inputs)} = {nearest:.6g}, next to the present value,"
+    if len(points) < 2:
+        return ""
+    if (period := period_of(points, height)) == 1:
+        return f"{at} all points are the same: {points[-1]:.6g}."
+    if period:
+        inputs = found.inputs
+        both = not inputs.direction and not is_one_way(inputs.problem.declaration, inputs.of)
+        return f"{at} the points repeat after {period}{both * ', of crossings in both directions'}."
+    least = min(LONGEST_PERIOD, len(points) // 2)
+    return f"{at} the points do not repeat after {least} or fewer: a longer transient, a torus, or chaos."
+
+
+def _refusal(found: Diagram) -> str:
+    return f"Where no run begins: {found.refusal.rstrip('.')}." if found.refusal else ""
+
+
+def _nothing_left(found: Diagram) -> str:
+    """Say why there is no point at all, if all were left out."""
+    if not found.done.any() or found.counts.any() or not found.inputs.discard:
+        return ""
+    crossings = plural(found.inputs.discard, "crossing")
+    longer = (found.outcomes[found.done] == Status.COMPLETED).any()
+    do = "leave out fewer, or let runs last longer" if longer else "leave out fewer"
+    return f"No run has more than the {crossings} left out before: {do} (“more”)."
+
+
+def _where(inputs: SweepInputs) -> str:
+    """Return the surface, set off by a comma if it is more than a name, and which states its points are."""
+    words = surface_words(inputs) + reset_words(inputs.problem.declaration, inputs.of)
+    return f"{words}," if "," in words else words
+
+
+def surface_words(inputs: SweepInputs) -> str:
+    """Return the surface of the section, as “S (where g falls)”."""
+    declared = inputs.problem.declaration
+    if not inputs.of:
+        name, g = ("S", "g") if declared.two_sided else ("all surfaces", "its function")
+    else:
+        name, g = f"the surface {readable(inputs.of, declared)} = 0", "the function"
+    return name + {0: "", 1: f", where {g} rises", -1: f", where {g} falls"}[inputs.direction]
+
+
+def sweep_how(inputs: SweepInputs) -> str:
+    """Return how a diagram was made, for files and captions."""
+    scheme, name = inputs.scheme, parameter_name(inputs)
+    begins = {
+        "none": "each run begins at the start",
+        "up": "each run begins where that of the next smaller value ends",
+        "down": "each run begins where that of the next greater value ends",
+    }[inputs.continuation]
+    left = f"after {inputs.discard:,} that are left out, " if inputs.discard else ""
+    step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
+    slides = "; where the surface attracts, sliding along it (Filippov)" if scheme.slide else ""
+    return printed(
+        f"diagram of {variable_name(inputs.coordinate)} at crossings of "
+        f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
+        f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {left}{plural(inputs.points, 'point')} of each, up to "
+        f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}{slides}"
+    )
+
+
+def sweep_numbers(found: Diagram) -> Numbers:
+    """Return how many values end early in which way, and where; no rows if none does."""
+    name, places = parameter_name(found.inputs), dict[int, list[tuple[int, int]]]()
+    for code, first, last in stretches(found):
+        places.setdefault(code, []).append((first, last))
+    early = found.done & ~found.whole
+    counts = {code: int((early & (found.outcomes == code)).sum()) for code in places}
+    rows = tuple(
+        (_words(code, found.inputs), f"{counts[code]:,}", _places(found.values, places[code]))
+        for code in sorted(places, key=lambda code: -counts[code])
+    )
+    return Numbers(("runs that end early", "values", name), rows)
+
+
+def _words(code: int, inputs: SweepInputs) -> str:
+    words = ending(code).words
+    return f"{words} by t = {inputs.t_end:.6g}" if code == Status.COMPLETED else words
+
+
+def _places(values: Floats, found: list[tuple[int, int]]) -> str:
+    """Return stretches of values, the longest of many."""
+    longest = sorted(sorted(found, key=lambda one: one[0] - one[1])[:MOST_STRETCHES])
+    said = [
+        f"{values[first]:.4g}" if first == last else f"{values[first]:.4g} to {values[last]:.4g}"
+        for first, last in longest
+    ]
+    more = len(found) - len(longest)
+    return "; ".join(said) + (f"; and {more:,} more" if more else "")

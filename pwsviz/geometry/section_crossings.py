@@ -1,0 +1,96 @@
+"""How a system meets the surface of a section: in one direction or both, and with a reset map or none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+
+import sympy
+
+import core
+from core.maps import own_surface
+from core.symbolic import TIME, Mode, Way, eliminated, is_larger
+
+__all__ = ["has_reset", "is_one_way", "usual_direction"]
+
+_NODES = 200
+"""Most nodes of the tree of a quotient of rates that is simplified, as sympy takes long for more."""
+
+
+@lru_cache(maxsize=256)
+def has_reset(system: core.PiecewiseSystem, of: str) -> bool:
+    """Return whether a reset map acts at the surface of a section; `of` is h, or "" for the switching surfaces."""
+    return any(way.jump is not None for _, way in _ways(system, of))
+
+
+@lru_cache(maxsize=256)
+def is_one_way(system: core.PiecewiseSystem, of: str) -> bool:
+    """Return whether the declaration lets runs meet the surface in one direction only.
+
+    So it is with a reset map or a wall, and where a region with a name ends.
+    """
+    return any(way.jump is not None or way.back is None for _, way in _ways(system, of))
+
+
+@lru_cache(maxsize=256)
+def usual_direction(system: core.PiecewiseSystem, of: str, slides: bool) -> int:
+    """Return the direction in which the points of a closed curve are counted: 1 where h rises, 0 for both.
+
+    Where h rises a simple loop has one point. Both are needed if runs may meet the surface in one direction only: also
+    where they may slide along it, as sliding begins there and is left without crossing.
+
+    Parameters
+    ----------
+    slides
+        Whether runs slide along the surface where it attracts.
+    """
+    ways = list(_ways(system, of))
+    surfaces = {way.surface for _, way in ways}
+    both = all(_signs(system, [one for one in ways if one[1].surface == k]) >= {-1, 1} for k in surfaces)
+    return int(both and not is_one_way(system, of) and not (slides and any(_may_slide(system, *one) for one in ways)))
+
+
+def _ways(system: core.PiecewiseSystem, of: str) -> Iterator[tuple[Mode, Way]]:
+    """Yield region and transition for each way across the surface; none where nothing switches there.
+
+    A region that is not declared is left out: no run goes on there.
+    """
+    own = own_surface(system, of or None)
+    for mode, ways in zip(system.laws.regions, system.laws.ways, strict=True):
+        for way in ways:
+            if own is not None and own.number in (-1, way.surface) and (way.to is not None or way.jump is not None):
+                yield mode, way
+
+
+def _rate(system: core.PiecewiseSystem, mode: Mode, way: Way) -> sympy.Expr:
+    """Return the rate of the switching function in a region, where that function vanishes."""
+    g = system.laws.surfaces[way.surface]
+    return eliminated(mode.rate_of(g), g, system.laws.x)
+
+
+def _signs(system: core.PiecewiseSystem, ways: list[tuple[Mode, Way]]) -> set[int]:
+    """Return the signs that the rates of a switching function may have on its surface."""
+    found: set[int] = set()
+    for mode, way in ways:
+        sign = _constant_sign(system, _rate(system, mode, way))
+        found |= {-1, 1} if sign is None else {sign}
+    return found
+
+
+def _may_slide(system: core.PiecewiseSystem, mode: Mode, way: Way) -> bool:
+    """Whether the rates on both sides of a way may differ in sign."""
+    if way.to is None:
+        return False
+    before, after = (_rate(system, one, way) for one in (mode, system.laws.regions[way.to]))
+    if before == after:
+        return False
+    quotient = before / after if after != 0 else sympy.nan
+    return _constant_sign(system, quotient if is_larger(quotient, _NODES) else sympy.cancel(quotient)) != 1
+
+
+def _constant_sign(system: core.PiecewiseSystem, value: sympy.Expr) -> int | None:
+    """Return the sign of an expression at the declared values of the parameters; None if it depends on the state."""
+    if value.free_symbols & {*system.laws.x, TIME}:
+        return None
+    number = value.subs({symbol: system.values[symbol.name] for symbol in value.free_symbols})
+    return int(bool(number.is_positive)) - int(bool(number.is_negative))

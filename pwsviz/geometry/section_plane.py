@@ -1,0 +1,93 @@
+"""The plane of a Poincaré section: its surface, and what may be its coordinates."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import sympy
+
+import core
+from core.symbolic import parse, to_text
+from pwsviz.text.math_names import variable_name
+
+__all__ = ["TURN", "angles", "coordinate_names", "own_surfaces", "surface_functions", "usual_plane"]
+
+TURN = 2 * math.pi
+"""Period of an angle."""
+
+
+def coordinate_names(system: core.PiecewiseSystem) -> tuple[str, ...]:
+    """Return what may be an axis of a section, as it is printed: the variables, and time."""
+    return (*map(variable_name, system.variables), "t")
+
+
+def own_surfaces(system: core.PiecewiseSystem) -> tuple[str, ...]:
+    """Return the switching functions of a system as text."""
+    return tuple(map(to_text, system.laws.surfaces))
+
+
+def surface_functions(system: core.PiecewiseSystem, of: str) -> tuple[sympy.Expr, ...]:
+    """Return h of a section; of the system's own surfaces, which "" stands for, every switching function.
+
+    Raises
+    ------
+    ValueError
+        If the text is no function of the system's variables, its parameters and t, or is constant.
+    """
+    if not of:
+        return tuple(system.laws.surfaces)
+    return (_read(of, (*system.variables, *system.values)),)
+
+
+@lru_cache(maxsize=256)
+def _read(of: str, names: tuple[str, ...]) -> sympy.Expr:
+    found = parse(of, names, "h")
+    if not found.free_symbols:
+        raise ValueError(f"h = {of} is constant: a section needs a function that vanishes somewhere.")
+    return found
+
+
+def usual_plane(system: core.PiecewiseSystem, of: str) -> tuple[int, int]:
+    """Return the numbers of the two coordinates that show most of a section.
+
+    A variable that h = 0 determines is left out: one in which h is linear, of which the factor does not change. Of the
+    others, a coordinate and its rate are preferred. In a plane, both variables are shown.
+    """
+    count = system.dimension
+    if count <= 2:
+        return (0, 1) if count == 2 else (0, count)
+    functions = surface_functions(system, of)
+    given = next((k for k, x in enumerate(system.laws.x) if all(_determines(h, x) for h in functions)), None)
+    left = [k for k in range(count) if k != given]
+    fields = [mode.field for mode in system.laws.regions]
+    for a in left:
+        for b in left:
+            if a != b and all(field[a] == system.laws.x[b] for field in fields):
+                return a, b
+    return left[0], left[1]
+
+
+def _determines(h: sympy.Expr, x: sympy.Symbol) -> bool:
+    """Whether h = 0 has one solution x, whatever the other variables are."""
+    slope = sympy.diff(h, x)
+    return slope != 0 and not slope.free_symbols
+
+
+@lru_cache(maxsize=64)
+def angles(system: core.PiecewiseSystem) -> frozenset[int]:
+    """Return the numbers of the variables that are angles: a full turn, 2π, changes no law."""
+    return frozenset(k for k in range(system.dimension) if _turns(system, k))
+
+
+def _turns(system: core.PiecewiseSystem, k: int) -> bool:
+    laws = system.laws
+    x, turn = laws.x[k], {laws.x[k]: laws.x[k] + 2 * sympy.pi}
+    smooth = [*laws.surfaces, *(f for mode in laws.regions for f in mode.field)]
+    if any(e.subs(turn) != e for e in smooth):
+        return False
+    jumps = [way.jump for ways in laws.ways for way in ways if way.jump]
+    changes = [sympy.expand(part.subs(turn) - part) for jump in jumps for part in jump]
+    wanted = [2 * sympy.pi if n == k else sympy.S.Zero for jump in jumps for n in range(len(jump))]
+    named = any(x in e.free_symbols for e in smooth)
+    return changes == wanted and named

@@ -1,0 +1,191 @@
+"""A bifurcation diagram, computed coarse to fine: whatever part of it is done covers the whole range."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from core import Status
+from pwsviz.geometry.point_counts import Portion
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.results.requests import SweepInputs
+from pwsviz.scene.validation import MAX_STEPS
+from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
+
+__all__ = ["NO_START", "Diagram", "coarse_to_fine", "sweep_arguments", "swept", "swept_values"]
+
+NO_START = -1
+"""Outcome of a value at which no run can begin; the others are those of `core.Status`."""
+
+COARSE = 16
+"""Part of the values that come first: every sixteenth one."""
+
+FEWEST = 16
+"""Least values of a portion: fewer would not occupy a processor for long enough."""
+
+PORTION = 0.5
+"""Seconds that a portion should take, after which it is drawn."""
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """A bifurcation diagram, or the part of it that is done."""
+
+    inputs: SweepInputs
+    values: Floats
+    """(v,) values of the parameter, in increasing order."""
+    outcomes: NDArray[np.int64]
+    """(v,) how the run of each ended, a `core.Status` or `NO_START`; RUNNING where it is still to come."""
+    counts: NDArray[np.int64]
+    """(v,) points of each."""
+    portions: tuple[Portion, ...] = ()
+    """Value and coordinate of the points, as they came; those of one value in the order of time."""
+    refusal: str = ""
+    """Why the first of the values at which no run can begin has none."""
+
+    @property
+    def done(self) -> NDArray[np.bool_]:
+        """(v,) which values are done."""
+        return np.asarray(self.outcomes != Status.RUNNING)
+
+    @property
+    def whole(self) -> NDArray[np.bool_]:
+        """(v,) which values have all the points that were wanted."""
+        return np.asarray(self.counts == self.inputs.points)
+
+    @property
+    def spacing(self) -> float:
+        """Distance of one value from the next."""
+        return (self.inputs.high - self.inputs.low) / (len(self.values) - 1)
+
+    def points_at(self, value: float) -> Floats:
+        """Return (n,) the coordinate at the points of one of the values, in the order of time."""
+        return np.concatenate([np.empty(0), *(part.y[part.x == value] for part in self.portions)])
+
+    def sorted_points(self) -> tuple[Floats, Floats]:
+        """Return (c,) values and (c,) coordinates of all points, by value and then in the order of time."""
+        x, y = (np.concatenate([np.empty(0), *(part[k] for part in self.portions)]) for k in (0, 1))
+        order = np.argsort(x, kind="stable")
+        return x[order], y[order]
+
+
+def swept_values(inputs: SweepInputs) -> Floats:
+    """Return (v,) values of the parameter, in increasing order."""
+    return np.linspace(inputs.low, inputs.high, inputs.values)
+
+
+def sweep_arguments(inputs: SweepInputs) -> dict[str, Any]:
+    """Return the keywords of `core.sweep`, except x0."""
+    of, tolerance = inputs.of or None, inputs.scheme.tolerance
+    return {
+        "points": inputs.points, "discard": inputs.discard, "continuation": inputs.continuation, "of": of,
+        "direction": inputs.direction, "tau": inputs.tau, "method": inputs.scheme.method, "tolerance": tolerance,
+        "max_steps": MAX_STEPS, "sliding": inputs.scheme.sliding,
+    }  # fmt: skip
+
+
+def coarse_to_fine(count: int) -> NDArray[np.intp]:
+    """Return the numbers from 0 to `count` − 1 in an order in which any first part of them covers the range evenly."""
+    bits = max(count - 1, 1).bit_length()
+    numbers = np.arange(2**bits)
+    reverse = np.zeros_like(numbers)
+    for bit in range(bits):
+        reverse |= ((numbers >> bit) & 1) << (bits - 1 - bit)
+    return reverse[reverse < count]
+
+
+def swept(inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -> Diagram:
+    """Compute a bifurcation diagram in portions, each of which is reported with those before.
+
+    Raises
+    ------
+    ValueError
+        If the system has no parameter, or no run can begin at any value.
+    """
+    if not inputs.parameter:
+        raise ValueError(f"{inputs.problem.declaration.name} has no parameter, so there is nothing to sweep.")
+    values = swept_values(inputs)
+    nothing = np.zeros(len(values), dtype=np.int64)
+    found = Diagram(inputs, values, nothing + Status.RUNNING, nothing)
+    runs = _Runs(inputs, pool, cancel, report)
+    for numbers in _portions(inputs, len(values)):
+        found = runs.extended(found, numbers)
+        if cancel():
+            raise Cancelled
+        report(int(found.done.sum()), len(values), found)
+    if (found.outcomes == NO_START).all():
+        raise ValueError(found.refusal)
+    return found
+
+
+def _portions(inputs: SweepInputs, count: int) -> Iterator[NDArray[np.intp]]:
+    """Yield the numbers of the values of each portion, of about `PORTION` seconds, as the time of the last tells."""
+    order = {"none": coarse_to_fine(count), "up": np.arange(count), "down": np.arange(count)[::-1]}
+    left, size = order[inputs.continuation], -(-count // COARSE)
+    while len(left):
+        started = monotonic()
+        yield left[:size]
+        left = left[size:]
+        least = FEWEST if inputs.continuation == "none" else 1
+        size = max(round(size * min(2.0, PORTION / (monotonic() - started))), least)
+
+
+class _Runs:
+    """The runs of one diagram."""
+
+    def __init__(self, inputs: SweepInputs, pool: Executor, cancel: Cancel, report: Report) -> None:
+        self.inputs = inputs
+        self._pool, self._cancel, self._report = pool, cancel, report
+        self._system, self._arguments = inputs.problem.build(), sweep_arguments(inputs)
+        self._after: core.Sweep | None = None  # of a continuation
+        self._sweep(np.empty(0), lambda _part: None)  # refuses what makes no sense at any value
+
+    def extended(self, found: Diagram, numbers: NDArray[np.intp]) -> Diagram:
+        """Return a diagram with the points of further values, given by their numbers."""
+
+        def tell(part: float) -> None:
+            self._report(int(found.done.sum() + part * len(numbers)), len(found.values), found)
+
+        try:
+            return self._with(found, numbers, self._sweep(found.values[numbers], tell))
+        except ValueError as reason:  # at one of the values no run can begin
+            if len(numbers) == 1 and self._after is None:
+                return _refused(found, int(numbers[0]), str(reason))
+        if len(numbers) == 1:  # a continuation begins anew
+            self._after = None
+            return self.extended(found, numbers)
+        for k in range(len(numbers)):
+            found = self.extended(found, numbers[k : k + 1])
+        return found
+
+    def _sweep(self, values: Floats, tell: Callable[[float], None]) -> core.Sweep:
+        inputs = self.inputs
+        done = core.sweep(
+            self._system, (0.0, inputs.t_end), inputs.parameter, values, inputs.coordinate, inputs.problem.x0,
+            after=self._after, executor=self._pool, cancel=self._cancel, progress=tell, **self._arguments,
+        )  # fmt: skip
+        if inputs.continuation != "none":
+            self._after = done
+        return done
+
+    @staticmethod
+    def _with(found: Diagram, numbers: NDArray[np.intp], part: core.Sweep) -> Diagram:
+        outcomes, counts = found.outcomes.copy(), found.counts.copy()
+        outcomes[numbers] = part.statuses
+        at, each = np.unique(part.value, return_counts=True)
+        counts[np.searchsorted(found.values, at)] = each
+        portions = (*found.portions, Portion(part.value, part.points, 0))
+        return replace(found, outcomes=outcomes, counts=counts, portions=portions)
+
+
+def _refused(found: Diagram, number: int, reason: str) -> Diagram:
+    outcomes = found.outcomes.copy()
+    outcomes[number] = NO_START
+    return replace(found, outcomes=outcomes, refusal=found.refusal or reason.removeprefix("member 0: "))

@@ -1,0 +1,164 @@
+"""The settings of a bifurcation diagram: what a system suggests for them, and their checks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+import core
+from core.symbolic import TIME
+from pwsviz.geometry.section_crossings import usual_direction
+from pwsviz.geometry.section_plane import surface_functions
+from pwsviz.scene.names import SWEEP_CONTINUATIONS, SWEEP_DIRECTIONS, choice_name, short_name
+from pwsviz.scene.validation import number, one_of
+
+if TYPE_CHECKING:
+    from pwsviz.scene.scene import Scene
+
+__all__ = [
+    "AFRESH", "COUNTS", "MOST_POINTS", "SWEEP_SETTINGS", "checked", "swept_coordinate",
+    "swept_direction", "swept_parameter", "swept_range", "usual_range",
+]  # fmt: skip
+
+MOST_POINTS = 2_000_000
+"""Most points of a diagram, so that its memory is bounded."""
+
+COUNTS = {
+    "sweep_values": ("The number of values", 2, 4000),
+    "sweep_points": ("The number of points for each value", 1, 5000),
+    "sweep_discard": ("The number of points left out", 0, 1_000_000),
+}
+"""Whole numbers of the settings: what each is, the least and the greatest."""
+
+AFRESH: Mapping[str, Any] = {"sweep_parameter": "", "sweep_range": None, "sweep_coordinate": "", "sweep_of": ""}
+"""Settings that mean something only for one system, with their values for a new one."""
+
+SWEEP_SETTINGS = (*AFRESH, "sweep_direction", "sweep_continuation", *COUNTS, "sweep_end")
+"""All of them."""
+
+LARGEST = 1e6
+"""Largest |value| of a parameter without bounds."""
+
+
+# What a system suggests ----------------------------------------------------------------------------------------------
+
+
+def swept_parameter(scene: Scene) -> core.Parameter | None:
+    """Return the chosen parameter, or the first one with bounds, or the first; None if the system has none."""
+    parameters = scene.declaration.parameters
+    chosen = [q for q in parameters if q.name == scene.sweep_parameter]
+    return next(iter([*chosen, *(q for q in parameters if q.bounds), *parameters]), None)
+
+
+def swept_range(scene: Scene) -> tuple[float, float]:
+    """Return the first and the last value of the parameter; (0, 1) if there is none."""
+    parameter = swept_parameter(scene)
+    if parameter is None:
+        return 0.0, 1.0
+    low, high = scene.sweep_range or usual_range(parameter)
+    return float(low), float(high)
+
+
+def usual_range(parameter: core.Parameter) -> tuple[float, float]:
+    """Return the bounds of a parameter, or where it has none, values around its default."""
+    if parameter.bounds:
+        return parameter.bounds
+    half = abs(parameter.default) / 2 or 1.0
+    return parameter.default - half, parameter.default + half
+
+
+def swept_coordinate(scene: Scene) -> str:
+    """Return the chosen variable, or the first one that varies on the surface of the section."""
+    system = scene.declaration
+    if scene.sweep_coordinate in system.variables:
+        return str(scene.sweep_coordinate)
+    fixed = set.intersection(*(_fixed_on(h, system) for h in surface_functions(system, scene.sweep_of)))
+    return next(name for name in system.variables if name not in fixed)
+
+
+def swept_direction(scene: Scene) -> int:
+    """Return the chosen direction of crossing, or the one in which a simple loop has one point, where there is one."""
+    if scene.sweep_direction == "auto":
+        return usual_direction(scene.declaration, scene.sweep_of, scene.slides)
+    return int(scene.sweep_direction)
+
+
+def _fixed_on(h: sympy.Expr, system: core.PiecewiseSystem) -> set[str]:
+    """Return the variable that is constant where h = 0: the only one of h, if the surface does not move."""
+    within = {symbol.name for symbol in h.free_symbols} & {TIME.name, *system.variables}
+    return within if len(within) == 1 and TIME.name not in within else set()
+
+
+# Their checks --------------------------------------------------------------------------------------------------------
+
+
+def checked(scene: Scene, name: str, part: str, value: object) -> object:
+    """Return a setting as it is applied.
+
+    Parameters
+    ----------
+    scene : Scene
+        The settings so far.
+    name : str
+        One of `SWEEP_SETTINGS`.
+    part : str
+        Of a range: "0" for its first value alone, "1" for its last; else empty.
+    value : object
+        The value, or the text of a number.
+
+    Raises
+    ------
+    ValueError
+        If the value is refused, with a text for the user.
+    """
+    system = scene.declaration
+    if name in COUNTS:
+        return _checked_count(scene, name, value)
+    match name:
+        case "sweep_parameter":
+            return value and one_of(system.values, value, str)
+        case "sweep_range":
+            return _checked_range(scene, part, value)
+        case "sweep_coordinate":
+            return value and one_of(system.variables, value, str)
+        case "sweep_direction":
+            return one_of(SWEEP_DIRECTIONS, value, partial(choice_name, name))
+        case "sweep_continuation":
+            return one_of(SWEEP_CONTINUATIONS, value, partial(choice_name, name))
+    return number(value, "The end time of the diagram", *scene.param[name].bounds)
+
+
+def _checked_count(scene: Scene, name: str, value: object) -> int:
+    what, low, high = COUNTS[name]
+    count = number(value, what, low, high)
+    if count != int(count):
+        raise ValueError(f"{what} has to be a whole number; it is “{value}”.")
+    factors = {key: getattr(scene, key) for key in ("sweep_values", "sweep_points")} | {name: int(count)}
+    if (points := factors["sweep_values"] * factors["sweep_points"]) > MOST_POINTS:
+        raise ValueError(
+            f"{points:,} points are more than a diagram has ({MOST_POINTS:,}): take fewer values, or fewer points for "
+            "each."
+        )
+    return int(count)
+
+
+def _checked_range(scene: Scene, part: str, value: object) -> tuple[float, float] | None:
+    parameter = swept_parameter(scene)
+    if value is None:
+        return None
+    if parameter is None:
+        raise ValueError("This system has no parameter.")
+    ends = [*swept_range(scene)] if part else value
+    if not isinstance(ends, tuple | list) or len(ends) != 2:
+        raise ValueError("A range needs two numbers: the first and the last value.")
+    given = list(ends)
+    if part:
+        given[int(part)] = value
+    bounds = parameter.bounds or (-LARGEST, LARGEST)
+    low, high = (number(end, short_name(parameter), *bounds) for end in given)
+    if not low < high:
+        raise ValueError("The last value has to be greater than the first.")
+    return low, high

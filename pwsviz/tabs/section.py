@@ -1,0 +1,262 @@
+"""The tab of the Poincaré section and its return map."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+import panel as pn
+import panel_material_ui as pmui
+from bokeh.plotting import figure
+
+from pwsviz.export.files import Table
+from pwsviz.export.script import section_program
+from pwsviz.figures.section import SectionView
+from pwsviz.figures.section_text import section_how, section_rows, section_text
+from pwsviz.geometry.section_plane import angles, coordinate_names, own_surfaces, usual_plane
+from pwsviz.geometry.section_state import state_at
+from pwsviz.results.requests import SectionInputs
+from pwsviz.results.sections import SectionPoints, SectionPortion
+from pwsviz.scene.names import LABELS, SECTION_DIRECTIONS, readable
+from pwsviz.tabs.base import LongTab
+from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.typed import as_typed
+from pwsviz.text.words import as_text, complaint, listed
+from pwsviz.widgets.dropdown import Dropdown
+from pwsviz.widgets.number_field import NumberField
+from pwsviz.widgets.panes import text_pane
+from pwsviz.widgets.setting_buttons import choice
+
+OTHER = "…"
+"""Option of the surfaces that stands for any other function."""
+
+KINDS = {"Section": False, "Return map": True}
+
+
+class SectionTab(LongTab):
+    """Where the runs of all starts meet a surface."""
+
+    settings = ("section_axes", "section_map")
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.view: SectionView | None = None
+        self._before: dict[str, Any] = {}  # the starts before the last click
+        self._placed: tuple[Any, ...] = ()  # those after it
+
+    def inputs(self) -> SectionInputs:
+        """Return all starts and one integrator."""
+        return SectionInputs.of_scene(self.scene)
+
+    def compute(self, inputs: SectionInputs, cancel: Cancel, report: Report) -> SectionPoints:
+        """Compute the points."""
+        return self.results.section(inputs, cancel, report)
+
+    @property
+    def plane(self) -> tuple[int, int]:
+        """The numbers of the coordinates shown."""
+        scene = self.scene
+        return scene.section_axes or usual_plane(scene.declaration, scene.section_of)
+
+    def build(self) -> list[Any]:
+        """Make the choices, and the plot."""
+        scene = self.scene
+        self.view = SectionView(self._place, self._fit)
+        self._of = Dropdown("Surface", description="Where the points lie.", options={"": ""}, value="")
+        self._of.param.watch(self._take_surface, "value")
+        self._other = pmui.TextInput(
+            label="h(t, x), which vanishes there", size="small", width=210, margin=(8, 10, 4, 0), visible=False
+        )
+        self._other.param.watch(self._take_function, "value")
+        self._across, self._up = (Dropdown(words, options={"": 0}, value=0) for words in ("Across", "Up"))
+        self._across.param.watch(lambda event: self._take_axis(0, event.new), "value")
+        self._up.param.watch(lambda event: self._take_axis(1, event.new), "value")
+        self._up_place, kind = _wide(self._up, 72), choice(scene, "section_map", lambda: KINDS)
+        self.note = text_pane("", "about")
+        self._more = pn.FlexBox(*self._rarely_needed(), visible=False, margin=0, sizing_mode="stretch_width")
+        more = pmui.IconButton(icon="tune", description="More choices", size="small", margin=(10, 0, 0, 0))
+        more.on_click(self._toggle)
+        scene.param.watch(self._offer, ["system", "own", "section_of", "section_axes", "section_map"])
+        self._offer()
+        controls = pn.FlexBox(
+            kind, _wide(self._of, 140), self._other, _wide(self._across, 72), self._up_place, more,
+            margin=0, sizing_mode="stretch_width",
+        )  # fmt: skip
+        return [controls, self._more, self.progress, self.plot(self.view.figure), self.note]
+
+    def _rarely_needed(self) -> list[Any]:
+        scene = self.scene
+        ways = choice(scene, "section_direction", lambda: {words: way for way, words in SECTION_DIRECTIONS.items()})
+        methods = choice(
+            scene, "study_method", lambda: {name: name for name in scene.used}, ("system", "own", "methods")
+        )
+        names = ("section_points", "section_discard")
+        fields = [NumberField(LABELS[n], partial(getattr, scene, n), partial(scene.accept, n)) for n in names]
+
+        def sync(*_: Any) -> None:
+            for field in fields:
+                field.sync()
+
+        scene.param.watch(sync, list(names))
+        return [ways, methods, *(_wide(field, 170) for field in fields)]
+
+    def _toggle(self, _event: Any) -> None:
+        self._more.visible = not self._more.visible
+
+    # The choices -----------------------------------------------------------------------------------------------------
+
+    def _offer(self, *_: Any) -> None:
+        """Offer the surfaces and the coordinates of the system."""
+        scene, system = self.scene, self.scene.declaration
+        own = own_surfaces(system)
+        if system.two_sided:
+            options = {"S: g = 0": ""}
+        else:
+            options = {"all surfaces": "", **{f"{readable(g, system)} = 0": g for g in own}}
+        chosen = scene.section_of if scene.section_of in options.values() else OTHER
+        self._of.offer({**options, "another …": OTHER}, chosen)
+        self._other.param.update(
+            value=as_typed(scene.section_of) if chosen == OTHER else "", visible=chosen == OTHER,
+            error_state=False, helper_text="",
+        )  # fmt: skip
+        names = {name: k for k, name in enumerate(coordinate_names(system))}
+        for dropdown, k in zip((self._across, self._up), self.plane, strict=True):
+            dropdown.offer(names, k)
+        self._up_place.visible = not scene.section_map
+
+    def _take_surface(self, event: Any) -> None:
+        """Take one of the own surfaces, or let another be typed."""
+        self._other.visible = event.new == OTHER
+        if event.new != OTHER and event.new != self.scene.section_of:
+            self._accept("section_of", event.new)
+
+    def _take_function(self, event: Any) -> None:
+        if not self._other.visible or event.new == as_typed(self.scene.section_of):
+            return
+        try:
+            self.scene.accept("section_of", event.new)
+        except ValueError as reason:
+            self._other.param.update(error_state=True, helper_text=str(reason))
+
+    def _take_axis(self, place: int, k: int) -> None:
+        axes = list(self.plane)
+        if k is None or axes[place] == k or k > self.scene.declaration.dimension:
+            return
+        if axes[1 - place] == k:  # exchange them
+            axes[1 - place] = axes[place]
+        axes[place] = k
+        self._accept("section_axes", tuple(axes))
+
+    def _accept(self, name: str, value: object) -> None:
+        try:
+            self.scene.accept(name, value)
+        except ValueError as reason:
+            self.note.object = complaint(reason)
+
+    # What is shown ---------------------------------------------------------------------------------------------------
+
+    def draw(self, outcome: SectionPoints) -> str:
+        """Draw the points and return how many there are in words."""
+        assert self.view is not None  # noqa: S101  (drawn after it was built)
+        self.view.show(outcome, self.plane, self.scene.section_map)
+        if outcome.inputs.starts != self._placed:
+            self.note.object = as_text(self._hint(), "about")
+        return f"{section_text(outcome)} {self._about_crossings()}".strip()
+
+    def _hint(self) -> str:
+        system = self.scene.declaration
+        if self.scene.section_map or system.dimension in self.plane:
+            return ""
+        turns = [coordinate_names(system)[k] for k in self.plane if k in angles(system)]
+        note = f" Full turns of {listed(turns)} are left out." if turns else ""
+        return f"A click starts a trajectory there. A number marks the first point of each start.{note}"
+
+    def _about_crossings(self) -> str:
+        """Say what is other than in the portrait."""
+        if not self.scene.locate:
+            return "Crossings are located here, although the runs of the page step over the surface."
+        if self.scene.perturbation_order is not None:
+            return "Crossing times are not perturbed here, although those of the page are."
+        return ""
+
+    def table(self) -> Table | None:
+        """Return a row for each point."""
+        return section_rows(self.outcome) if self.outcome is not None else None
+
+    def how(self, outcome: SectionPoints) -> str:
+        """Return the surface and the integrator."""
+        return section_how(outcome)
+
+    def pictures(self) -> list[figure]:
+        """Return the figure, painted finely enough for print."""
+        if self.view is not None:
+            self.view.cloud.sharpen()
+        return super().pictures()
+
+    def program(self) -> str:
+        """Return the lines that find the same points."""
+        return section_program(self.scene, self.inputs())
+
+    # A click ---------------------------------------------------------------------------------------------------------
+
+    def _place(self, x: float, y: float) -> None:
+        """Add the start that belongs to a point of the section."""
+        scene, system, axes = self.scene, self.scene.declaration, self.plane
+        if scene.section_map or self.outcome is None:
+            return
+        try:
+            if system.dimension in axes:
+                raise ValueError("All runs start at t = 0: choose two variables as coordinates to start by a click.")
+            given = {axes[0]: self._rounded(x, 0), axes[1]: self._rounded(y, 1)}
+            near, mode = self._nearest(given)
+            found = state_at(scene.build(), scene.section_of, given, near, mode)
+            before = {"starts": scene.starts, "selected": scene.selected}
+            scene.place(found.x)
+        except ValueError as reason:
+            self.note.object = complaint(reason)
+            return
+        self._before, self._placed = before, scene.starts
+        state = ", ".join(f"{name} = {value:.6g}" for name, value in zip(system.variables, found.x, strict=True))
+        hidden = [name for k, name in enumerate(system.variables) if k not in given]
+        taken = f"; {listed(hidden)} from {listed(found.taken)}" if hidden and found.taken else ""
+        self.note.object = as_text(f"Start {len(scene.starts)} at {state}{taken}.", "about")
+
+    def _rounded(self, value: float, place: int) -> float:
+        """Round a coordinate to about a pixel."""
+        assert self.view is not None  # noqa: S101  (clicked after it was built)
+        window = self.view.cloud.window
+        if window is None:
+            return value
+        return round(value, 3 - math.floor(math.log10((window.width, window.height)[place])))
+
+    def _nearest(self, given: dict[int, float]) -> tuple[Any, int]:
+        """Return the state of the point nearest on the screen, of the selected start if it has any; and its mode."""
+        assert isinstance(self.outcome, SectionPoints)  # noqa: S101  (clicked on what was drawn)
+        scene, found = self.scene, self.outcome
+        own = [one for one in found.portions if one.start == min(scene.selected, len(scene.starts) - 1)]
+        portions = own or list(found.portions)
+        if not portions:
+            return np.array(scene.x0), -1
+        return min((_closest(one, given) for one in portions), key=lambda one: one[0])[1:]
+
+    def _fit(self) -> None:
+        """Show all points, and take back what the first of two clicks has placed."""
+        assert self.view is not None  # noqa: S101  (clicked after it was built)
+        if self._placed and self.scene.starts == self._placed:
+            self.scene.param.update(**self._before)
+            self._placed = ()
+        self.view.cloud.fit()
+
+
+def _wide(widget: Any, width: int) -> pn.Column:
+    """Return a widget in a place of some width in pixels."""
+    return pn.Column(widget, width=width, margin=(0, 8, 0, 0))
+
+
+def _closest(portion: SectionPortion, given: dict[int, float]) -> tuple[float, Any, int]:
+    """Return the distance of the nearest point, its state and its mode."""
+    away = sum((portion.x[:, k] - value) ** 2 for k, value in given.items())
+    best = int(np.argmin(away))
+    return float(np.asarray(away)[best]), portion.x[best], int(portion.mode[best])

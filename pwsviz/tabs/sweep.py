@@ -1,0 +1,136 @@
+"""The tab of the bifurcation diagram: what runs leave on a surface, for each value of a parameter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from pwsviz.export.files import Tables
+from pwsviz.export.script import sweep_program
+from pwsviz.export.tables import sweep_tables
+from pwsviz.figures.sweep import SweepView
+from pwsviz.figures.sweep_text import parameter_name, sweep_how, sweep_numbers, sweep_text
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.results.requests import SweepInputs
+from pwsviz.results.sweeps import Diagram
+from pwsviz.scene.scene import Scene
+from pwsviz.scene.sweeping import swept_parameter, swept_range
+from pwsviz.tabs.base import LongTab
+from pwsviz.tabs.sweep_controls import SweepControls
+from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.tables import Numbers
+from pwsviz.text.words import complaint
+from pwsviz.widgets.panes import PLAIN_SX
+
+RESOLUTION = 500
+"""Steps of the width of the picture to which the place of a click is rounded."""
+
+
+class SweepTab(LongTab):
+    """The diagram, which becomes finer while it is looked at."""
+
+    settings = ("values",)
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.view: SweepView | None = None
+
+    def inputs(self) -> SweepInputs:
+        """Return one integrator, one parameter and one section."""
+        return SweepInputs.of_scene(self.scene)
+
+    def compute(self, inputs: SweepInputs, cancel: Cancel, report: Report) -> Diagram:
+        """Compute the diagram, coarse to fine."""
+        return self.results.sweep(inputs, cancel, report)
+
+    def build(self) -> list[Any]:
+        """Make the controls and the plot."""
+        self.view = SweepView(self._go, self._look)
+        self.controls = SweepControls(self.scene)
+        self._narrow = pmui.Button(
+            label="Sweep the values in sight", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX, visible=False
+        )
+        self._narrow.on_click(lambda _: self._sweep_in_sight())
+        self._place = pn.Column(self.plot(self.view.figure), margin=0, sizing_mode="stretch_width")
+        return [self.controls, self.progress, self._place, self._narrow]
+
+    def present(self, inputs: Any, outcome: Diagram | Exception) -> None:
+        """Draw the diagram, or say why there is none; a system without a parameter leaves no room for it."""
+        self._place.visible = bool(inputs.parameter)
+        super().present(inputs, outcome)
+
+    def draw(self, outcome: Diagram) -> str:
+        """Draw the diagram, if it has any points, and return it in words."""
+        assert self.view is not None  # noqa: S101  (drawn after it was built)
+        present = self.scene.values.get(outcome.inputs.parameter, math.nan)  # where another system has just been chosen
+        self.view.show(outcome)
+        self.view.mark(present, parameter_name(outcome.inputs))
+        self._place.visible = bool(outcome.counts.any())
+        return f"{sweep_text(outcome, present)} {_about_crossings(self.scene)}".strip()
+
+    def numbers(self, outcome: Diagram) -> Sequence[Numbers]:
+        """Return how many values end early, and where."""
+        return [sweep_numbers(outcome)]
+
+    def _go(self, value: float) -> None:
+        """Take the value on which the user clicked, rounded to what a screen resolves."""
+        parameter = swept_parameter(self.scene)
+        if parameter is None:
+            return
+        low, high = self._in_sight()
+        bounds = parameter.bounds or (-math.inf, math.inf)
+        try:
+            self.scene.accept(f"values.{parameter.name}", min(max(_rounded(value, high - low), bounds[0]), bounds[1]))
+        except ValueError as reason:
+            self.words.object = complaint(reason)
+
+    def _in_sight(self) -> tuple[float, float]:
+        """Return the part of the range that is visible."""
+        low, high = swept_range(self.scene)
+        window = self.view.cloud.window if self.view is not None else None
+        if window is None or window.x_low >= high or window.x_high <= low:
+            return low, high
+        return max(low, window.x_low), min(high, window.x_high)
+
+    def _look(self, _window: Window) -> None:
+        """Offer to sweep the values in sight, where these are a part of the range."""
+        (low, high), (left, right) = swept_range(self.scene), self._in_sight()
+        self._narrow.visible = right - left < 0.95 * (high - low)
+
+    def _sweep_in_sight(self) -> None:
+        """Sweep the part of the range that is visible, and show all of it."""
+        assert self.view is not None  # noqa: S101  (the button was made with it)
+        low, high = self._in_sight()
+        self.scene.accept("sweep_range", (_rounded(low, high - low), _rounded(high, high - low)))
+        self._narrow.visible = False
+        self.view.cloud.fit()
+
+    def tables(self) -> Tables:
+        """Return a row for each point, and a row for each value."""
+        return sweep_tables(self.outcome) if self.outcome is not None else {}
+
+    def how(self, outcome: Diagram) -> str:
+        """Return how the diagram was made."""
+        return sweep_how(outcome.inputs)
+
+    def program(self) -> str:
+        """Return the lines that repeat the sweep."""
+        return sweep_program(self.inputs())
+
+
+def _rounded(value: float, width: float) -> float:
+    """Return a value with the digits that a picture of a width resolves."""
+    return round(value, -math.floor(math.log10(width / RESOLUTION)))
+
+
+def _about_crossings(scene: Scene) -> str:
+    """Say what this view does at crossings if the runs of the page do something else."""
+    if not scene.locate:
+        return "Crossings are located here, although the runs of the page step over the surface."
+    if scene.perturbation_order is not None:
+        return "This view never perturbs crossing times, although the runs of the page do."
+    return ""
