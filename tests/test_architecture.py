@@ -26,7 +26,8 @@ FLOORS = {
         maps
     """,
     "pwsviz": """
-        bench geometry tasks text
+        bench tasks text
+        geometry
         scene
         results
         export figures

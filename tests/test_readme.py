@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -21,6 +23,19 @@ def test_the_example_runs_and_prints_what_is_shown():
 def test_the_example_is_about_ten_lines():
     code = re.search(r"```python\n(.*?)```", README, re.DOTALL).group(1)
     assert len([line for line in code.splitlines() if line.strip()]) <= 10
+
+
+@pytest.mark.deep
+def test_many_runs_and_a_system_of_several_surfaces_do_what_is_said():
+    blocks = [code for code in re.findall(r"```py\n(.*?)```", README, re.DOTALL) if "scheduler:" not in code]
+    said = (
+        "assert set(stops.regions) == {'--', '-+', '++'} and all(region.psi for region in stops.regions.values())",
+        "assert set(many.outcomes) == {core.Status.COMPLETED} and len(many) == 10_000",
+        "assert points.shape == (1000, 4) and abs(points[:, 1]).max() < 1e-12",
+        "assert len(diagram) == 100 * 50",
+    )
+    code = "\n".join(["import core", "import numpy as np", *blocks, *said])
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
 
 
 def test_files_that_it_names_exist():

@@ -60,6 +60,7 @@ SAID = {
     "Order": r"Compared with",
     "Crossing time": r"Compared with",
     "Cost": r"Fastest to a given error",
+    "Section": r"points of 1 start",
     "Stability": r"Largest step size",
     "Scheme": r"The scheme: dmm2",
 }
@@ -114,6 +115,34 @@ def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
     assert page.locator("math").count() > 5
     page.keyboard.press("?")
     page.get_by_role("dialog").get_by_text("Ctrl+Z").wait_for()
+
+
+def test_the_button_of_the_controls_and_its_tip_speak_of_a_menu(visit):
+    page = visit()
+    for name in ("Close menu", "Open menu"):
+        button = page.get_by_label(name)
+        button.hover()
+        page.get_by_role("tooltip", name=name).wait_for()
+        button.click()
+
+
+TAB_STOP = """() => {
+    let node = document.activeElement
+    while (node.shadowRoot?.activeElement) { node = node.shadowRoot.activeElement }
+    return [node.nodeName, node.role ?? "", node.className]
+}"""
+
+
+def test_every_stop_of_the_tab_key_has_a_role(visit):
+    page = visit()
+    await_painted(page, "conserved quantity")
+    stops = []
+    while not stops or stops[-1][0] != "BODY":
+        page.keyboard.press("Tab")
+        stops.append(page.evaluate(TAB_STOP))
+        assert len(stops) < 100
+    assert len(stops) > 30
+    assert [stop for stop in stops if stop[0] == "DIV" and not stop[1]] == []
 
 
 def test_fields_take_formulas_sliders_tell_their_numbers_and_undo_is_the_fields_own(visit):

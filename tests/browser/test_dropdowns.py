@@ -27,9 +27,11 @@ def test_the_plane_named_is_the_plane_drawn_after_another_system(visit):
     page = visit(query="v=1&system=rigid_body&t_end=1")
     await_painted(page, "Phase portrait")
     await_built(page)
-    await_shown(page, "plane", "y1, y2")
+    await_shown(page, "plane", "automatic")
+    page.get_by_role("combobox", name="plane").select_option("y1, y3")
+    await_shown(page, "plane", "y1, y3")
     page.get_by_role("combobox", name="System").select_option("Kepler with a shell")
-    await_shown(page, "plane", "x, y")
+    await_shown(page, "plane", "automatic")
     await_shown(page, "System", "Kepler with a shell")
 
 

@@ -31,6 +31,13 @@ def test_portrait_and_view_share_a_wide_screen(visit):
 
 
 @pytest.mark.deep
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_titles_of_all_views_stand_in_one_row(visit, scheme):
+    tabs = visit(color_scheme=scheme).get_by_role("tab").all()
+    assert len({tab.bounding_box()["y"] for tab in tabs}) == 1
+
+
+@pytest.mark.deep
 def test_on_a_narrow_screen_the_portrait_makes_way_for_the_view_below(visit):
     page = visit(420, 800)
     portrait = await_painted(page, "Phase portrait")
@@ -118,7 +125,7 @@ def test_on_a_phone_every_view_is_in_sight_and_the_controls_leave_the_portrait_s
     assert all(tab["x"] >= 0 and tab["x"] + tab["width"] <= 420 for tab in tabs)
     drawer = phone.locator(".sidebar")
     for close in (lambda: phone.touchscreen.tap(200, 200), lambda: phone.keyboard.press("Escape")):
-        phone.get_by_label("Open drawer").tap()
+        phone.get_by_label("Open menu").tap()
         drawer.get_by_label("Examples").wait_for()
         phone.wait_for_timeout(400)  # it slides in
         assert drawer.bounding_box()["y"] >= 0.4 * 800

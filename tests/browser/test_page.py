@@ -103,7 +103,7 @@ def test_bad_input_is_told_and_the_picture_stays(visit):
 def test_a_narrow_screen_shows_the_picture_first_and_the_rest_below(visit):
     page = visit(420, 800)
     drawing = await_painted(page, "Phase portrait")
-    page.get_by_label("Open drawer").wait_for()
+    page.get_by_label("Open menu").wait_for()
     portrait = drawing.bounding_box()
     tab = page.get_by_role("tab", name="Conserved quantity").bounding_box()
     assert portrait["x"] >= 0

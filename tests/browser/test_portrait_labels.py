@@ -69,3 +69,34 @@ def test_a_single_surface_has_no_label(visit):
     await_painted(page, "Phase portrait")
     page.wait_for_timeout(500)
     assert page.evaluate(LABELS) is None
+
+
+BOXES = f"""() => {{
+    const figure = ({FIGURE})("Phase portrait"), row = figure?.rows.find(row => "baseline" in row)
+    if (row == null || row.x.length == 0) {{ return null }}
+    const [left, right, low, high] = figure.range, pen = document.createElement("canvas").getContext("2d")
+    pen.font = "bold 12px Helvetica, Arial, sans-serif"
+    const across = FRAME / (right - left)
+    return row.text.map((text, k) => {{
+        const long = pen.measureText(text).width, x = (row.x[k] - left) * across + row.dx[k]
+        const start = x - {{left: 0, center: long / 2, right: long}}[row.align[k]]
+        const middle = (row.y[k] - low) * across + (row.baseline[k] == "bottom" ? 8 : 0)
+        return {{text, start, end: start + long, middle}}
+    }})
+}}"""
+"""Pixels from the lower left corner of the frame that each label takes; lines are 12 high."""
+
+
+def test_labels_have_room_on_a_phone(visit):
+    page = visit(420, 800, query="system=two_walls")
+    await_painted(page, "Phase portrait")
+    frame = "[...Bokeh.index.query(view => view.model.match_aspect)][0].frame.bbox.width"
+    boxes = await_that(page, BOXES.replace("FRAME", frame))
+    assert [box["text"] for box in boxes].count("no law") == 2
+    width = page.evaluate(f"() => {frame}")
+    for k, one in enumerate(boxes):
+        assert one["start"] >= -1, one
+        assert one["end"] <= width + 1, one
+        for other in boxes[:k]:
+            beside = one["end"] < other["start"] or other["end"] < one["start"]
+            assert beside or abs(one["middle"] - other["middle"]) >= 12, (one, other)

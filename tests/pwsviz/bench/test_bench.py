@@ -12,8 +12,9 @@ import core
 from pwsviz.bench import QUICK, Table, sections
 from pwsviz.bench.comparison import drawn, named, time_to_error
 from pwsviz.bench.costs import first_calls
-from pwsviz.bench.heyoka import HeyokaByRegion, HeyokaEnsemble, HeyokaRun
+from pwsviz.bench.heyoka import HeyokaBatches, HeyokaByRegion, HeyokaEnsemble, HeyokaRun
 from pwsviz.bench.machine import machine_lines
+from pwsviz.bench.prange import ends_by_prange
 from pwsviz.bench.problems import ENDS, Problem, drawn_problems, named_problem
 from pwsviz.bench.table import milliseconds
 
@@ -107,6 +108,15 @@ def test_an_ensemble_of_heyoka_comes_to_the_same_states():
     x0 = np.array(problem.system.x0) + np.array([[0.0, 0.0], [0.02, 0.01], [-0.03, 0.02]])
     exact = [core.reference_solution(problem.system, tuple(x)).state(20.0) for x in x0]
     assert np.abs(HeyokaEnsemble(problem, 1e-14).ends(x0, 20.0) - exact).max() < 1e-11
+    assert np.abs(HeyokaBatches(problem, 1e-14).ends(x0, 20.0) - exact).max() < 1e-11
+
+
+@pytest.mark.deep
+def test_a_prange_over_the_time_loop_brings_members_where_an_ensemble_brings_them():
+    system = core.CATALOGUE["elliptic_curve"]
+    x0 = np.array(system.x0) + np.random.default_rng(0).uniform(-0.05, 0.05, (100, 2))
+    there = core.ensemble(system, (0.0, 20.0), x0, method="taylor", tolerance=1e-9).x
+    assert (ends_by_prange(system, x0, 1e-9, 20.0) == there).all()
 
 
 def test_a_problem_whose_sides_differ_in_more_than_a_coefficient_is_refused():

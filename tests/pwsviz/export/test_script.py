@@ -13,7 +13,7 @@ import pytest
 
 import core
 from pwsviz.export.script import snippet
-from pwsviz.results.requests import other_inputs, run_inputs, study_inputs
+from pwsviz.results.requests import SectionInputs, SweepInputs, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.views import VIEWS
@@ -129,6 +129,27 @@ def test_the_program_uses_core_and_numpy_alone():
         imported = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
         assert imported == {"core", "numpy"}
         assert not [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"system": "elliptic_curve", "starts": ((-1.0, -1.0), (-1.2, 0.0)), "section_direction": -1},
+        {"system": "vibrating_table", "methods": ["taylor"], "tau": 0.7, "tolerance": 1e-9, "section_discard": 3},
+        {"system": "stick_slip", "methods": ["rk4"], "section_of": "y - 9/10"},
+    ],
+    ids=lambda settings: settings["system"],
+)
+def test_the_section_is_that_of_the_page(settings, monkeypatch, capsys):
+    scene = Scene()
+    scene.load({"view": "section", "section_points": 30, "t_end": 1.0, **settings})
+    ((found,),) = executed(scene, monkeypatch, "section")
+    page = Results().section(SectionInputs.of_scene(scene))
+    for k in range(len(scene.starts)):
+        assert np.array_equal(found.points[found.member == k], page.of_start(k).x)
+    said = capsys.readouterr().out
+    assert f"start {len(scene.starts)}: 30 points, all points found; " in said
+    assert f"the last [{page.of_start(len(scene.starts) - 1).x[-1]}]" in said
 
 
 def test_the_order_study_is_that_of_the_page(monkeypatch, capsys):
@@ -340,3 +361,27 @@ def test_what_the_long_studies_find_is_printed(monkeypatch, capsys):
         scene.accept("t_end", 5.0)
         executed(scene, monkeypatch)
         assert len(capsys.readouterr().out.splitlines()) >= 3
+
+
+@pytest.mark.parametrize("continuation", ["none", "down"])
+def test_a_bifurcation_diagram_is_that_of_the_page(continuation, monkeypatch, capsys):
+    scene = Scene(view="sweep", system="stick_slip", methods=["rk4"], sweep_values=9, sweep_points=5, sweep_end=40.0)
+    for name, value in {
+        "sweep_discard": 2,
+        "sweep_of": "2y - 1",
+        "sweep_direction": 0,
+        "sweep_continuation": continuation,
+    }.items():
+        scene.accept(name, value)
+    scene.accept("starts", ((0.5, 0.25),))
+    (found,) = executed(scene, monkeypatch, "sweep")
+    page = Results().sweep(SweepInputs.of_scene(scene))
+    value, x = page.sorted_points()
+    order = np.argsort(found[0].value, kind="stable")
+    assert len(x) > 9
+    assert np.array_equal(found[0].value[order], value)
+    assert np.array_equal(found[0].points[order], x)
+    said = capsys.readouterr().out
+    assert "Sweep: " in said
+    assert "values: all points found" in said
+    assert "limit of" not in said

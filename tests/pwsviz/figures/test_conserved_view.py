@@ -146,6 +146,18 @@ def test_the_sentence_tells_round_off_from_drift():
     assert conserved_text([noise, drifting]) == words
 
 
+@pytest.mark.parametrize("errors", [1e-16 * np.arange(9), np.full(9, 2e-15), 1e-16 * np.arange(30)])
+@pytest.mark.parametrize("method", ["rk2", "rk8", "gauss4"])
+def test_only_methods_that_conserve_psi_are_said_to_do_so_however_small_the_error(method, errors):
+    words = conserved_text([curve(errors, method)])
+    assert ("conserves" in words) == core.METHODS[method].conservative
+    assert "conserves ψ to" in conserved_text([curve(errors, "dmm2")])
+
+
+def test_an_error_of_round_off_size_stays_below_its_bound_even_where_it_rises():
+    assert conserved_text([curve(1e-16 * np.arange(4), "rk2")]) == "rk2 stays below 3×10⁻¹⁶."
+
+
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
     whose, none = "Shades and marks are those of dmm2.", "crossings of dmm2 are too many to mark them"

@@ -153,9 +153,9 @@ def test_rows_hold_everything_once():
 def test_the_table_names_the_cheapest_of_ours_and_of_the_external_solvers():
     table = cost_numbers(study(DMM2, curve("dmm4", [2e-3], [1e-4]), SCIPY), "seconds", "state")
     assert table.rows == (
-        ("10⁻³", "dmm2, τ = 0.0316", "1 ms", "SciPy DOP853, tolerance = 0.1", "10 ms"),
-        ("10⁻⁶", "dmm2, τ = 0.01", "10 ms", "SciPy DOP853, tolerance = 0.0316", "20 ms"),
-        ("10⁻⁹", "–", "–", "SciPy DOP853, tolerance = 0.01", "30 ms"),
+        ("10⁻³", "dmm2, τ = 0.0316", "1\u00a0ms", "SciPy DOP853, tolerance = 0.1", "10\u00a0ms"),
+        ("10⁻⁶", "dmm2, τ = 0.01", "10\u00a0ms", "SciPy DOP853, tolerance = 0.0316", "20\u00a0ms"),
+        ("10⁻⁹", "–", "–", "SciPy DOP853, tolerance = 0.01", "30\u00a0ms"),
     )
     words = cost_text(BOTH, "seconds", "state")
     assert "Compile/load time (not included): dmm2 250 ms and SciPy DOP853 250 ms." in words

@@ -1,15 +1,21 @@
 """A legend is made anew at each change of what its entries reach; that is to be their own glyphs and nothing more."""
 
+import numpy as np
 import pytest
 from bokeh.models import Legend, LegendItem, Plot
+from bokeh.models.glyphs import Scatter
 
+import core
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.cost import CostView
 from pwsviz.figures.linking import link_crossings, link_portrait
-from pwsviz.figures.order import OrderView
+from pwsviz.figures.order import OrderView, state_rows, studied
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.stability import StabilityView
 from pwsviz.figures.state import StateView
+from pwsviz.figures.sweep import SweepView
+
+OSCILLATOR = core.CATALOGUE["harmonic_oscillator"]
 
 
 def figures():
@@ -21,6 +27,7 @@ def figures():
         link_crossings(portrait, panel, state.shared.instants)
     yield from (view.figure for view in (portrait, conserved, *panels, OrderView("state error"), CostView()))
     stability = StabilityView(print)
+    yield SweepView(print, print).figure
     yield from (stability.figure(part) for part in ("map", "drift", "grazing"))
 
 
@@ -40,3 +47,38 @@ def test_the_key_of_a_part_of_the_surface_is_painted_as_the_part_is():
         assert band.glyph.line_alpha == 1.0, "its colour is not mixed with that of the ground"
         assert surface.data_source is ground.surface
         assert ground.figure.renderers.index(band) < ground.figure.renderers.index(surface), "as in the key"
+
+
+def keys_of(view):
+    """The mark that a legend paints over the line of each label: colour and marker, or None if it is transparent."""
+    item = view.figure.legend[0].items[0]
+    lines, marks = item.renderers
+    assert isinstance(marks.glyph, Scatter)
+    columns = marks.data_source.data
+    assert marks.data_source is lines.data_source, "as Bokeh asks for, or it complains"
+    assert np.isnan(columns["nowhere"]).all(), "nothing of it is in the plot"
+    looks = zip(columns["colour"], columns["marker"], columns["seen"], strict=True)
+    return [(colour, marker) if seen else None for colour, marker, seen in looks]
+
+
+def test_the_legend_of_the_cost_has_the_markers_of_its_curves():
+    settings = {"dmm2": [0.01], "rk4": [0.01]}
+    view, study = CostView(), core.work_precision(OSCILLATOR, methods=list(settings), settings=settings, peers=())
+    view.show(study, "seconds", "state")
+    drawn = set(zip(view.points.data["colour"], view.points.data["marker"], strict=True))
+    assert set(keys_of(view)) == drawn
+    assert len(drawn) == 2
+
+
+def test_the_legend_of_the_order_has_the_markers_of_its_rows_or_names_them_apart():
+    view = OrderView("state error")
+    studies = [
+        core.order_study(OSCILLATOR, np.geomspace(0.02, 0.1, 4), method=name, crossings=(2, 4))
+        for name in ("dmm2", "rk4")
+    ]
+    one, two = (studied(tuple(studies[:count]), state_rows) for count in (1, 2))
+    view.show(one)
+    assert set(keys_of(view)) == set(zip(view.points.data["colour"], view.points.data["marker"], strict=True))
+    view.show(two)
+    assert set(keys_of(view)) == {None}, "a marker tells a row here, not an integrator"
+    assert view.figure.legend[0].items[1].visible

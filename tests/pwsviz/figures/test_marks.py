@@ -1,9 +1,15 @@
 """Every run drawn has its crossings marked by kind, and its end if it stops early."""
 
+from dataclasses import replace
+
 import pytest
 
 import core
-from pwsviz.figures.marks import ENDS, crossing_columns, end_columns
+from pwsviz.figures.marks import ENDS, crossing_columns, end_columns, left_out, star_labels
+from pwsviz.figures.portrait_text import figures_of
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.results import orbits
+from pwsviz.results.orbits import MOST_PLACES
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
@@ -18,6 +24,7 @@ def pictures(preset, **changes):
 def test_every_status_that_stops_a_run_has_a_mark():
     assert set(core.Status) - set(ENDS) == {
         core.Status.RUNNING, core.Status.COMPLETED, core.Status.CANCELLED, core.Status.CROSSING_LIMIT,
+        core.Status.EVENT, core.Status.EVENT_LIMIT,  # the page asks for no events
     }  # fmt: skip
 
 
@@ -32,8 +39,38 @@ def test_every_start_has_its_marks_whichever_is_selected(selected):
     assert abs(ends["x"][0] - 0.5) < 1e-6
 
 
+def test_where_places_of_crossings_are_left_out_it_is_said_how_many():
+    run = pictures("grazing").orbits[0]
+    marked = replace(run, kinds=("transversal",) * MOST_PLACES, places=MOST_PLACES)
+    assert left_out([marked]) == ""
+    words = "Marked are 1,000 of 1,300 places of crossings, the first of each run."
+    assert left_out([replace(marked, places=1300)]) == words
+    assert left_out([marked] * 4).startswith("Marked are 3,000 of 4,000 places"), "of all runs together"
+
+
+def test_a_run_knows_how_many_places_a_screen_tells_apart_and_keeps_the_first(monkeypatch):
+    orbit = pictures("grazing", selected=1).orbits[0]
+    assert orbit.places == len(orbit.kinds) > 1
+    monkeypatch.setattr(orbits, "MOST_PLACES", 1)
+    drawn = pictures("grazing", selected=1)
+    assert (drawn.orbits[0].places, drawn.orbits[0].kinds) == (orbit.places, orbit.kinds[:1])
+    assert "Marked are" in figures_of(drawn)
+
+
 def test_each_of_six_sliding_runs_has_its_end_on_the_surface():
     ends = end_columns(pictures("vf_sliding").numbered)
     assert sorted(ends["start"]) == [1, 2, 3, 4, 5, 6]
     assert set(ends["label"]) == {"end: sliding"}
     assert max(map(abs, ends["y"])) < 1e-9
+
+
+def test_stars_that_cover_one_another_have_their_numbers_beside_them():
+    view = Window(0.0, 35.0, 0.0, 20.0)  # a star covers what is within 1
+    row = [(1.0, 5.0), (9.0, 5.0), (1.8, 5.0), (2.6, 5.0), (9.0, 6.5)]
+    inside, beside = star_labels(row, view)  # the first and the fourth hang together by the third
+    assert inside == ["", "2", "", "", "5"]
+    assert beside == ["", "", "", "1, 3, 4", ""]
+    assert star_labels(row, view.scaled(0.1)) == (["1", "2", "3", "4", "5"], [""] * 5)
+    assert star_labels(row, None) == (["1", "2", "3", "4", "5"], [""] * 5)
+    assert star_labels([(2.0, 3.0)] * 2, view) == (["", ""], ["1, 2", ""])
+    assert star_labels([], view) == ([], [])

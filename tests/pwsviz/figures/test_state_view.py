@@ -57,3 +57,14 @@ def test_of_many_coordinates_the_first_are_drawn_and_it_is_said():
     view, curves, _ = shown(system, methods=("rk2",), t_end=2.0)
     assert len(view.panels) == MOST_PANELS
     assert "first 6 of 8" in state_text(names, curves)
+
+
+def test_what_is_not_marked_of_a_long_run_is_told():
+    # Crossings of the oscillator are π/2 (1 + 1/√3) apart on average, so that 1000 take 1240 units of time.
+    view, curves, run = shown("harmonic_oscillator", t_end=1300.0)
+    count = len(run.crossings)
+    assert abs(count - 1300.0 / (np.pi / 2 * (1 + 1 / np.sqrt(3)))) < 2
+    assert len(view.shared.instants.data["t"]) == 400
+    told = state_text(run.system.variables, curves, count)
+    assert f"the first 400 of {count:,} crossings" in told
+    assert "Marked" not in state_text(run.system.variables, curves, 400)

@@ -7,7 +7,8 @@ import pytest
 from bokeh.models import ColumnDataSource
 
 import core
-from pwsviz.figures.style import LEGEND_GLYPH, OCCUPIED, assign, line_of, side_strips
+from pwsviz.figures.marks import KIND_COLOURS
+from pwsviz.figures.style import LEGEND_GLYPH, OCCUPIED, assign, line_of, show_methods, side_strips, together
 from pwsviz.geometry.shades import REGION_SHADES
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
@@ -35,11 +36,41 @@ def test_every_integrator_has_a_look_of_its_own():
     assert len({look.marker for look in looks}) == len(core.METHODS)
 
 
+@pytest.mark.parametrize("name", core.METHODS)
+def test_a_curve_that_stands_alone_is_solid_and_so_is_its_key(name):
+    look, keys = line_of(name), ColumnDataSource({"method": []})
+    assert together([look, look]) == [look._replace(dash=())] * 2, "also those of several starts"
+    show_methods(keys, [name])
+    assert keys.data["dash"] == [[]]
+    both = [line_of("dmm4"), line_of("dmm6")]
+    assert together(both) == both
+
+
 @pytest.mark.parametrize("seen", SIGHT.values(), ids=SIGHT)
 def test_no_two_colours_are_close_in_any_sight(seen):
     # A difference of 2.3 is just noticed side by side; the palette of Okabe and Ito keeps 16 among those used here.
     for a, b in combinations(map(line_of, core.METHODS), 2):
         assert np.linalg.norm(lab(a.colour, seen) - lab(b.colour, seen)) > 15
+
+
+def contrast(a, b):
+    """As WCAG 2.2 defines it."""
+    light = [TO_XYZ[1] @ (((np.array(rgb(colour)) / 255 + 0.055) / 1.055) ** 2.4) + 0.05 for colour in (a, b)]
+    return max(light) / min(light)
+
+
+def rgb(colour):
+    return [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+
+
+def test_curves_and_marks_stand_out_from_a_dark_page_and_the_usual_method_from_its_shaded_sides_too():
+    page = "#121212"
+    for colour in {*(line_of(name).colour for name in core.METHODS), *KIND_COLOURS.values()}:
+        assert contrast(colour, page) >= 3, f"WCAG 1.4.11: {colour}"
+    for _, shade in OCCUPIED.values():
+        alpha = side_strips(1).fill_alpha
+        over = (alpha * np.array(rgb(shade)) + (1 - alpha) * np.array(rgb(page))).round().astype(int)
+        assert contrast(line_of("dmm2").colour, "#" + "".join(f"{part:02x}" for part in over)) >= 3
 
 
 @pytest.mark.parametrize("ground", ["#ffffff", "#1e1e1e"], ids=["light", "dark"])

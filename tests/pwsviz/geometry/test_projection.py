@@ -21,6 +21,8 @@ from pwsviz.geometry.projection import (
     surfaces_shown,
 )
 from pwsviz.geometry.shades import regions_of
+from pwsviz.scene.names import readable
+from pwsviz.text.math_names import variable_name
 from tests.pwsviz.own_systems import GATE, OWN_SYSTEMS, RELAY, STRIPS, WEDGE
 
 WINDOW = Window(-2.0, 2.0, -2.0, 2.0)
@@ -40,6 +42,14 @@ def test_the_surface_drawn_is_where_g_vanishes_whatever_is_not_shown(system):
     g = laws.evaluate("all surfaces", laws.surfaces, 0.0, states, system.parameter_array)[:, shown]
     assert np.abs(g).min(axis=1, initial=np.inf).max(initial=0.0) < 1e-2, "each point lies on one of them"
     assert (np.abs(g).min(axis=0, initial=np.inf) < 1e-2).all(), "each of them is drawn"
+
+
+def test_variables_have_greek_letters_wherever_formulas_have_them():
+    table = core.CATALOGUE["vibrating_table"]
+    assert axis_labels(table, (0, 1)) == ("φ (v not shown)", "y")
+    assert "plane of φ, y" in portrait_note(table, (0, 1))
+    assert readable("y - a*sin(phi)", table) == "y − a·sin(φ)"
+    assert [variable_name(name) for name in ("theta", "omega", "x1", "u")] == ["θ", "ω", "x1", "u"]
 
 
 @every_system

@@ -80,7 +80,7 @@ def test_going_round_the_tabs_twice_computes_each_view_once(explorer):
             explorer.settle(60)
     made = {kind: count - before.get(kind, 0) for kind, count in counts(explorer).items()}
     assert {kind: count for kind, count in made.items() if count} == {
-        "states": 2, "study": 1, "cost": 1, "stability": 1, "diagnosis": 1,
+        "states": 2, "study": 1, "cost": 1, "section": 1, "stability": 1, "sweep": 1, "diagnosis": 1,
     }  # fmt: skip
 
 
@@ -394,14 +394,15 @@ def test_every_system_can_be_chosen_and_shows_its_picture(explorer, system):
     assert explorer.portrait_panel.trouble.object == ""
     assert len(portrait.orbits.data["xs"]) == len(explorer.scene.used) > 0
     assert all(np.isfinite(x).sum() > 5 for x in portrait.orbits.data["xs"])  # a ring of genes turns six corners
-    assert list(portrait.starts.data["x"]) == [laws.x0[0]]
-    assert (len(portrait.ground.surface.data["x"]) > 1) == shows_surface(laws, (0, 1))
+    axes = explorer.results.plane(explorer.scene.declaration, explorer.scene.axes)
+    assert list(portrait.starts.data["x"]) == [laws.x0[axes[0]]]
+    assert (len(portrait.ground.surface.data["x"]) > 1) == shows_surface(laws, axes)
     drawn = [np.isfinite(source.data["x"]).any() for source in portrait.ground.arrows.values()]
     assert any(drawn) == shows_field(laws)
     assert explorer.scene.view == ("conserved" if laws.laws.most_conserved else "state")
     assert explorer.view.words.object
     assert all(plot.visible for plot in explorer.view.plots)
-    assert (portrait.figure.xaxis[0].axis_label == laws.variables[0]) == (laws.dimension == 2)
+    assert (portrait.figure.xaxis[0].axis_label == laws.variables[axes[0]]) == (laws.dimension == 2)
 
 
 def test_a_system_without_conserved_quantities_offers_what_can_be_used(explorer):

@@ -57,7 +57,7 @@ def test_one_more_trajectory_costs_one_more_run_for_each_integrator(results):
 
 
 def test_another_projection_costs_no_run(results):
-    scene = Scene(system="kepler", methods=["rk4"])
+    scene = Scene(system="kepler", methods=["rk2"])
     flat = results.pictures(portrait(scene)).orbits[0]
     scene.accept("axes", (2, 3))
     tilted = results.pictures(portrait(scene)).orbits[0]

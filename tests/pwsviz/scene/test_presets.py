@@ -269,3 +269,45 @@ def test_two_integrators_part_on_the_double_scroll_when_they_are_said_to() -> No
 
     assert apart(0.02) == pytest.approx(44.1, abs=0.5)
     assert apart(0.02) + 3.0 < apart(0.01) < 60.0
+
+
+def section_of(key: str, points: int, **values: float) -> tuple[core.Section, Scene]:
+    """The section of a preset, with other values of parameters."""
+    chosen = scene(key)
+    system = core.CATALOGUE[chosen.system].with_parameters(**{**chosen.values, **values})
+    settings = {"method": "taylor", "tau": chosen.tau, "tolerance": chosen.tolerance}
+    return core.section(system, (0.0, 1e9), chosen.starts, points=points, **settings), chosen
+
+
+def test_orbits_of_henon_and_heiles_have_one_energy_and_are_islands_or_fill_the_sea() -> None:
+    found, _ = section_of("henon_heiles_section", 1500)
+    x, y, u, v = found.ensemble.crossings.x_after.T
+    assert (u**2 + v**2 + x**2 + y**2) / 2 + x**2 * y - y**3 / 3 == pytest.approx(1 / 8, abs=1e-12)
+    cells = [len({*zip(*(np.floor(40 * w[found.member == k]) for w in (y, v)), strict=True)}) for k in range(7)]
+    assert max(cells[k] for k in (1, 2, 3, 5)) < 100 < 400 < min(cells[k] for k in (0, 4, 6))
+
+
+def test_bands_of_the_table_join_and_its_islands_attract_when_they_are_said_to() -> None:
+    def speeds(**values: float) -> np.ndarray:
+        found, _ = section_of("vibrating_table", 3000, **values)
+        speed = found.ensemble.crossings.x_after[:, 2]
+        return np.array([speed[found.member == k][-1000:] for k in range(9) if (found.member == k).sum() == 3000])
+
+    assert speeds()[0].max() < 4.5 < 5.0 < speeds(a=0.4)[0].max()
+    lossy = speeds(restitution=0.97)
+    assert len(lossy) == 5  # the other four are at rest
+    assert np.abs(lossy - math.pi).max() < 1e-6
+
+
+def test_loops_of_the_circuit_double_and_reach_the_other_scroll_where_the_example_says() -> None:
+    chosen = scene("chua_sweep")
+
+    def points(alpha: float) -> np.ndarray:
+        settings = {"points": 64, "discard": 400, "direction": 1, "method": "taylor"}
+        return core.sweep("chua", (0.0, 4000.0), "alpha", [alpha], "y", chosen.x0, **settings).points
+
+    def distinct(alpha: float) -> int:
+        return len(np.unique(points(alpha).round(3)))
+
+    assert [distinct(alpha) for alpha in (8.1, 8.2, 8.37, 8.41)] == [1, 2, 2, 4]
+    assert points(8.7).max() < 0.3 < 0.35 < points(8.9).max()

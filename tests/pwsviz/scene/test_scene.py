@@ -278,6 +278,12 @@ def test_loading_begins_anew():
     assert scene.settings() == Scene().settings()
 
 
+def test_a_loaded_scene_has_the_integrators_it_names_and_no_others():
+    scene = Scene()
+    scene.load({"system": "chua", "methods": ["taylor"]})
+    assert scene.methods == ["taylor"]
+
+
 def test_step_size_and_end_time_are_taken_over_together_or_not_at_all():
     scene = Scene(tau=1e-5, t_end=20.0)
     scene.accept_times(0.5, 50_000.0)  # either alone would ask for too many steps, or leave them

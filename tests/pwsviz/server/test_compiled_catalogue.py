@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import core
 from pwsviz.server.catalogue import compile_beside_once
 
 ROOT = Path(__file__).parents[3]
@@ -37,3 +38,12 @@ def test_one_process_compiles_however_many_visitors_come():
     assert compile_beside_once() is first
     first.terminate()
     first.wait(30)
+
+
+def test_a_page_declares_only_the_system_that_it_shows():
+    code = "import sys; from pwsviz.page.explorer import Explorer; Explorer(); print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=300, check=True
+    )
+    declared = set(done.stdout.split()) & {f"core.systems.{name}" for name in core.CATALOGUE}
+    assert declared == {"core.systems.elliptic_curve"}

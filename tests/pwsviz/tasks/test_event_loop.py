@@ -82,7 +82,7 @@ def test_what_comes_in_time_is_part_of_the_page_and_the_rest_is_shown_later(serv
         assert seen == ["in time"]
         start = time.monotonic()
         delivery.run(lambda: True, timeout=0.05)
-        assert time.monotonic() - start < 1, "it waits no longer than it was told to"
+        assert time.monotonic() - start < 5, "it waits no longer than it was told to"
         delivery(seen.append, "late")
         await asyncio.sleep(0.01)
         call_back(document)

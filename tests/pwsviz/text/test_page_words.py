@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
-from pwsviz.figures.summaries import method_notes, run_line, run_lines
+from pwsviz.figures.summaries import method_notes, run_lines
 from pwsviz.results.results import Summary
 from pwsviz.scene.names import short_name
 from pwsviz.scene.scene import Scene
@@ -25,9 +25,9 @@ def summary(**changes):
 
 
 def test_a_run_in_one_line():
-    words = re.sub("<.*?>", "", run_line(summary()))
+    words = re.sub("<.*?>", "", run_lines([summary()]))
     assert words == "dmm2: 60,000 steps, 1 crossing, 4.81 ms, |Δψ| ≤ 9×10⁻¹⁶"
-    words = re.sub("<.*?>", "", run_line(summary(met=core.Tally(3, slides=2, ends=1))))
+    words = re.sub("<.*?>", "", run_lines([summary(met=core.Tally(3, slides=2, ends=1))]))
     assert words.startswith("dmm2: 60,000 steps, 3 crossings, 2 slides, 4.81 ms")
 
 
@@ -58,7 +58,7 @@ def test_names_are_listed_as_one_says_them():
 
 
 def test_without_a_conserved_quantity_there_is_no_bound():
-    assert "Δψ" not in run_line(summary(worst_error=math.nan))
+    assert "Δψ" not in run_lines([summary(worst_error=math.nan)])
 
 
 def test_nothing_is_taken_for_markup():

@@ -12,8 +12,18 @@ def test_from_the_beginning_to_the_end():
     assert progress.busy
     assert 'value="0.25"' in progress._bar.object
     assert progress._words.object == "3 of 12"
+    progress.advance(1234, 5000)
+    assert progress._words.object == "1,234 of 5,000"
     progress.end()
     assert not progress.busy
+
+
+def test_a_result_that_stays_in_sight_meanwhile_is_called_the_former_one():
+    progress = Progress(lambda: None, lambda: None)
+    progress.begin()
+    assert progress._words.object == "preparing …"
+    progress.begin(former=True)
+    assert progress._words.object == "preparing … (below: the former result)"
 
 
 def test_what_was_cancelled_can_be_begun_again():

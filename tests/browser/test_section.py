@@ -1,0 +1,43 @@
+"""The Section view: islands are painted in the colours of their starts, and a click adds one of the same energy."""
+
+import re
+
+import pytest
+
+from tests.browser.looking import await_painted
+from tests.browser.test_portrait import FIGURE, await_that
+
+pytestmark = pytest.mark.browser
+
+QUERY = (
+    "v=2&methods=taylor&system=henon_heiles&wall=0.0&starts=0,0.2,0.4640402281411961,0;0,-0.1,0.48921706157219547,0"
+    "&tau=1.0&tolerance=1e-10&view=section&section_points=4000"
+)
+CLOUD = f"""() => {{
+    const figure = ({FIGURE})("Poincaré section")
+    if (figure == null) {{ return null }}
+    const codes = Array.from(figure.rows.find(row => "image" in row).image[0] ?? [])
+    const kinds = new Set(codes.filter(code => code > 0).map(code => code - 1 >> 4))
+    const marks = figure.rows.filter(row => "kind" in row)
+    return {{kinds: [...kinds].sort(), range: figure.range, place: figure.on_screen([0.3], [0.1])[0],
+             marks: marks.flatMap(row => Array.from(row.x, (x, k) => [x, row.y[k]])), words: figure.words}}
+}}"""
+
+
+def test_islands_have_the_colours_of_their_starts_and_a_click_adds_one_of_the_same_energy(visit):
+    page = visit(query=QUERY)
+    seen = await_that(page, CLOUD, lambda seen: "8,000 points of 2 starts" in seen["words"])
+    assert seen["kinds"] == [0, 1]
+    await_painted(page, "Poincaré section", colours=3)
+    page.mouse.click(*seen["place"])
+    page.get_by_text(re.compile(r"Start 3 at x = 0, .*x and u from g = 0 and ψ = 0\.125")).wait_for()
+    seen = await_that(page, CLOUD, lambda seen: "12,000 points of 3 starts" in seen["words"])
+    assert seen["kinds"] == [0, 1, 2]
+    page.mouse.move(*seen["place"])
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -400)
+    page.keyboard.up("Control")
+    seen = await_that(page, CLOUD, lambda seen: len(seen["marks"]) > 0)
+    left, right, bottom, top = seen["range"]
+    assert all(left <= x <= right and bottom <= y <= top for x, y in seen["marks"])
+    assert seen["kinds"] == []

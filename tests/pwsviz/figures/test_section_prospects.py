@@ -1,0 +1,21 @@
+"""A section says beforehand why it can show little, or what it depends on."""
+
+import pytest
+
+import core
+from pwsviz.figures.section_prospects import prospects
+
+FEW, OTHERS = "few points differ", "other starts may have other points"
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("relay_feedback", {FEW}), ("elliptic_curve", {FEW, OTHERS}), ("kepler", {OTHERS}), ("henon_heiles", {OTHERS}),
+        ("damped_oscillator", {FEW}),  # its quantities contain time
+        ("bouncing_ball", {OTHERS}), ("moving_interface", {OTHERS}), ("thermostat", set()), ("chua", set()),
+    ],
+)  # fmt: skip
+def test_flows_in_the_plane_and_conserved_quantities_are_told(key, said):
+    words = prospects(core.CATALOGUE[key])
+    assert {one for one in (FEW, OTHERS) if one in words} == said

@@ -1,0 +1,111 @@
+"""The figure of a section: points and return map by start, axes, and its words."""
+
+import math
+
+import numpy as np
+import pytest
+
+import core
+from core import Status
+from pwsviz.figures.section import START_COLOURS, SectionView
+from pwsviz.figures.section_text import section_how, section_rows, section_text
+from pwsviz.results.requests import SectionInputs
+from pwsviz.results.sections import SectionPoints, SectionPortion
+from pwsviz.scene.scene import MAX_STARTS, Scene
+
+STARTS = ((0.0, 3.0, 0.0), (0.0, 1.0, 0.0))
+
+
+def portion(start, phi):
+    phi = np.array(phi)
+    x = np.column_stack([phi, np.sin(phi), 10.0 + phi])
+    return SectionPortion(start, phi.copy(), x, np.zeros(len(phi), dtype=np.int16))
+
+
+def points(*portions, statuses=(Status.CROSSING_LIMIT,) * 2, **settings):
+    scene = Scene(system="vibrating_table", methods=["taylor"], starts=STARTS, section_points=3, **settings)
+    return SectionPoints(SectionInputs.of_scene(scene), portions, statuses, (7.5, 8.25))
+
+
+@pytest.fixture
+def view():
+    return SectionView(lambda *_: None, lambda: None)
+
+
+def marks(view):
+    data = [one.data_source.data for one in view.cloud.marks]
+    return np.concatenate([np.column_stack([one["x"], one["y"]]) for one in data])
+
+
+def test_points_have_the_colour_of_their_start_and_angles_lose_full_turns(view):
+    view.show(points(portion(0, [1.0, 8.0]), portion(1, [3.0])), (0, 2), False)
+    assert marks(view) == pytest.approx(np.array([[1.0, 11.0], [8.0 - 2 * math.pi, 18.0], [3.0, 13.0]]))
+    assert [len(one.data_source.data["x"]) for one in view.cloud.marks[:3]] == [2, 1, 0]
+    assert [one.glyph.fill_color for one in view.cloud.marks] == list(START_COLOURS)
+    assert view.figure.xaxis.axis_label == "φ mod 2π"
+    assert view.firsts.data["y"][:2] == [11.0, 13.0]
+    assert np.isnan(view.firsts.data["y"][2:]).all()
+    assert set(view.keys.data["label"]) == {"start 1", "start 2"}
+
+
+def test_a_return_map_goes_on_from_one_portion_of_a_start_to_the_next(view):
+    found = points(portion(0, [0.1, 0.2]), portion(1, [1.0]), portion(0, [0.3]), portion(1, [2.0, 3.0]))
+    view.show(found, (0, 2), True)
+    assert marks(view).tolist() == [[0.1, 0.2], [0.2, 0.3], [1.0, 2.0], [2.0, 3.0]]
+    assert view.diagonal.visible
+    assert np.isnan(view.firsts.data["x"]).all()
+    view.show(found, (2, 0), True)
+    assert marks(view)[:2] == pytest.approx(np.array([[10.1, 10.2], [10.2, 10.3]]))
+
+
+def test_a_return_map_is_the_one_of_core():
+    scene = Scene(system="chua", methods=["rk4"], starts=((0.1, 0.1, 0.0), (0.2, 0.1, 0.0)), section_points=30)
+    found = core.section(scene.build(), (0.0, 1e3), scene.starts, points=30, method="rk4", tau=0.01)
+    crossings, view = found.ensemble.crossings, SectionView(lambda *_: None, lambda: None)
+    parts = [
+        SectionPortion(k, crossings.t[rows], crossings.x_after[rows], crossings.mode[rows])
+        for k in (0, 1)
+        for rows in np.split(np.flatnonzero(found.member == k), [10])
+    ]
+    view.show(SectionPoints(SectionInputs.of_scene(scene), tuple(parts), (None, None), (0.0, 0.0)), (1, 2), True)
+    assert np.array_equal(marks(view), found.return_map("y"))
+
+
+def test_points_that_are_there_are_not_made_anew(view):
+    first, second = portion(0, [1.0]), portion(1, [2.0])
+    view.show(points(first), (0, 2), False)
+    made = view.cloud._portions[0]
+    view.show(points(first, second), (0, 2), False)
+    assert view.cloud._portions[0] is made
+    assert view.cloud.count == 2
+    view.show(points(second), (0, 2), False)
+    assert marks(view).tolist() == [[2.0, 12.0]]
+
+
+def test_every_start_has_a_colour_of_its_own():
+    assert len(set(START_COLOURS)) == MAX_STARTS
+
+
+def test_words_tell_which_starts_have_fewer_points_and_why():
+    whole = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [1.0, 2.0, 3.0]), section_direction=1)
+    assert section_text(whole) == "6 points of 2 starts on S: g = 0, crossed upwards, just after the reset map."
+    early = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [2.0]), statuses=(Status.CROSSING_LIMIT, Status.ZENO))
+    assert (
+        "One start has all 3. Start 2 has ended with 1 point by t = 8.25: crossings come ever closer and accumulate "
+        "here (Zeno)."
+    ) in section_text(early)
+    both = points(portion(1, [2.0]), statuses=(Status.ESCAPED, Status.ESCAPED))
+    assert "Starts 1 and 2 have ended with 0, 1 points: the numerical solution blows up." in section_text(both)
+    never = points(statuses=(Status.STEP_LIMIT, Status.CROSSING_LIMIT))
+    assert "Start 1 has not come back to this surface." in section_text(never)
+    typed = points(portion(0, [1.0]), section_of="y - a**2", section_discard=9)
+    assert "on y − a² = 0, crossed either way." in section_text(typed)
+    assert "after 9 that are left out; integrated by taylor" in section_how(typed)
+
+
+def test_a_table_has_a_row_for_each_point_start_by_start():
+    table = section_rows(points(portion(0, [1.0]), portion(1, [4.0]), portion(0, [2.0])))
+    assert list(table) == ["start", "point", "t", "phi", "y", "v"]
+    assert table["start"].tolist() == [1, 1, 2]
+    assert table["point"].tolist() == [1, 2, 1]
+    assert table["phi"].tolist() == [1.0, 2.0, 4.0]

@@ -1,0 +1,150 @@
+"""The bifurcation diagram shows what was computed, marks where runs end early, and says so in words."""
+
+import numpy as np
+import pytest
+from bokeh.events import Tap
+
+from core import Status
+from pwsviz.figures.stability_outcomes import OUTCOMES
+from pwsviz.figures.sweep import SweepView
+from pwsviz.figures.sweep_text import period_of, stretches, surface_words, sweep_how, sweep_numbers, sweep_text
+from pwsviz.geometry.point_counts import Portion
+from pwsviz.results.requests import SweepInputs
+from pwsviz.results.sweeps import NO_START, Diagram
+from pwsviz.scene.scene import Scene
+
+VALUES = np.linspace(-3.0, 3.0, 7)
+LIMIT, BLOWS_UP, DONE, TO_COME = (
+    int(one) for one in (Status.CROSSING_LIMIT, Status.ESCAPED, Status.COMPLETED, Status.RUNNING)
+)
+
+
+def diagram(outcomes, points=4, **settings):
+    """A diagram of a₋ whose whole values have the points 1, 2, 1, 2; COMPLETED ones have two, others none."""
+    scene = Scene(sweep_range=(-3.0, 3.0), sweep_values=7, sweep_points=points, **settings)
+    counts = np.array([{LIMIT: points, DONE: 2}.get(code, 0) for code in outcomes])
+    portions = tuple(
+        Portion(np.full(count, value), np.resize([1.0, 2.0], count), 0)
+        for value, count in zip(VALUES, counts, strict=True)
+    )
+    return Diagram(SweepInputs.of_scene(scene), VALUES, np.array(outcomes), counts, portions)
+
+
+MIXED = diagram([LIMIT, LIMIT, TO_COME, BLOWS_UP, BLOWS_UP, DONE, NO_START])
+
+
+def test_the_figure_shows_points_and_the_whole_range_of_values():
+    view = SweepView(print, print)
+    view.show(MIXED)
+    view.mark(-2.5, "a₋")
+    assert view.cloud.count == 10
+    assert view.figure.xaxis[0].axis_label == "a₋"
+    assert view.figure.yaxis[0].axis_label == "x"
+    low, high = view.ends.data["x"]
+    assert low < -3.0 < 3.0 < high
+    assert view.present.data["x"] == [-2.5]
+    assert view._present.label.value == "present value, a₋ = −2.5"
+
+
+def test_strips_mark_the_values_whose_runs_end_early_and_are_never_empty():
+    view = SweepView(print, print)
+    view.show(MIXED)
+    strips = view.early.data
+    assert list(strips["start"]) == [-0.5, 1.5, 2.5]
+    assert list(strips["end"]) == [1.5, 2.5, 3.5]
+    assert strips["words"] == [
+        OUTCOMES[Status.ESCAPED].words, "fewer crossings than wanted", "no run begins here"
+    ]  # fmt: skip
+    assert view._early.visible
+    view.show(diagram([LIMIT] * 7))
+    assert len(view.early.data["words"]) == 1, "the browser cannot draw the key of a glyph without marks"
+    assert not view._early.visible
+
+
+def test_no_stretch_covers_what_is_still_to_come():
+    found = diagram([BLOWS_UP, TO_COME, BLOWS_UP, TO_COME, LIMIT, TO_COME, TO_COME])
+    assert list(stretches(found)) == [(BLOWS_UP, 0, 0), (BLOWS_UP, 2, 2)]
+
+
+def test_a_click_chooses_a_value():
+    chosen = []
+    view = SweepView(chosen.append, print)
+    view.figure._trigger_event(Tap(view.figure, sx=1, sy=1, x=1.25, y=0.5))
+    assert chosen == [1.25]
+
+
+def test_words_and_table_say_how_many_values_end_how_and_where():
+    words = sweep_text(MIXED, -2.9)
+    assert words.startswith("10 points: x on S for 6 values of a₋ from -3 to 3. 2 of them have all their 4 points.")
+    assert "At a₋ = -3, next to the present value, the points repeat after 2, of crossings in both directions." in words
+    rows = {row[0]: row[1:] for row in sweep_numbers(MIXED).rows}
+    assert rows == {
+        OUTCOMES[Status.ESCAPED].words: ("2", "0 to 1"),
+        "fewer crossings than wanted by t = 2000": ("1", "2"),
+        "no run begins here": ("1", "3"),
+    }
+    assert sweep_numbers(diagram([LIMIT] * 7)).rows == ()
+    assert "Each has all its 4 points." in sweep_text(diagram([LIMIT] * 7), 9.0)
+    assert "next to the present value" not in sweep_text(diagram([LIMIT] * 7), 9.0)
+    assert "None of them" in sweep_text(diagram([DONE] * 7), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("points", "period"),
+    [
+        ([1.0] * 8, 1),
+        ([1.0, 2.0] * 4, 2),
+        ([1.0, 2.0, 1.0, 3.0] * 3, 4),
+        ([1.0, 2.0, 3.0, 1.0], 0),  # not seen twice
+        (np.sin(np.arange(200.0)), 0),
+        ([1.0, 1.0 + 1e-8] * 5, 1),
+        ([1.0], 0),
+    ],
+)
+def test_a_period_counts_if_it_is_seen_twice(points, period):
+    assert period_of(np.array(points), 1.0) == period
+
+
+def test_how_names_all_that_repeats_the_diagram():
+    inputs = SweepInputs.of_scene(
+        Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
+    )
+    assert surface_words(inputs) == "the surface x − 1 = 0, where the function falls"
+    how = sweep_how(inputs)
+    for words in (
+        "y at crossings", "400 values of a₋ from −8 to 4", "100 that are left out", "t = 2000", "next smaller value",
+        "taylor with tolerance 10⁻¹²", "Filippov",
+    ):  # fmt: skip
+        assert words in how, words
+    chua = {"system": "chua", "methods": ["taylor"]}
+    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "all surfaces, where its function rises"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "all surfaces"
+
+
+def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():
+    one = diagram([LIMIT, *[TO_COME] * 6])
+    assert "next to the present value" in sweep_text(one, -2.1)
+    assert "next to the present value" not in sweep_text(one, -1.9)
+
+
+def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
+    nothing = "No run has more than the 100 crossings left out before"
+    assert nothing in sweep_text(diagram([BLOWS_UP] * 7), 0.0)
+    assert nothing not in sweep_text(MIXED, 0.0)
+    assert nothing not in sweep_text(diagram([BLOWS_UP] * 7, sweep_discard=0), 0.0)
+
+
+def test_points_are_said_to_be_states_after_the_reset_map_where_one_acts():
+    ball = {"system": "vibrating_table", "methods": ["taylor"]}
+    assert "diagram of φ at crossings of S, just after the reset map, for" in sweep_how(
+        SweepInputs.of_scene(Scene(**ball))
+    )
+    other = SweepInputs.of_scene(Scene(**ball, sweep_of="v"))
+    assert "reset" not in sweep_how(other)
+
+
+def test_axes_name_the_coordinate_as_formulas_do():
+    scene = Scene(system="vibrating_table", methods=["taylor"], sweep_values=2)
+    view, nothing = SweepView(print, print), np.zeros(2, dtype=np.int64)
+    view.show(Diagram(SweepInputs.of_scene(scene), np.array([0.0, 2.0]), nothing + TO_COME, nothing))
+    assert view.figure.yaxis[0].axis_label == "φ"

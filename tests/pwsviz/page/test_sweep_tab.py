@@ -1,0 +1,131 @@
+"""The tab of the bifurcation diagram: a click sets the parameter, and what stands behind “more” is made when needed."""
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.export.tables import sweep_tables
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.page.explorer import Explorer
+from pwsviz.results.results import Results
+from pwsviz.scene.scene import Scene
+
+
+def opened(**settings):
+    """Return a page with the tab open on a small diagram of the stick-slip block."""
+    given = {"system": "stick_slip", "methods": ["taylor"], "tau": 0.5, "sweep_values": 40, "sweep_points": 6}
+    page = Explorer(Scene(**{**given, "sweep_discard": 4, "view": "sweep", **settings}), Results())
+    page.refresh()
+    assert page.settle(60)
+    return page
+
+
+@pytest.fixture(scope="module")
+def page():
+    page = opened()
+    yield page
+    page.close()
+
+
+def test_a_click_sets_the_parameter_and_computes_no_diagram(page):
+    tab = page.view
+    assert tab.outcome.whole.any()
+    before = page.results.computed["sweep"]
+    tab._go(1.23456789)
+    page.settle(60)
+    assert page.scene.values["belt"] == 1.235, "rounded to what the picture resolves"
+    assert tab.view.present.data["x"] == [1.235]
+    assert "At w = " in tab.words.object
+    assert page.results.computed["sweep"] == before
+    tab._go(-5.0)
+    assert page.scene.values["belt"] == 0.05, "the nearest that the parameter may have"
+
+
+def test_values_in_sight_are_swept_again(page):
+    tab = page.view
+    assert not tab._narrow.visible
+    tab.view.cloud.window = window = Window(0.4, 1.0, -2.0, 2.0)
+    tab._look(window)
+    assert tab._narrow.visible
+    tab._sweep_in_sight()
+    page.settle(60)
+    assert page.scene.sweep_range == (0.4, 1.0)
+    assert tab.outcome.values[[0, -1]].tolist() == [0.4, 1.0]
+    assert not tab._narrow.visible
+
+
+def test_the_controls_follow_the_scene(page):
+    controls, scene = page.view.controls, page.scene
+    assert not controls.numbers, "made when they are asked for"
+    controls._open()
+    assert controls.box.visible
+    assert next(iter(controls.surface.options.values())) == ""
+    scene.accept("sweep_parameter", "decay")
+    assert controls.parameter.value == "decay"
+    assert [field.entry.text for field in controls.ends] == ["0.05", "5.0"]
+    controls.ends[1].entry.text = "2"
+    assert scene.sweep_range == (0.05, 2.0)
+    controls._coordinate.value = "v"
+    assert scene.sweep_coordinate == "v"
+    controls.surface.value = "other"
+    assert controls.function.visible
+    controls.function.value = "y +"
+    assert controls.function.error_state
+    assert scene.sweep_of == ""
+    controls.function.value = "2y - 1"
+    assert not controls.function.error_state
+    assert scene.sweep_of == "2*y - 1"
+    scene.accept("sweep_of", "")
+    assert not controls.function.visible
+
+
+def test_a_system_without_parameters_is_told_plainly():
+    page, laws = opened(), {"f_minus": ("y", "-x"), "f_plus": ("y", "-2*x"), "g": "y", "x0": (1.0, 1.0)}
+    page.scene.use(core.PiecewiseSystem("Plain", ("x", "y"), **laws))
+    page.scene.view = "sweep"
+    assert page.settle(60)
+    assert "Plain has no parameter, so there is nothing to sweep." in page.view.words.object
+    assert not page.view.controls._first.visible
+    assert not page.view._place.visible, "the words stand where they are seen"
+    assert page.view.program() == ""
+    page.scene.accept("system", "stick_slip")
+    assert page.settle(60)
+    assert page.view._place.visible
+    page.close()
+
+
+def test_tables_have_a_row_for_each_point_and_each_value():
+    page = opened()
+    found, tables = page.view.outcome, page.view.tables()
+    points, values = (tables[name]() for name in ("points", "values"))
+    assert len(points["value"]) == found.counts.sum()
+    assert (np.diff(points["value"]) >= 0).all()
+    for value in found.values[found.whole]:
+        assert np.array_equal(points["y"][points["value"] == value], found.points_at(value))
+    assert np.array_equal(values["points"], found.counts)
+    assert set(values["ended"]) <= {"all points found", *(status.reason for status in core.Status)}, "in words"
+    assert sweep_tables(found).keys() == {"points", "values"}
+    page.close()
+
+
+def test_what_comes_of_a_system_that_has_just_been_left_is_drawn_all_the_same():
+    page = opened()
+    found = page.view.outcome
+    page.scene.accept("system", "chua")
+    assert "of w from" in page.views["sweep"].draw(found)
+    page.settle(60)
+    page.close()
+
+
+def test_a_diagram_without_points_leaves_its_room_to_the_words():
+    page = opened(system="bouncing_ball", sweep_discard=400)
+    assert not page.view._place.visible
+    assert "No run has more than the 400 crossings left out before" in page.view.words.object
+    page.close()
+
+
+def test_a_diagram_that_stays_in_sight_while_another_is_prepared_is_called_the_former_one():
+    page = opened()
+    page.view.begin()
+    assert "former result" in page.view.progress._words.object
+    page.close()
