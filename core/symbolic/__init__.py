@@ -2,6 +2,7 @@
 
 from core.symbolic.declaration import SIDES, Declaration, Problem, RegionText, TransitionText, Verdict, miscounted
 from core.symbolic.expressions import OPERATORS, TIME, parse
+from core.symbolic.impacts import keeps
 from core.symbolic.laws import Laws, Way
 from core.symbolic.mode import Mode
 from core.symbolic.multiplier import DIFFERENCES, DividedDifference
@@ -27,6 +28,7 @@ __all__ = [
     "Way",
     "eliminated",
     "is_larger",
+    "keeps",
     "miscounted",
     "parse",
     "quoted",

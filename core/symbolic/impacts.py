@@ -1,4 +1,4 @@
-"""Test whether a jump leaves the state on the surface: from the declaration, not from a rounded value of g."""
+"""What a jump keeps, told by its declaration and not by rounded values: the surface, or a conserved quantity."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from typing import Any
 
 from sympy import Basic, Expr, Symbol
 
+from core.symbolic.sliding import eliminated
 from core.symbolic.tape import Digits, Tape, digits
+from core.symbolic.zero_testing import is_zero
 
-__all__ = ["stays_on_surface"]
+__all__ = ["keeps", "stays_on_surface"]
 
 #: Decimal digits of the arithmetic.
 _DIGITS = 40
@@ -42,6 +44,11 @@ def stays_on_surface(g: Expr, x: Sequence[Symbol], jump: Sequence[Expr]) -> bool
     tape = Tape([after])
     found = [_is_zero(after, tape, point) for point in _points_on(g, x, after.free_symbols)]
     return bool(found) and all(found)
+
+
+def keeps(psi: Expr, g: Expr, x: Sequence[Symbol], jump: Sequence[Expr]) -> bool:
+    """Whether ψ(jump(t, x)) = ψ(t, x) wherever g(t, x) = 0; if g is not linear in any variable, everywhere."""
+    return is_zero(eliminated(psi.xreplace(dict(zip(x, jump, strict=True))) - psi, g, x))
 
 
 def _points_on(g: Expr, x: Sequence[Symbol], others: Set[Basic]) -> Iterator[Point]:

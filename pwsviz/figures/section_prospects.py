@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sympy
+
 import core
-from core.symbolic import TIME
+from core.symbolic import TIME, Way, keeps
 from pwsviz.geometry.section_crossings import has_reset
 
 __all__ = ["prospects", "reset_words"]
@@ -35,7 +37,16 @@ def _is_flow_in_the_plane(system: core.PiecewiseSystem) -> bool:
 
 
 def _conserves(system: core.PiecewiseSystem) -> bool:
-    """Whether each region has a conserved quantity that does not contain time, and no jump changes it."""
-    return not system.laws.jumps and all(
-        any(TIME not in psi.free_symbols for psi in mode.conserved) for mode in system.laws.regions
+    """Whether each region has a conserved quantity that does not contain time and that its reset maps keep."""
+    laws, values = system.laws, {symbol: sympy.Float(system.values[symbol.name]) for symbol in system.laws.p}
+
+    def kept(psi: sympy.Expr, way: Way) -> bool:
+        if way.jump is None:
+            return True
+        after = [u.subs(values) for u in way.jump]
+        return keeps(psi.subs(values), laws.surfaces[way.surface].subs(values), laws.x, after)
+
+    return all(
+        any(TIME not in psi.free_symbols and all(kept(psi, way) for way in ways) for psi in mode.conserved)
+        for mode, ways in zip(laws.regions, laws.ways, strict=True)
     )
