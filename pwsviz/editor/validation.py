@@ -18,7 +18,8 @@ from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.one_field import OneField, called_by_variables, where
 from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
 from pwsviz.editor.typeset import equation, rate, state_after
-from pwsviz.scene.scene import MAX_COORDINATE, can_use
+from pwsviz.scene.checks import MAX_COORDINATE
+from pwsviz.scene.scene import can_use
 from pwsviz.text.math_names import name_markup
 from pwsviz.text.mathml import markup
 from pwsviz.text.typed import Typed, rates, split

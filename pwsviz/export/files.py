@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pwsviz.export.columns import meanings
-from pwsviz.scene.scene import OWN, Scene
+from pwsviz.scene.checks import OWN
+from pwsviz.scene.scene import Scene
 
 __all__ = ["ROWS", "Table", "Tables", "csv_bytes", "file_name", "npz_bytes"]
 

@@ -24,7 +24,8 @@ from pwsviz.results.requests import (
 from pwsviz.results.sections import HORIZON, section_arguments
 from pwsviz.results.studies import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.results.sweeps import sweep_arguments
-from pwsviz.scene.scene import OWN, Scene
+from pwsviz.scene.checks import OWN
+from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 
 MAX_LINE = 100

@@ -7,7 +7,8 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from pwsviz.scene.scene import MAX_STARTS, Scene
+from pwsviz.scene.checks import MAX_STARTS
+from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text
 from pwsviz.widgets.panes import text_pane
 

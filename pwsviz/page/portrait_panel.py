@@ -19,7 +19,8 @@ from pwsviz.page.window_fields import Ends, WindowFields
 from pwsviz.results.orbits import Levels
 from pwsviz.results.requests import InitialValueProblem
 from pwsviz.results.results import Pictures, PortraitInputs, Results
-from pwsviz.scene.scene import Scene, Start
+from pwsviz.scene.checks import Start
+from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import window
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler

@@ -15,9 +15,10 @@ from pwsviz.figures.summaries import method_notes
 from pwsviz.geometry.projection import PLANE, Axes, planes
 from pwsviz.page.help import FIRST
 from pwsviz.page.initial_states import Trajectories
+from pwsviz.scene.checks import OWN
 from pwsviz.scene.names import LABELS, short_name
 from pwsviz.scene.presets import PRESETS
-from pwsviz.scene.scene import OWN, PERTURBATION_ORDERS, TOLERANCES, Scene
+from pwsviz.scene.scene import PERTURBATION_ORDERS, TOLERANCES, Scene
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import as_text
 from pwsviz.widgets.choices import Choices

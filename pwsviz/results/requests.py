@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import core
-from pwsviz.scene.scene import END_TIME, Scene, Start
+from pwsviz.scene.checks import Start
+from pwsviz.scene.scene import END_TIME, Scene
 from pwsviz.scene.sweeping import swept_coordinate, swept_direction, swept_parameter, swept_range
 
 STABILITY_END = 500.0

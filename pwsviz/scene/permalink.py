@@ -13,8 +13,9 @@ from typing import Any
 from urllib.parse import quote, unquote
 
 import core
+from pwsviz.scene.checks import MAX_STARTS, Start
 from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS, choice_name, short_name
-from pwsviz.scene.scene import MAX_STARTS, Scene, Start
+from pwsviz.scene.scene import Scene
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
 from pwsviz.scene.sweeping import COUNTS, SWEEP_SETTINGS
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps

@@ -1,12 +1,12 @@
 """The settings a user has chosen: no widgets, no arrays.
 
-Every setting is checked here. `Scene.accept` either applies a value or raises a ValueError whose text can be shown
-beside the field; a scene is therefore valid at all times.
+Every setting is checked (`checks`): `Scene.accept` either applies a value or raises a ValueError whose text can be
+shown beside the field. A scene is therefore valid at all times.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
@@ -16,6 +16,7 @@ import param
 import core
 from core.integrate import checked_method, checked_start
 from pwsviz.geometry.projection import PLANE
+from pwsviz.scene.checks import MAX_STARTS, OWN, Start, accepted_start, checked, checked_number
 from pwsviz.scene.names import (
     COST_ACROSS,
     COST_UP,
@@ -26,32 +27,10 @@ from pwsviz.scene.names import (
     SWEEP_CONTINUATIONS,
     SWEEP_DIRECTIONS,
     choice_name,
-    short_name,
 )
-from pwsviz.scene.sweeping import AFRESH, COUNTS, SWEEP_SETTINGS, checked
-from pwsviz.scene.validation import (
-    MAX_STEPS,
-    number,
-    one_of,
-    plane,
-    require_few_steps,
-    require_known,
-    surface_function,
-    switch,
-    whole,
-    whole_number,
-    window,
-)
+from pwsviz.scene.sweeping import AFRESH, COUNTS
+from pwsviz.scene.validation import MAX_STEPS, one_of, require_few_steps
 from pwsviz.scene.views import VIEWS
-
-MAX_COORDINATE = 1e6
-"""Largest |coordinate| of a start, and largest |value| of a parameter without bounds of its own."""
-
-MAX_STARTS = 12
-"""Trajectories in one portrait; each is integrated and drawn once for every integrator."""
-
-OWN = "own"
-"""Key of the system that the user typed."""
 
 TOLERANCES = (1e-15, 1e-3)
 """Least and greatest tolerance (error of a step relative to the state) of an integrator that chooses its own steps."""
@@ -65,12 +44,8 @@ END_TIMES = {"vibrating_table": 12.0, "type_upward": 40.0, "type_downward": 40.0
 PERTURBATION_ORDERS = (None, 1, 2, 3, 4, 6, 8, 15)
 """Offered orders p of the perturbation c·τᵖ of crossing times; None for no perturbation."""
 
-_TIMES = {"tau": "The step size", "t_end": "The end time"}
-
 _PLAIN_STUDIES: Mapping[str, Any] = {"stability_coordinate": 0, "section_of": "", "section_axes": None, **AFRESH}
 """What another system resets of the views: it has other variables."""
-
-Start = tuple[float, ...]
 
 
 class _ViewKey(param.Parameter):  # type: ignore[type-arg]
@@ -312,13 +287,13 @@ class Scene(param.Parameterized):
         """
         if len(self.starts) >= MAX_STARTS:
             raise ValueError(f"There are {MAX_STARTS} trajectories already: remove one first.")
-        added = self._checked_start(start)
+        added = accepted_start(self, start)
         self.param.update(starts=(*self.starts, added), selected=len(self.starts))
 
-    def move(self, index: int, start: Start) -> None:
+    def move(self, index: int, start: object) -> None:
         """Let one trajectory start elsewhere, and select it; ValueError where it cannot."""
         starts = list(self.starts)
-        starts[index] = self._checked_start(start)
+        starts[index] = accepted_start(self, start)
         self.param.update(starts=tuple(starts), selected=index)
 
     def remove(self, index: int) -> None:
@@ -349,38 +324,9 @@ class Scene(param.Parameterized):
         """
         name, _, part = field.partition(".")
         if name == "x0":
-            self.move(self.selected, self._checked_x0(part, value))
+            self.move(self.selected, self._with_coordinate(int(part), value) if part else value)
             return
-        checks: dict[str, Callable[[str, object], Any]] = {
-            **{key: partial(checked, self, key) for key in SWEEP_SETTINGS},
-            "tau": self._checked_tau,
-            "tolerance": lambda _, value: self._checked_number("The tolerance", "tolerance", value),
-            "t_end": self._checked_end,
-            "perturbation_scale": lambda _, value: self._checked_number("The factor", "perturbation_scale", value),
-            "methods": self._checked_methods,
-            "peers": self._checked_peers,
-            "starts": self._checked_starts,
-            "selected": self._checked_selected,
-            "axes": lambda _, value: plane(value, len(self.declaration.variables)),
-            "values": self._checked_values,
-            "locate": lambda _, value: switch(value),
-            "slide": lambda _, value: switch(value),
-            "order_all": lambda _, value: switch(value),
-            "stability_coordinate": self._checked_coordinate,
-            "section_of": self._checked_surface,
-            "sweep_of": self._checked_surface,
-            "section_axes": lambda _, value: None if value is None else plane(value, 1 + self.declaration.dimension),
-            "section_points": lambda _, value: self._checked_count("The number of points", "section_points", value),
-            "section_discard": lambda _, value: self._checked_count("The number left out", "section_discard", value),
-            "section_map": lambda _, value: switch(value),
-            "system": self._checked_system,
-            "view": lambda _, value: one_of(VIEWS, value, partial(choice_name, "view")),
-            "window": lambda _, value: window(value),
-        }
-        check = checks.get(name)
-        if check is None and not (name in self.param and isinstance(self.param[name], param.Selector)):
-            raise ValueError(f"“{name}” is not a setting of this page.")
-        self.param.update(**{name: check(part, value) if check else self._checked_choice(name, value)})
+        self.param.update(**{name: checked(self, name, part, value)})
 
     def accept_times(self, tau: object, t_end: object) -> None:
         """Apply step size and end time together: either one with the old value of the other may need too many steps.
@@ -396,80 +342,11 @@ class Scene(param.Parameterized):
 
     def checked_time(self, field: str, value: object) -> float:
         """Return ``"tau"`` or ``"t_end"`` checked by itself, not against the limit of steps; ValueError if refused."""
-        return number(value, _TIMES[field], *self.param[field].bounds)
+        return checked_number(self, field, "", value)
 
-    def _checked_tau(self, _: str, value: object) -> float:
-        tau = self.checked_time("tau", value)
-        require_few_steps(self.t_end, tau)
-        return tau
-
-    def _checked_number(self, subject: str, field: str, value: object) -> float:
-        return number(value, subject, *self.param[field].bounds)
-
-    def _checked_end(self, _: str, value: object) -> float:
-        t_end = self.checked_time("t_end", value)
-        require_few_steps(t_end, self.tau)
-        return t_end
-
-    def _checked_methods(self, _: str, value: object) -> list[str]:
-        if not isinstance(value, list) or not value:
-            raise ValueError("Choose at least one integrator.")
-        require_known(value, core.METHODS, "an integrator")
-        resting = set(self.methods) - set(self.offered)
-        return [name for name in core.METHODS if name in value or name in resting]
-
-    def _checked_peers(self, _: str, value: object) -> list[str]:
-        if not isinstance(value, list):
-            raise ValueError(f"“{value}” is not a list of integrators.")
-        require_known(value, EXTERNAL_SOLVERS, "an integrator to compare with")
-        return [name for name in EXTERNAL_SOLVERS if name in value]
-
-    def _checked_system(self, _: str, value: object) -> str:
-        if value == OWN and self.own is None:
-            raise ValueError("There is no system of your own yet: write one first.")
-        return str(self._checked_choice("system", value))
-
-    def _checked_choice(self, name: str, value: object) -> object:
-        return one_of(self.param[name].objects, value, partial(choice_name, name))
-
-    def _checked_x0(self, index: str, value: object) -> Start:
-        if not index:
-            return self._checked_start(value)
-        wanted: list[Any] = list(self.x0)
-        wanted[int(index)] = value
-        return self._checked_start(tuple(wanted))
-
-    def _checked_start(self, value: object) -> Start:
-        wanted = value if isinstance(value, tuple) else ()
-        names = self.declaration.variables
-        if len(wanted) != len(names):
-            raise ValueError(f"A start needs {len(names)} numbers: {', '.join(names)}.")
-        start = tuple(number(x, name, -MAX_COORDINATE, MAX_COORDINATE) for name, x in zip(names, wanted, strict=True))
-        return checked_start(self.build(), 0.0, start)
-
-    def _checked_starts(self, _: str, value: object) -> tuple[Start, ...]:
-        if not isinstance(value, tuple) or not 1 <= len(value) <= MAX_STARTS:
-            raise ValueError(f"From 1 to {MAX_STARTS} trajectories are possible.")
-        return tuple(self._checked_start(start) for start in value)
-
-    def _checked_selected(self, _: str, value: object) -> int:
-        return whole_number(value, "The number of the selected start", len(self.starts))
-
-    def _checked_coordinate(self, _: str, value: object) -> int:
-        return whole_number(value, "The number of a variable", len(self.declaration.variables))
-
-    def _checked_count(self, subject: str, field: str, value: object) -> int:
-        return whole(value, subject, *self.param[field].bounds)
-
-    def _checked_surface(self, _: str, value: object) -> str:
-        return surface_function(value, (*self.declaration.variables, *self.declaration.values))
-
-    def _checked_values(self, name: str, value: object) -> dict[str, float]:
-        parameters = {p.name: p for p in self.declaration.parameters}
-        if name not in parameters:
-            raise ValueError(f"“{name}” is not a parameter of this system; it has {', '.join(parameters) or 'none'}.")
-        low, high = parameters[name].bounds or (-MAX_COORDINATE, MAX_COORDINATE)
-        return {**self.values, name: number(value, short_name(parameters[name]), low, high)}
+    def _with_coordinate(self, index: int, value: object) -> tuple[object, ...]:
+        """Return the selected start with another coordinate, which need not be checked yet."""
+        return (*self.x0[:index], value, *self.x0[index + 1 :])
 
 
 def can_use(system: core.PiecewiseSystem, method: str) -> bool:

@@ -11,7 +11,8 @@ from pwsviz.figures.section import START_COLOURS, SectionView
 from pwsviz.figures.section_text import section_how, section_rows, section_text
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints, SectionPortion
-from pwsviz.scene.scene import MAX_STARTS, Scene
+from pwsviz.scene.checks import MAX_STARTS
+from pwsviz.scene.scene import Scene
 
 STARTS = ((0.0, 3.0, 0.0), (0.0, 1.0, 0.0))
 

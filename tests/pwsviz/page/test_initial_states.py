@@ -3,7 +3,8 @@
 import pytest
 
 from pwsviz.page.initial_states import Trajectories
-from pwsviz.scene.scene import MAX_STARTS, Scene
+from pwsviz.scene.checks import MAX_STARTS
+from pwsviz.scene.scene import Scene
 
 
 @pytest.fixture

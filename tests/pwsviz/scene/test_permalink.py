@@ -10,9 +10,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import core
+from pwsviz.scene.checks import MAX_STARTS, OWN
 from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS
 from pwsviz.scene.permalink import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt, query, read
-from pwsviz.scene.scene import MAX_STARTS, OWN, PERTURBATION_ORDERS, Scene
+from pwsviz.scene.scene import PERTURBATION_ORDERS, Scene
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 from pwsviz.scene.views import VIEWS
 from tests.pwsviz.own_systems import OWN_SYSTEMS

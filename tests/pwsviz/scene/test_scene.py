@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import core
+from pwsviz.scene.checks import MAX_STARTS
 from pwsviz.scene.names import short_name
-from pwsviz.scene.scene import MAX_STARTS, Scene
+from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS, number, require_few_steps
 from pwsviz.scene.views import VIEWS, View
 
