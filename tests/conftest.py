@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.browser.looking import PATIENCE
+
 _COMMON = {"database": None, "deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("fixed", derandomize=True, **_COMMON)
 settings.register_profile("drawn", print_blob=True, **_COMMON)  # for --hypothesis-profile, with --hypothesis-seed
@@ -97,6 +99,7 @@ def chromium():
         reason = "no chromium on the PATH: install the package of that name to run the browser tests"
         (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(reason)
     sync_api = pytest.importorskip("playwright.sync_api")
+    sync_api.expect.set_options(timeout=PATIENCE)
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
         yield browser

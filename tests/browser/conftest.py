@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser.looking import await_built
+from tests.browser.looking import PATIENCE, await_built
 
 ROOT = Path(__file__).parents[2]
 
@@ -77,7 +77,7 @@ def visit(window, address):
         page = window.new_page()
         pages.append(page)
         page.set_viewport_size({"width": width, "height": height})
-        page.set_default_timeout(20_000)
+        page.set_default_timeout(PATIENCE)
         page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
         page.on("request", lambda sent: None if _is_ours(sent.url) else complaints.append(sent.url))
         page.on("pageerror", lambda error: None if OF_BOKEH in str(error) else complaints.append(str(error)))

@@ -2,6 +2,12 @@
 
 import re
 
+PATIENCE = 60_000
+"""Milliseconds to wait for what comes in one or two on a quiet machine: tests run beside one another."""
+
+INTERVAL = 50
+"""Milliseconds between two looks."""
+
 COLOURS = """canvas => {
     const {width, height} = canvas
     const pixels = new Uint32Array(canvas.getContext("2d").getImageData(0, 0, width, height).data.buffer)
@@ -45,6 +51,13 @@ TIP = """() => [...document.querySelectorAll(".bk-Tooltip")].filter(tip => tip.g
 """Text and colours of what tells of the place under the pointer."""
 
 
+def moments(page):
+    """Yield again and again until patience ends, a moment apart."""
+    for _ in range(PATIENCE // INTERVAL):
+        yield
+        page.wait_for_timeout(INTERVAL)
+
+
 def canvas(page, figure):
     return page.get_by_role("img", name=re.compile(figure)).locator("canvas").first
 
@@ -53,10 +66,9 @@ def await_painted(page, figure, colours=30):
     """Wait until a figure has lines on it, told by the many shades that smooth lines bring."""
     drawing = canvas(page, figure)
     drawing.wait_for()
-    for _ in range(200):
+    for _ in moments(page):
         if drawing.evaluate(COLOURS) >= colours:
             return drawing
-        page.wait_for_timeout(50)
     raise AssertionError(f"{figure}: nothing was painted")
 
 
@@ -73,8 +85,7 @@ def picture(drawing):
 def settled_picture(page, drawing):
     """Wait until a picture stays as it is for a moment: its legend may come after its lines."""
     before, since = picture(drawing), 0
-    for _ in range(200):
-        page.wait_for_timeout(50)
+    for _ in moments(page):
         now = picture(drawing)
         before, since = now, since + 1 if now == before else 0
         if since == 12:
@@ -83,20 +94,18 @@ def settled_picture(page, drawing):
 
 
 def await_other_picture(page, drawing, before):
-    for _ in range(200):
+    for _ in moments(page):
         if picture(drawing) != before:
             return
-        page.wait_for_timeout(50)
     raise AssertionError("the picture did not change")
 
 
 def await_ground(page, drawing, is_wanted):
     """Wait until most of a figure has a colour that is wanted; its lines and legend may come later."""
-    for _ in range(200):
+    for _ in moments(page):
         ground = drawing.evaluate(GROUND)
         if is_wanted(ground):
             return ground
-        page.wait_for_timeout(50)
     raise AssertionError(f"most of the figure has the colour {ground:#010x}")
 
 

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from pwsviz.figures.style import BLUE, PURPLE
-from tests.browser.looking import await_built, await_painted
+from tests.browser.looking import await_built, await_painted, moments
 
 pytestmark = pytest.mark.browser
 
@@ -39,12 +39,11 @@ def covered(context, address):
     """A page of which no script is loaded."""
     page = context.new_page()
     page.route("**/*.js*", lambda route: route.abort())
-    for _ in range(100):
+    for _ in moments(page):
         page.goto(address, wait_until="commit")
         page.locator("#loader").wait_for(state="attached")
         if page.locator("#cover").count():
-            return page
-        page.wait_for_timeout(100)  # the server still draws it
+            return page  # else the server still draws it
     raise AssertionError("no cover")
 
 

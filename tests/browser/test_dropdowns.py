@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.looking import await_built, await_painted, type_into
+from tests.browser.looking import await_built, await_painted, moments, type_into
 
 pytestmark = pytest.mark.browser
 
@@ -15,10 +15,9 @@ SHOWN = "list => list.selectedOptions[0].text"
 def await_shown(page, name, entry):
     """Wait until a list shows an entry."""
     chosen = page.get_by_role("combobox", name=name)
-    for _ in range(100):
+    for _ in moments(page):
         if (shown := chosen.evaluate(SHOWN)) == entry:
             return
-        page.wait_for_timeout(50)
     raise AssertionError(f"{name} shows {shown}, not {entry}")
 
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from pwsviz.text.numbers import printed
-from tests.browser.looking import await_built, field
+from tests.browser.looking import await_built, field, moments
 from tests.levels import deep_but
 
 pytestmark = pytest.mark.browser
@@ -47,11 +47,10 @@ CONSERVED = f"""() => {{
 
 def await_that(page, what, true=bool):
     """Wait until a look at a figure satisfies a condition, and return it."""
-    for _ in range(200):
+    for _ in moments(page):
         seen = page.evaluate(what)
         if seen is not None and true(seen):
             return seen
-        page.wait_for_timeout(50)
     raise AssertionError(f"it never came true; last seen: {seen}")
 
 

@@ -31,7 +31,7 @@ CELLS = f"""() => {{
 
 def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_cheapest(visit):
     page = visit(query="v=1&view=cost&methods=dmm2,rk2")
-    page.get_by_role("row", name=re.compile("^10⁻³")).wait_for(timeout=60_000)
+    page.get_by_role("row", name=re.compile("^10⁻³")).wait_for()
     page.get_by_text(re.compile("compared with", re.IGNORECASE)).locator("visible=true").first.wait_for()
     points = await_that(page, POINTS, lambda seen: any(WRONG.search(one["status"]) for one in seen))
     wrong = [one for one in points if WRONG.search(one["status"])]
@@ -71,16 +71,16 @@ def test_a_reference_that_gives_up_has_a_colour_of_its_own(visit):
 def test_near_grazing_takes_the_step_size_of_the_page(visit):
     page = visit(query="v=1&view=stability&stability_part=grazing&methods=rk2&t_end=2.0&tau=0.005")
     words = page.get_by_text(re.compile("Started at .* touches the surface")).locator("visible=true").first
-    words.wait_for(timeout=60_000)
+    words.wait_for()
     assert re.search(r"τ = 0\.005\b", words.inner_text())
 
 
 def test_a_click_on_the_map_goes_there(visit):
     page = visit(query="v=1&view=stability&methods=rk2&t_end=2.0&tau=0.005")
-    page.get_by_text(re.compile("Map of rk2, 625 runs$")).wait_for(timeout=60_000)
+    page.get_by_text(re.compile("Map of rk2, 625 runs$")).wait_for()
     await_built(page)
     settled_picture(page, canvas(page, "outcome of runs"))  # its legend may grow once more, and move it
     left, top, width, height = await_that(page, CELLS)["frame"]
     page.mouse.click(left + 0.25 * width, top + 0.5 * height)
-    page.wait_for_function("() => /tau=0.00[0-4]/.test(location.href)", timeout=60_000)
+    page.wait_for_function("() => /tau=0.00[0-4]/.test(location.href)")
     assert float(field(page, "Step size τ").input_value()) < 0.005

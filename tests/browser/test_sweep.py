@@ -18,7 +18,7 @@ LOOK = f"""() => {{
 
 def whole(page, pattern):
     """Wait until the words beside the diagram say that it is whole, and return what is seen of it."""
-    page.get_by_text(re.compile(pattern)).locator("visible=true").first.wait_for(timeout=60_000)
+    page.get_by_text(re.compile(pattern)).locator("visible=true").first.wait_for()
     settled_picture(page, canvas(page, "Bifurcation"))
     return await_that(page, LOOK)
 

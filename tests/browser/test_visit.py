@@ -62,7 +62,7 @@ def test_a_system_is_typed_checked_and_used(visit):
     page.get_by_text("This system is ready.").wait_for()
     page.get_by_role("button", name="Use this system").click()
     page.wait_for_url(re.compile("own="))
-    page.get_by_text(re.compile("21 crossings")).first.wait_for(timeout=60_000)
+    page.get_by_text(re.compile("21 crossings")).first.wait_for()
 
 
 @pytest.mark.deep
@@ -135,4 +135,4 @@ def test_a_system_comes_with_its_own_end_time_whatever_came_before(visit):
     systems = page.get_by_role("combobox", name="System")
     for name, end in (("Crossing upward", "40.0"), ("Pendulum", "20.0")):
         systems.select_option(name)
-        sync_api.expect(field(page, "End time")).to_have_value(end, timeout=20_000)
+        sync_api.expect(field(page, "End time")).to_have_value(end)
