@@ -222,10 +222,18 @@ class LongTab(Tab):
         self.progress.stop()
 
 
-def about_crossings(scene: Scene) -> str:
-    """Say what a study does at crossings if that is unusual, or other than on the page."""
+def about_crossings(scene: Scene, locates: bool = False) -> str:
+    """Say what a view does at crossings if that is unusual, or other than on the page.
+
+    Parameters
+    ----------
+    locates
+        Whether it locates crossings even where the runs of the page do not.
+    """
+    if not scene.locate and locates:
+        return "Crossings are located here, although the runs of the page step over the surface."
     if not scene.locate:
         return "The integrators step over the surface, as on the page: crossings are not located."
     if scene.perturbation_order is not None:
-        return "This study never perturbs crossing times, although the runs of the page do."
+        return "Crossing times are not perturbed here, although those of the page are."
     return ""

@@ -20,7 +20,7 @@ from pwsviz.geometry.section_state import state_at
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints, SectionPortion
 from pwsviz.scene.names import LABELS, SECTION_DIRECTIONS, readable
-from pwsviz.tabs.base import LongTab
+from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.typed import as_typed
 from pwsviz.text.words import as_text, complaint, listed
@@ -163,7 +163,7 @@ class SectionTab(LongTab):
         self.view.show(outcome, self.plane, self.scene.section_map)
         if outcome.inputs.starts != self._placed:
             self.note.object = as_text(self._hint(), "about")
-        return f"{section_text(outcome)} {self._about_crossings()}".strip()
+        return f"{section_text(outcome)} {about_crossings(self.scene, locates=True)}".strip()
 
     def _hint(self) -> str:
         system = self.scene.declaration
@@ -172,14 +172,6 @@ class SectionTab(LongTab):
         turns = [coordinate_names(system)[k] for k in self.plane if k in angles(system)]
         note = f" Full turns of {listed(turns)} are left out." if turns else ""
         return f"A click starts a trajectory there. A number marks the first point of each start.{note}"
-
-    def _about_crossings(self) -> str:
-        """Say what is other than in the portrait."""
-        if not self.scene.locate:
-            return "Crossings are located here, although the runs of the page step over the surface."
-        if self.scene.perturbation_order is not None:
-            return "Crossing times are not perturbed here, although those of the page are."
-        return ""
 
     def table(self) -> Table | None:
         """Return a row for each point."""

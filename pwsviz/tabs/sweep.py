@@ -17,9 +17,8 @@ from pwsviz.figures.sweep_text import parameter_name, sweep_how, sweep_numbers, 
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import Diagram
-from pwsviz.scene.scene import Scene
 from pwsviz.scene.sweeping import swept_parameter, swept_range
-from pwsviz.tabs.base import LongTab
+from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tabs.sweep_controls import SweepControls
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
@@ -70,7 +69,7 @@ class SweepTab(LongTab):
         self.view.show(outcome)
         self.view.mark(present, parameter_name(outcome.inputs))
         self._place.visible = bool(outcome.counts.any())
-        return f"{sweep_text(outcome, present)} {_about_crossings(self.scene)}".strip()
+        return f"{sweep_text(outcome, present)} {about_crossings(self.scene, locates=True)}".strip()
 
     def numbers(self, outcome: Diagram) -> Sequence[Numbers]:
         """Return how many values end early, and where."""
@@ -125,12 +124,3 @@ class SweepTab(LongTab):
 def _rounded(value: float, width: float) -> float:
     """Return a value with the digits that a picture of a width resolves."""
     return round(value, -math.floor(math.log10(width / RESOLUTION)))
-
-
-def _about_crossings(scene: Scene) -> str:
-    """Say what this view does at crossings if the runs of the page do something else."""
-    if not scene.locate:
-        return "Crossings are located here, although the runs of the page step over the surface."
-    if scene.perturbation_order is not None:
-        return "This view never perturbs crossing times, although the runs of the page do."
-    return ""
