@@ -77,7 +77,15 @@ ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
          color: var(--mui-palette-text-secondary); }
 footer a { color: inherit; }
+@media (width >= 1150px) { .about { display: none; } }
 """
+
+TAGLINE_CSS = """
+p { font-size: 0.8125rem; line-height: 1.3; max-width: 64ch; margin: 0 0 0 12px;
+    color: var(--mui-palette-text-secondary); }
+@media (width < 1150px) { p { display: none; } }
+"""
+"""What the page is, in its header; where that has no room, in the footer."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
 
@@ -343,13 +351,15 @@ class Explorer(pn.viewable.Viewer):
         export.on_click(lambda _: self.export.open(self._page_address()))
         ask = pmui.IconButton(icon="help_outline", description="Help (?)", size="small", margin=4)
         ask.on_click(lambda _: self.help.open())
-        return [undo, redo, export, ask]
+        tagline = markup_pane(TAGLINE_CSS)
+        tagline.object = f"<p>{escape(ABOUT)}</p>"
+        return [undo, redo, export, ask, tagline]
 
     @staticmethod
     def _about() -> pn.pane.HTML:
         """Return what the page is, for whom, and where its method comes from."""
         pane = markup_pane(ABOUT_CSS)
-        pane.object = f"<footer><p>{escape(ABOUT)}</p><p>Method: {CITATION}</p></footer>"
+        pane.object = f'<footer><p class="about">{escape(ABOUT)}</p><p>Method: {CITATION}</p></footer>'
         return pane
 
     @staticmethod
