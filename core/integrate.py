@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.integration.events import NOTHING, Event, Watched, checked_events
-from core.integration.hits import no_crossings
-from core.integration.outcome import ending_of
+from core.integration.finished import trajectory_of
 from core.integration.recording import Sampler
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
@@ -153,19 +152,19 @@ def integrate(
     runner = Runner(system, chosen, t0, start, settings, columns)
     sampler = None if times is None or not times.size else Sampler(runner, chosen, times)
     record_steps = sampler is not None or (times is None and record == "steps")
-    runner.advance(t1, record_steps, record != "end", _after_each_call(runner, t0, t1, sampler, progress))
+    told = None if sampler is None and progress is None else _after_each_call(runner, t0, t1, sampler, progress)
+    runner.advance(t1, record_steps, record != "end", told)
     if sampler is not None:
         sampler.take(final=True)
-    run = _wrap(runner, chosen, t0, start, record, sampler)
-    return run if times is None else replace(run, record="t_eval")
+    run = trajectory_of(runner, record if times is None else "t_eval", record != "end", sampler, _warning)
+    runner.release()
+    return run
 
 
 def _after_each_call(
     runner: Runner, t0: float, t1: float, sampler: Sampler | None, progress: Callable[[float], object] | None
-) -> Callable[[], None] | None:
-    """Function to call whenever the loop returns; None if there is nothing to do."""
-    if sampler is None and progress is None:
-        return None
+) -> Callable[[], None]:
+    """Function to call whenever the loop returns."""
 
     def after() -> None:
         if sampler is not None:
@@ -200,11 +199,11 @@ def checked_method(system: PiecewiseSystem, name: str | Method) -> Method:
 
 def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple[float, ...]:
     """Return the initial state; ValueError if no run can start there."""
-    start = system.x0 if x0 is None else system.check_state(x0)
-    laws, count, d = system.laws, len(system.laws.surfaces), system.dimension
+    start, laws = system.x0 if x0 is None else system.check_state(x0), system.laws
     values = laws.numbers("start", laws.at_start, t0, start, system.parameter_array)
     if laws.two_sided and values[0] != 0.0 and math.isfinite(sum(values)):
         return start  # inside a region, and all is finite
+    count, d = len(laws.surfaces), system.dimension
     heights, gradients, rest = values[:count], values[count : count * (1 + d)], values[count * (1 + d) :]
     word = "g" if laws.two_sided else "a switching function"
     if not all(map(math.isfinite, heights)):
@@ -318,67 +317,8 @@ def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
     return number(t0, "start time"), number(t1, "end time")
 
 
-def _wrap(
-    runner: Runner, method: Method, t0: float, x0: tuple[float, ...], record: str, sampler: Sampler | None
-) -> Trajectory:
-    """The trajectory: rows from the loop, or samples, and always the first and the last state."""
-    rows = runner.rows if sampler is None else sampler.rows
-    t = _with_ends(t0, rows.t, runner.t)
-    x = _with_ends(x0, rows.x, runner.x.tolist())
-    mode = _with_ends(runner.first_mode, rows.mode, runner.mode)
-    # Drop the last state where it was recorded already, or where the run has neither moved nor changed its mode.
-    segment = _with_ends(0, rows.segment, runner.segment if sampler is not None or record != "end" else 1)
-    if t[-1] == t[-2] and (x[-1] == x[-2]).all() and mode[-1] == mode[-2]:
-        t, x, mode, segment = t[:-1], x[:-1], mode[:-1], segment[:-1]
-    if record == "end":
-        crossings = no_crossings(runner.system.laws)
-        last = runner.entry()
-        if sampler is None:
-            entered_t, entered_x = np.array((t0, last[0])), np.array((x0, last[1].tolist()))
-        else:
-            known = [(0, t0, np.array(x0)), *sampler.entered, (runner.segment, *last)]
-            segment, entered_t, entered_x = _entered(segment, known)
-    else:
-        crossings = runner.crossings()
-        entered_t = np.concatenate([[t0], crossings.t])
-        entered_x = np.concatenate([[x0], crossings.x_after])
-    tau = runner.longest if method.adaptive else runner.settings.tau
-    return Trajectory.of_fields(
-        system=runner.system, method=method.name, tau=tau, t=t, x=x, mode=mode, segment=segment, entered_t=entered_t,
-        entered_x=entered_x, crossings=crossings, crossing_count=runner.crossing_count, status=runner.status,
-        ending=ending_of(runner), steps=runner.steps, evaluations=runner.evaluations, seconds=runner.seconds,
-        envelope=_envelope(runner), warn=_warning, record=record,
-        tolerance=runner.settings.tolerance if method.adaptive else math.nan, samples=runner.samples,
-        slides=runner.settings.slides, events=runner.log.events(),
-    )  # fmt: skip
-
-
 def _warning(run: Trajectory) -> str:
     """Return what `diagnostics` warns of; it is loaded when a message is first read."""
     from core.diagnostics import step_warning
 
     return step_warning(run)
-
-
-def _entered(segment: Any, known: list[tuple[int, float, Floats]]) -> tuple[Any, Floats, Floats]:
-    """Renumber the segments in which rows lie, and return when and where each was entered."""
-    numbers = {k: (t, x) for k, t, x in known}
-    order = {k: place for place, k in enumerate(numbers)}
-    fresh = np.array([order[k] for k in segment.tolist()])
-    return fresh, np.array([t for t, _ in numbers.values()]), np.array([x for _, x in numbers.values()])
-
-
-def _with_ends(first: Any, parts: list[Any], last: Any) -> Any:
-    """The recorded parts, between the first and the last value."""
-    if not parts:
-        return np.array((first, last))
-    return np.concatenate([np.asarray(first)[None], *parts, np.asarray(last)[None]])
-
-
-def _envelope(runner: Runner) -> Floats | None:
-    """Least and greatest errors of ψ kept by the loop; nan in parts of the time in which no step ended."""
-    if not len(runner.envelope):
-        return None
-    kept = runner.envelope.copy()
-    kept[~np.isfinite(kept)] = np.nan
-    return kept

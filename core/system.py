@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -13,7 +12,7 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
-from core.interface.arguments import listed, number
+from core.interface.arguments import listed, number, plain_numbers
 from core.kernels.arrays import Floats
 from core.symbolic.declaration import Declaration, RegionText, TransitionText, accepted, miscounted
 from core.symbolic.laws import Laws
@@ -347,8 +346,8 @@ class PiecewiseSystem:
         x
             d numbers, or a mapping from the name of every variable to its number.
         """
-        if type(x) is tuple and len(x) == self.dimension and all(type(v) is float and math.isfinite(v) for v in x):
-            return x
+        if (plain := plain_numbers(x, len(self.variables))) is not None:
+            return plain
         names = ", ".join(self.variables)
         if isinstance(x, Mapping):
             wrong = [f"{v!r} is missing" for v in self.variables if v not in x]

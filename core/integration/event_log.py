@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.codegen.taylor_series import series_rows
-from core.integration.events import Events, Watched, events_of
+from core.integration.events import NOTHING, Events, Watched, events_of
+from core.integration.recorded import Chunk
 from core.kernels.arrays import Floats
 from core.kernels.taylor_coefficients import STRIDE
 from core.methods import Method
 from core.symbolic.laws import Laws
 from core.transition.records import EVENT, HIT
 
-__all__ = ["EventArrays", "EventLog"]
+__all__ = ["EventArrays", "EventLog", "log_of"]
 
 #: Events that one call of the loop can write.
 _ROOM = 4096
@@ -33,11 +34,9 @@ class EventArrays(NamedTuple):
     series: Floats
 
 
-_NONE = EventArrays(
+_NOWHERE = EventArrays(
     np.empty(0, dtype=EVENT), np.empty(0, dtype=HIT), np.empty((0, 1, 0)), np.empty(0), np.empty((1, 1))
 )
-#: The events of a run that looks for none.
-_NO_EVENTS = Events()
 
 
 class EventLog:
@@ -51,15 +50,9 @@ class EventLog:
         What the loop works with.
     """
 
-    def __init__(self, watched: Watched, laws: Laws, method: Method, frame: Floats, room: int = _ROOM) -> None:
-        self.watched, self.arrays = watched, _NONE
-        self._chunks: list[tuple[NDArray[Any], Floats]] = []
-        if watched.functions:
-            rows = series_rows(laws, watched.functions) if method.adaptive else 1
-            self.arrays = EventArrays(
-                watched.table(), np.empty(room, dtype=HIT), np.empty((room, 1, len(laws.x))), frame.copy(),
-                np.empty((rows, STRIDE)),
-            )  # fmt: skip
+    def __init__(self, watched: Watched = NOTHING, arrays: EventArrays = _NOWHERE) -> None:
+        self.watched, self.arrays = watched, arrays
+        self._chunks: list[Chunk] = []
 
     @property
     def records(self) -> int:
@@ -79,10 +72,9 @@ class EventLog:
 
     def collect(self, count: int) -> None:
         """Keep the events that the loop has written."""
-        if count:
-            self._chunks.append((self.arrays.found[:count].copy(), self.arrays.found_x[:count].copy()))
+        self._chunks.append((self.arrays.found[:count].copy(), self.arrays.found_x[:count].copy()))
 
-    def kept(self) -> tuple[NDArray[Any], Floats]:
+    def kept(self) -> Chunk:
         """(k,) of `records.HIT`, and states (k, 1, d)."""
         d = self.arrays.found_x.shape[2]
         found = [np.empty(0, dtype=HIT), *(found for found, _ in self._chunks)]
@@ -118,3 +110,16 @@ class EventLog:
         other._chunks = list(self._chunks)
         other.arrays = EventArrays(*(a.copy() for a in self.arrays))
         return other
+
+
+#: The log of a run that looks for none, and what it says.
+_NO_LOG, _NO_EVENTS = EventLog(), Events()
+
+
+def log_of(watched: Watched, laws: Laws, method: Method, frame: Floats, room: int = _ROOM) -> EventLog:
+    """Make the log of a run that has not begun."""
+    if not watched.functions:
+        return _NO_LOG
+    rows = series_rows(laws, watched.functions) if method.adaptive else 1
+    found, x = np.empty(room, dtype=HIT), np.empty((room, 1, len(laws.x)))
+    return EventLog(watched, EventArrays(watched.table(), found, x, frame.copy(), np.empty((rows, STRIDE))))

@@ -186,10 +186,11 @@ class _Run:
         members = self.members
         runner = Runner(members.one(0), members.method, members.t_span[0], tuple(members.x[0].tolist()), self.settings)
         blank = runner.blank(members.t_span[1])
+        memory = blank.memory
         return compiled_members()(
-            compiled_march(), blank.functions, blank.guards, blank.record, blank.frame, members.system.dimension,
-            blank.coefficients, blank.nodes, blank.pieces, blank.record.copy(), blank.frame.copy(), self.rows,
-            self.rows_x, self.hits, self.places, blank.envelope, blank.samples, *blank.events, blank.budget,
+            compiled_march(), blank.functions, blank.guards, memory.run, memory.w, members.system.dimension,
+            memory.coefficients, memory.nodes, memory.pieces, memory.run.copy(), memory.w.copy(), self.rows,
+            self.rows_x, self.hits, self.places, blank.envelope, memory.samples, *blank.events, blank.budget,
             self.settings.max_steps, self.first_rows, members.places.guards, members.p, members.x, self.ends, self.x,
             self.wanted, self.kept, self.kept_places, self.counters, members.told.flag,
         )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.integration.failure import Growth, ends_beyond, growth_of
 from core.integration.growth_loop import GROWTH
-from core.kernels.arrays import Floats
+from core.integration.recorded import Point
 from core.symbolic.source_text import to_text
 from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
@@ -19,7 +19,7 @@ from core.transition.status import Status
 if TYPE_CHECKING:
     from core.integration.runner import Runner
 
-__all__ = ["Ending", "cause_of_failure", "ending_of", "outcome", "reason"]
+__all__ = ["Cause", "Ending", "cause_of", "cause_of_failure", "ending_of", "outcome", "reason"]
 
 #: A pole is searched beyond the end of the run by this part of the time since the mode was entered.
 _MARGIN = 0.1
@@ -49,7 +49,8 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     name = system.laws.name(runner.mode)
     grown = runner.status is Status.ESCAPED or float(np.abs(here).max()) > GROWTH * size > 0.0
     if grown:
-        (t, x), beyond = runner.entry(), _MARGIN * (runner.t - runner.entry()[0])
+        entry = runner.entry
+        t, x, beyond = entry.t, np.array(entry.x), _MARGIN * (runner.t - entry.t)
         end = runner.t + max(beyond, step, key=abs)
     else:
         t, x, end = runner.t, here, runner.t + _AHEAD * step
@@ -63,6 +64,27 @@ def cause_of_failure(runner: Runner) -> tuple[Status, Growth | None]:
     return Status.ESCAPED, growth if runner.status is Status.ESCAPED else None
 
 
+class Cause(NamedTuple):
+    """Why a run ended, besides its status."""
+
+    step: float = math.nan
+    """Signed length of a step; of a variable-step method, of its longest."""
+    growth: Growth | None = None
+    """How the solution grows where the run has failed, if that could be told."""
+    why_cornered: str = ""
+    """Why the laws do not tell how to go on from the last corner; empty if they do."""
+    singular: str = ""
+    """The expression whose zero lies in the step that failed, as a clause; empty if there is none."""
+    event: str = ""
+    """The event function whose zero ended the run; empty if none did."""
+    remarks: tuple[str, ...] = ()
+    """What is to be said of the event functions, a sentence each."""
+
+
+#: Of a run that has reached its end time, and has nothing to remark.
+_AS_ASKED = Cause()
+
+
 class Ending(NamedTuple):
     """How a run ended."""
 
@@ -70,36 +92,27 @@ class Ending(NamedTuple):
     adaptive: bool
     """Whether the method chooses its steps."""
     status: Status
-    t: float
-    x: Floats
-    """(d,) last state."""
-    mode: int
-    step: float
-    """Signed length of a step; of a variable-step method, of its longest."""
-    growth: Growth | None
-    """How the solution grows where the run has failed, if that could be told."""
-    why_cornered: str
-    """Why the laws do not tell how to go on from the last corner; empty if they do."""
-    singular: str
-    """The expression whose zero lies in the step that failed, as a clause; empty if there is none."""
-    event: str
-    """The event function whose zero ended the run; empty if none did."""
-    remarks: tuple[str, ...]
-    """What is to be said of the event functions, a sentence each."""
+    last: Point
+    cause: Cause
 
     @property
     def slides(self) -> bool:
         """Whether the run slides along a surface."""
-        return self.mode >= len(self.system.laws.regions)
+        return self.last.mode >= len(self.system.laws.regions)
 
 
 def ending_of(runner: Runner) -> Ending:
     """How a run has ended."""
-    return Ending(
-        runner.system, runner.method.adaptive, runner.status, runner.t, runner.x, runner.mode, _step_length(runner),
-        runner.growth, runner.why_cornered, _singular(runner), runner.log.last if runner.status is Status.EVENT else "",
-        runner.log.remarks(),
-    )  # fmt: skip
+    return Ending(runner.system, runner.method.adaptive, runner.status, runner.last, cause_of(runner))
+
+
+def cause_of(runner: Runner) -> Cause:
+    """Why a run has ended."""
+    remarks = runner.log.remarks()
+    if runner.status is Status.COMPLETED and not remarks:
+        return _AS_ASKED
+    event = runner.log.last if runner.status is Status.EVENT else ""
+    return Cause(_step_length(runner), runner.growth, runner.why_cornered, _singular(runner), event, remarks)
 
 
 def _singular(runner: Runner) -> str:
@@ -112,35 +125,35 @@ def _singular(runner: Runner) -> str:
 
 def outcome(end: Ending) -> str:
     """Where a run ended, why, and what to do about it."""
-    status = end.status
-    where, remarks = f"t = {end.t:.12g}", " ".join(end.remarks)
+    status, last = end.status, end.last
+    where, remarks = f"t = {last.t:.12g}", " ".join(end.cause.remarks)
     if status is Status.COMPLETED:
         return f"{where}: {status.reason}. {remarks}".strip()
-    places = zip(end.system.variables, end.x, strict=True)
+    places = zip(end.system.variables, last.x, strict=True)
     where += ", " + ", ".join(f"{name} = {v:.6g}" for name, v in places)
     return " ".join(filter(None, (f"{where}: {reason(end)}.", _advice(end), remarks)))
 
 
 def reason(end: Ending) -> str:
     """Why a run ended."""
-    if end.status is Status.ESCAPED and end.growth is Growth.LARGE:
+    if end.status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return f"the numerical solution grows beyond {BOUND:.0e}, up to which a run takes its numbers".replace("+", "")
     if end.status is Status.CORNER:
-        return f"{end.status.reason}, and {end.why_cornered}"
+        return f"{end.status.reason}, and {end.cause.why_cornered}"
     if end.status is Status.EVENT:
-        return f"the event {end.event!r} took place, which ends the run"
-    if end.singular:
-        return f"{end.status.reason}: {end.singular}"
+        return f"the event {end.cause.event!r} took place, which ends the run"
+    if end.cause.singular:
+        return f"{end.status.reason}: {end.cause.singular}"
     return end.status.reason_while_sliding if end.slides else end.status.reason
 
 
 def _advice(end: Ending) -> str:
     """What to do; where a field is not defined ahead, to write it differently."""
-    status, laws = end.status, end.system.laws
-    if status is Status.NO_CONVERGENCE and end.mode != NO_MODE and not end.slides:
-        name = laws.name(end.mode)
-        if ends_beyond(end.system, name, end.t, end.x, end.step):
-            field = ("f_minus", "f_plus")[end.mode] if laws.two_sided else f"the field of region {name!r}"
+    status, last, laws = end.status, end.last, end.system.laws
+    if status is Status.NO_CONVERGENCE and last.mode != NO_MODE and not end.slides:
+        name = laws.name(last.mode)
+        if ends_beyond(end.system, name, last.t, np.array(last.x), end.cause.step):
+            field = ("f_minus", "f_plus")[last.mode] if laws.two_sided else f"the field of region {name!r}"
             return (
                 f"{field} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
                 "there too: (u**2)**0.75 for u**1.5."
@@ -148,7 +161,7 @@ def _advice(end: Ending) -> str:
     if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_mode(end)):
         ends = f"The field is not bounded where {zeros} vanishes: a solution that comes there ends."
         return f"{ends} {_plain_advice(end)}"
-    if status is Status.ESCAPED and end.growth is Growth.LARGE:
+    if status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return "The exact one grows, too, without a pole: end the run before."
     if status is Status.SLIDING and laws.jumps:
         return "A system with a jump does not slide here: continue it with another system."
@@ -163,7 +176,7 @@ def _plain_advice(end: Ending) -> str:
 
 def _zeros_of_mode(end: Ending) -> str:
     """The expressions at whose zeros the field of the mode is not bounded."""
-    found = () if end.mode == NO_MODE else end.system.laws.mode(end.mode).singularities
+    found = () if end.last.mode == NO_MODE else end.system.laws.mode(end.last.mode).singularities
     return " or ".join(to_text(singularity.zero) for singularity in found)
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from core.integration.dense_output import Stepper, Track
-from core.integration.run_record import Rows
+from core.integration.recorded import Chunk, Entry
 from core.integration.runner import Runner
 from core.integration.trajectory import Status
 from core.kernels.arrays import Floats
 from core.methods import Method
-from core.transition.records import NO_MODE
+from core.transition.records import NO_MODE, ROW
 
 __all__ = ["Sampler"]
 
@@ -30,7 +30,7 @@ class Sampler:
     rows
         States at the given times that the run has passed.
     entered
-        Number of each segment in which one of them lies, with the time and state at which it was entered.
+        The segments in which these lie.
     """
 
     def __init__(self, runner: Runner, method: Method, times: Floats) -> None:
@@ -38,8 +38,8 @@ class Sampler:
         self._stepper = Stepper(runner.system, method, runner.settings.tolerance)
         self._crossings = 0
         self._track = _point(runner.t, runner.x, NO_MODE, 0)
-        self.rows = Rows([], [], [], [])
-        self.entered: list[tuple[int, float, Floats]] = []
+        self.rows: list[Chunk] = []
+        self.entered: list[Entry] = []
 
     def take(self, final: bool = False) -> None:
         """Evaluate the states at times that the loop has passed; if `final`, also those up to where it stopped."""
@@ -59,14 +59,14 @@ class Sampler:
         if known.mode[0] == NO_MODE:
             first = np.array([runner.first_mode])
             known = known._replace(mode=first, entered_mode=first)
-        rows, runner.rows = runner.rows, Rows([], [], [], [])
+        written, runner.rows = runner.rows, []
         new = runner.latest(runner.crossing_count - self._crossings)
         self._crossings = runner.crossing_count
         return Track(
-            np.concatenate([known.t, *rows.t]),
-            np.concatenate([known.x, *rows.x]),
-            np.concatenate([known.mode, *rows.mode]),
-            np.concatenate([known.segment, *rows.segment]),
+            np.concatenate([known.t, *(rows["t"] for rows, _ in written)]),
+            np.concatenate([known.x, *(x for _, x in written)]),
+            np.concatenate([known.mode, *(rows["mode"] for rows, _ in written)]),
+            np.concatenate([known.segment, *(rows["segment"] for rows, _ in written)]),
             np.concatenate([known.entered_t, new.t]),
             np.concatenate([known.entered_x, new.x_after]),
             np.concatenate([known.entered_mode, new.mode]),
@@ -75,15 +75,14 @@ class Sampler:
 
     def _put(self, track: Track, times: Floats) -> None:
         found = self._stepper.find(track, times)
-        n, rows = found.solved, self.rows
-        rows.t.append(times[:n])
-        rows.x.append(found.x[:n])
-        rows.mode.append(found.mode[:n])
-        rows.segment.append(found.segment[:n])
+        n = found.solved
+        rows = np.empty(n, dtype=ROW)
+        rows["t"], rows["mode"], rows["segment"] = times[:n], found.mode[:n], found.segment[:n]
+        self.rows.append((rows, found.x[:n]))
         for k in np.unique(found.segment[:n]).tolist():
-            if not self.entered or self.entered[-1][0] != k:
+            if not self.entered or self.entered[-1].segment != k:
                 entry = k - track.first
-                self.entered.append((k, float(track.entered_t[entry]), track.entered_x[entry]))
+                self.entered.append(Entry(k, float(track.entered_t[entry]), tuple(track.entered_x[entry].tolist())))
         self._done += n
         if n < len(times):
             self._runner.status = Status.NO_CONVERGENCE

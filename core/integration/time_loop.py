@@ -26,6 +26,7 @@ from core.transition.plain_steps import accept_plain_step
 from core.transition.records import EVENT, GUARD, HIT, NO_MODE, ROW, RUN
 from core.transition.status import Status
 from core.transition.surface import Log, guards_contradict, widen_envelope
+from core.transition.switching import start_clocks
 
 __all__ = ["compiled_march", "march_signature"]
 
@@ -141,6 +142,7 @@ def compiled_march() -> Callable[..., int]:
         watch = by_reference(Watch(records, events, found, found_x, series, guards.size))
         run.rows = run.hits = run.found = 0
         if run.mode == NO_MODE:
+            start_clocks(run, w)
             status = enter_first_mode(context)
             if status != RUNNING:
                 return status

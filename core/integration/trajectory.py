@@ -15,7 +15,8 @@ from core.integration.conserved_error import level_residual_along, psi_size, wit
 from core.integration.crossings import Crossings, Integers, side_columns, with_columns
 from core.integration.dense_output import Stepper, Track
 from core.integration.events import Events
-from core.integration.outcome import Ending, outcome
+from core.integration.outcome import Cause, Ending, outcome
+from core.integration.recorded import Entry, Once, Point, States, distinct
 from core.integration.tally import Tally, kinds_of
 from core.interface.arguments import numbers
 from core.kernels.arrays import Floats
@@ -42,31 +43,23 @@ class Trajectory:
     method: str
     tau: float
     """Step size; of a method that chooses its own, the longest it took."""
-    t: Floats
-    """(n,) times recorded; the first and the last state are always among them."""
-    x: Floats
-    """(n, d) states."""
-    mode: Integers
-    """(n,) index into `PiecewiseSystem.modes` of the mode occupied (−1 if the run started on the surface and could not
-    leave it)."""
-    segment: Integers
-    """(n,) index, into `entered_t`, of the segment between crossings in which each row lies."""
-    entered_t: Floats
-    """(s,) times at which segments were entered: the start, then every crossing (with ``record="end"`` the last)."""
-    entered_x: Floats
-    """(s, d) the states there."""
-    crossings: Crossings
     crossing_count: int
     """Number of crossings; with ``record="end"`` they are counted but not kept."""
     status: Status
-    ending: Ending = field(repr=False)
-    """What `outcome` is found from."""
     steps: int
     """Steps taken."""
     evaluations: int
     """Evaluations of the (discrete) field."""
     seconds: float
     """Processor time inside the compiled loop."""
+    states: Once[States] = field(repr=False)
+    """What `t`, `x`, `mode` and `segment` are taken from."""
+    met: Once[Crossings] = field(repr=False)
+    """What `crossings` are taken from."""
+    entries: tuple[Entry, ...] | None = field(repr=False)
+    """What `entered_t` and `entered_x` are taken from; None: the start, and every crossing."""
+    cause: Cause = field(repr=False)
+    """What `outcome` is found from."""
     envelope: Floats | None = None
     """(columns, m, 2) least and greatest error of ψ in equal parts of the time span, if `integrate` was asked for it:
     ψ of the mode occupied less its value where that mode was entered, evaluated in double-double."""
@@ -82,6 +75,49 @@ class Trajectory:
     """Whether the run was asked to slide along the surface where both fields point to it."""
     events: Events = field(default_factory=Events)
     """The events that `integrate` was asked for; the run is the same without them, but for where one ends it."""
+
+    @cached_property
+    def t(self) -> Floats:
+        """(n,) times recorded; the first and the last state are always among them."""
+        return self.states().t
+
+    @cached_property
+    def x(self) -> Floats:
+        """(n, d) states."""
+        return self.states().x
+
+    @cached_property
+    def mode(self) -> Integers:
+        """(n,) index into `PiecewiseSystem.modes` of the mode occupied (−1 if the run started on the surface and could
+        not leave it).
+        """
+        return self.states().mode
+
+    @cached_property
+    def segment(self) -> Integers:
+        """(n,) index, into `entered_t`, of the segment between crossings in which each row lies."""
+        return self.states().segment
+
+    @cached_property
+    def crossings(self) -> Crossings:
+        """The crossings; none with ``record="end"``."""
+        return self.met()
+
+    @cached_property
+    def entered_t(self) -> Floats:
+        """(s,) times at which segments were entered: the start, then every crossing (with ``record="end"`` only those
+        in which a state is recorded).
+        """
+        if self.entries is None:
+            return np.concatenate([self.t[:1], self.crossings.t])
+        return np.array([entry.t for entry in distinct(self.entries)])
+
+    @cached_property
+    def entered_x(self) -> Floats:
+        """(s, d) the states there."""
+        if self.entries is None:
+            return np.concatenate([self.x[:1], self.crossings.x_after])
+        return np.array([entry.x for entry in distinct(self.entries)])
 
     @property
     def tally(self) -> Tally:
@@ -121,16 +157,18 @@ class Trajectory:
         )
 
     @classmethod
-    def of_fields(cls, **fields: Any) -> Trajectory:
-        """Make a run from its fields, given by name; a frozen class takes four times as long."""
+    def of_fields(cls, fields: dict[str, Any]) -> Trajectory:
+        """Make a run from all its fields; to set them one by one, as a frozen class does, takes longer than a run."""
         run = object.__new__(cls)
-        run.__dict__.update(fields)
+        object.__setattr__(run, "__dict__", fields)
         return run
 
     @cached_property
     def outcome(self) -> str:
         """Where it stopped, why, and what to do about it."""
-        return outcome(self.ending)
+        adaptive = METHODS[self.method].adaptive
+        last = Point(float(self.t[-1]), tuple(self.x[-1].tolist()), int(self.mode[-1]))
+        return outcome(Ending(self.system, adaptive, self.status, last, self.cause))
 
     @cached_property
     def message(self) -> str:

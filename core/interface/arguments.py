@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["checked_sliding", "choice", "count", "listed", "number", "numbers"]
+__all__ = ["checked_sliding", "choice", "count", "listed", "number", "numbers", "plain_numbers"]
 
 #: Types that Python would convert to numbers, but that are refused.
 _NO_NUMBERS = (str, bytes, bytearray, bool, np.bool_, np.complexfloating, np.datetime64, np.timedelta64)
+#: Types of numbers that need no closer look.
+_PLAIN = frozenset((float, int, np.float64))
 #: Types that Python would convert to sequences, but that are refused: "12", b"12", {2, 1} in any order.
 _UNORDERED = (str, bytes, bytearray, Set, Mapping)
 
@@ -54,6 +56,19 @@ def listed(values: Any, what: str, wanted: str, alone: type | tuple[type, ...] =
         return tuple(values)
     except TypeError:
         raise ValueError(f"{what} = {values!r}: {wanted}") from None
+
+
+def plain_numbers(values: Any, count: int) -> tuple[float, ...] | None:
+    """Return the finite floats that a tuple, a list or an array plainly holds; None where a closer look is needed."""
+    if type(values) is np.ndarray:
+        values = values.tolist()
+    if type(values) not in (tuple, list) or len(values) != count or not _PLAIN.issuperset(map(type, values)):
+        return None
+    try:
+        found = tuple(map(float, values))
+    except OverflowError:
+        return None
+    return found if math.isfinite(sum(found)) else None
 
 
 def choice(value: Any, what: str, options: tuple[str, ...]) -> str:

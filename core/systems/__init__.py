@@ -44,11 +44,15 @@ _NAMES = (
 class _Catalogue(Mapping[str, PiecewiseSystem]):
     """The systems by name. Each is imported, and so parsed, on first use: all together take some seconds."""
 
+    def __init__(self) -> None:
+        self._known: dict[str, PiecewiseSystem] = {}
+
     def __getitem__(self, name: str) -> PiecewiseSystem:
-        if name not in _NAMES:
-            raise KeyError(name)
-        system: PiecewiseSystem = import_module(f"core.systems.{name}").SYSTEM
-        return system
+        if name not in self._known:
+            if name not in _NAMES:
+                raise KeyError(name)
+            self._known[name] = import_module(f"core.systems.{name}").SYSTEM
+        return self._known[name]
 
     def __contains__(self, name: object) -> bool:
         return name in _NAMES
@@ -74,7 +78,7 @@ def system_of(system: System) -> PiecewiseSystem:
     """
     if isinstance(system, PiecewiseSystem):
         return system
-    if isinstance(system, str) and system in CATALOGUE:
+    if isinstance(system, str) and system in _NAMES:
         return CATALOGUE[system]
     known = ", ".join(CATALOGUE)
     raise ValueError(f"system = {system!r}: give a PiecewiseSystem, or a key of CATALOGUE, which are {known}")

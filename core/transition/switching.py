@@ -184,6 +184,14 @@ def visit_of(surface):
     return VISITS + VISIT * (surface % MAX_VISITS)
 
 
+@internal
+def start_clocks(run, w):
+    """Let the run begin now."""
+    run.t_start = run.last_hit = run.t
+    for surface in range(MAX_VISITS):
+        w[visit_of(surface) + LAST] = run.t
+
+
 @inlined
 def since_visit(run, w, visit):
     """Time since the last crossing of a surface, or the start."""

@@ -36,17 +36,15 @@ def ends_by_prange(
     method = core.METHODS["taylor"]
     runner = Runner(system, method, 0.0, tuple(x0[0].tolist()), checked_settings(method, None, tolerance))
     blank, d = runner.blank(end), system.dimension
-    ends, pieces = np.empty_like(x0), (_PARTS, *blank.pieces.shape)
+    one = blank.memory
     memory = (
-        np.empty((_PARTS, 1), dtype=blank.record.dtype), np.empty((_PARTS, blank.frame.size)),
-        np.empty((_PARTS, 1), dtype=ROW),
+        np.empty((_PARTS, 1), dtype=one.run.dtype), np.empty((_PARTS, one.w.size)), np.empty((_PARTS, 1), dtype=ROW),
         np.empty((_PARTS, 1, d)), np.empty((_PARTS, _HITS), dtype=HIT), np.empty((_PARTS, _HITS, 3, d)),
-        np.empty((_PARTS, *blank.coefficients.shape)), np.empty((_PARTS, *blank.nodes.shape)), np.empty(pieces),
-        np.empty((_PARTS, *blank.samples.shape)), np.empty((_PARTS, *blank.envelope.shape)),
+        *(np.empty((_PARTS, *a.shape)) for a in (one.coefficients, one.nodes, one.pieces, one.samples, blank.envelope)),
     )  # fmt: skip
+    ends = np.empty_like(x0)
     arguments = (
-        blank.functions, blank.guards, blank.record, blank.frame, system.parameter_array.copy(), d, blank.budget,
-        *memory, *blank.events, x0, ends,
+        blank.functions, blank.guards, one.run, one.w, one.p, d, blank.budget, *memory, *blank.events, x0, ends,
     )  # fmt: skip
     _compiled(tuple(map(numba.typeof, arguments)))(compiled_march(), *arguments)
     return ends
