@@ -13,7 +13,7 @@ __all__ = ["FIELDS", "FIRST_HITS", "Memory"]
 #: Name of a field of the record -> its place: each takes eight bytes.
 FIELDS = {name: place for place, name in enumerate(RUN.names or ())}
 #: Crossings for which there is room.
-FIRST_HITS = 64
+FIRST_HITS = 16
 #: Largest number of steps sampled over the run, for `diagnostics.resolution`.
 _SAMPLES = 128
 

@@ -458,7 +458,10 @@ class Runner:
 
     def _room(self, budget: int) -> Chunk:
         """Room for the steps of one call: for all of them, unless the method chooses them."""
-        steps = (self._reals[_T_END] - self._reals[_T]) / self._reals[_TAU]
-        size = self._room_for_rows if self.method.adaptive else int(min(steps, _CHUNK)) + 2
+        size = self._room_for_rows
+        if not self.method.adaptive:
+            steps = (self._reals[_T_END] - self._reals[_T]) / self._reals[_TAU]
+            size = int(min(abs(steps), _CHUNK)) + 2  # a perturbation may have moved it beyond the end
+        size = min(size, budget)
         self._room_for_rows = min(_MORE * size, _CHUNK)
-        return np.empty(min(size, budget), dtype=ROW), np.empty((min(size, budget), len(self.start)))
+        return np.empty(size, dtype=ROW), np.empty((size, len(self.start)))

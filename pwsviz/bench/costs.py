@@ -14,10 +14,12 @@ import core
 from pwsviz.bench.plan import Plan
 from pwsviz.bench.table import Table, milliseconds
 
-__all__ = ["first_calls", "moved_slider", "step_costs"]
+__all__ = ["call_costs", "first_calls", "moved_slider", "step_costs"]
 
 #: Step size.
 _TAU = 1e-3
+#: Number of calls of which the fastest counts.
+_CALLS = 1000
 #: Number of moves of a slider, of which the median counts.
 _MOVES = 12
 #: Program that prints the seconds to import core and to call it for the first time.
@@ -45,6 +47,24 @@ def step_costs(plan: Plan) -> Table:
         f"{plan.steps} steps of tau = {_TAU:g}, the least of {plan.repeats + 1} runs. taylor chooses its steps by "
         "tolerance = 1e-12, to the same time.",
         ("system", "method", "ns a step", "evaluations a step"),
+        rows,
+    )
+
+
+def call_costs(plan: Plan) -> Table:
+    """Time of a call that takes one step, besides that of the time loop."""
+    rows = []
+    for method in plan.methods:
+        for record in ("end", "crossings", "steps"):
+            calls, loops = zip(*(_call(plan.seeds[0], method, record) for _ in range(_CALLS)), strict=True)
+            rows.append(
+                [method, record, *(f"{1e6 * seconds:.1f}" for seconds in (min(calls) - min(loops), min(loops)))]
+            )
+    return Table(
+        "Cost of a call",
+        f"wall-clock microseconds of a call of core.integrate that takes one step, besides the time loop, and the "
+        f"processor time of that; {core.CATALOGUE[plan.seeds[0]].name}, the least of {_CALLS} calls.",
+        ("method", "record", "besides", "loop"),
         rows,
     )
 
@@ -87,6 +107,13 @@ def _run(name: str, method: str, steps: int, factor: float, record: str) -> core
     settings = {"tolerance": 1e-12 * factor} if core.METHODS[method].adaptive else {"tau": _TAU * factor}
     end = _TAU * factor * steps
     return core.integrate(core.CATALOGUE[name], (0.0, end), method=method, record=record, **settings)  # type: ignore[arg-type]
+
+
+def _call(name: str, method: str, record: str) -> tuple[float, float]:
+    """Seconds of a call, and of the time loop in it."""
+    started = time.perf_counter()
+    run = _run(name, method, 1, 1.0, record)
+    return time.perf_counter() - started, run.seconds
 
 
 def _moved(name: str, method: str, steps: int, factor: float) -> float:

@@ -37,8 +37,8 @@ def without_heyoka(monkeypatch):
 
 def test_every_section_has_figures(quick):
     assert list(quick) == [
-        "Time to a state error", "Problems drawn at random", "Ensembles", "Cost of a step", "First call",
-        "Moved slider", "Conservation", "Drift", "Orders",
+        "Time to a state error", "Problems drawn at random", "Ensembles", "Cost of a step", "Cost of a call",
+        "First call", "Moved slider", "Conservation", "Drift", "Orders",
     ]  # fmt: skip
     for title, table in quick.items():
         assert table.rows or title in ("Problems drawn at random", "First call")
