@@ -11,7 +11,7 @@ from core.integration.hits import all_crossings
 from core.integration.outcome import cause_of
 from core.integration.recorded import Entry, Once, Point, states_of
 from core.integration.recording import Sampler
-from core.integration.runner import Runner
+from core.integration.run import Run
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 
@@ -19,45 +19,45 @@ __all__ = ["trajectory_of"]
 
 
 def trajectory_of(
-    runner: Runner, record: str, keep_crossings: bool, sampler: Sampler | None, warn: Callable[[Trajectory], str]
+    run: Run, record: str, keep_crossings: bool, sampler: Sampler | None, warn: Callable[[Trajectory], str]
 ) -> Trajectory:
-    """Return what a run has come to; it is not to be advanced further.
+    """Return what a run has come to.
 
     Parameters
     ----------
     record, warn
         As of `Trajectory`.
     keep_crossings
-        Whether the runner has kept its crossings.
+        Whether the run has kept its crossings.
     sampler
         What has replaced its rows, if anything.
     """
-    settings, adaptive, segment = runner.settings, runner.method.adaptive, runner.segment
-    rows, entered = (runner.rows, ()) if sampler is None else (sampler.rows, sampler.entered)
-    entries = None if keep_crossings else (Entry(0, runner.t0, runner.start), *entered)
+    settings, adaptive, segment = run.settings, run.method.adaptive, run.segment
+    rows, entered = (run.rows, ()) if sampler is None else (sampler.rows, sampler.entered)
+    entries = None if keep_crossings else (Entry(0, run.t0, run.start), *entered)
     if entries is not None and segment > 0:
-        entries += (runner.entry,)
-    first = Point(runner.t0, runner.start, runner.first_mode)
+        entries += (run.entry,)
+    first = Point(run.t0, run.start, run.first_mode)
     return Trajectory.of_fields({
-        "system": runner.system,
-        "method": runner.method.name,
-        "tau": runner.longest if adaptive else settings.tau,
-        "crossing_count": runner.crossing_count,
-        "status": runner.status,
-        "steps": runner.steps,
-        "evaluations": runner.evaluations,
-        "seconds": runner.seconds,
-        "states": Once(states_of, first, rows, runner.last, segment, entries),
-        "met": Once(all_crossings, runner.chunks if keep_crossings else [], runner.system.laws),
+        "system": run.system,
+        "method": run.method.name,
+        "tau": run.longest if adaptive else settings.tau,
+        "crossing_count": run.crossing_count,
+        "status": run.status,
+        "steps": run.steps,
+        "evaluations": run.evaluations,
+        "seconds": run.seconds,
+        "states": Once(states_of, first, rows, run.last, segment, entries),
+        "met": Once(all_crossings, run.chunks if keep_crossings else [], run.system.laws),
         "entries": entries,
-        "cause": cause_of(runner),
-        "envelope": _envelope(runner.envelope) if len(runner.envelope) else None,
+        "cause": cause_of(run),
+        "envelope": _envelope(run.envelope) if len(run.envelope) else None,
         "warn": warn,
         "record": record,
         "tolerance": settings.tolerance if adaptive else math.nan,
-        "samples": runner.samples,
+        "samples": run.samples,
         "slides": settings.slides,
-        "events": runner.log.events(),
+        "events": run.log.events(),
     })  # fmt: skip
 
 

@@ -188,8 +188,8 @@ class _Run:
         blank = runner.blank(members.t_span[1])
         memory = blank.memory
         return compiled_members()(
-            compiled_march(), blank.functions, blank.guards, memory.run, memory.w, members.system.dimension,
-            memory.coefficients, memory.nodes, memory.pieces, memory.run.copy(), memory.w.copy(), self.rows,
+            compiled_march(), blank.functions, blank.guards, memory.record, memory.w, members.system.dimension,
+            memory.coefficients, memory.nodes, memory.pieces, memory.record.copy(), memory.w.copy(), self.rows,
             self.rows_x, self.hits, self.places, blank.envelope, memory.samples, *blank.events, blank.budget,
             self.settings.max_steps, self.first_rows, members.places.guards, members.p, members.x, self.ends, self.x,
             self.wanted, self.kept, self.kept_places, self.counters, members.told.flag,

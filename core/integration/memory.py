@@ -25,7 +25,7 @@ class Memory:
 
     Attributes
     ----------
-    run
+    record
         (records,) of `records.RUN`.
     reals, wholes
         Its fields as floats and as integers, each at its place of `FIELDS`; numpy takes ten times as long to read one.
@@ -61,7 +61,7 @@ class Memory:
     ) -> None:
         self._blank = record, frame
         self._own = own = memoryview(bytearray(record))
-        self.run, self.reals, self.wholes = np.frombuffer(own, dtype=RUN), own.cast("d"), own.cast("q")
+        self.record, self.reals, self.wholes = np.frombuffer(own, dtype=RUN), own.cast("d"), own.cast("q")
         self.w, self.p = frame.copy(), np.empty(parameters)
         self.x, self.carry = self.w[state : state + d], self.w[state + d : state + 2 * d]
         self.nodes, self.pieces, self.coefficients = np.empty((MAX_NODES, 3)), np.empty(pieces), np.empty((1, 1))

@@ -10,6 +10,7 @@ import numpy as np
 from core.integration.failure import Growth, ends_beyond, growth_of
 from core.integration.growth_loop import GROWTH
 from core.integration.recorded import Point
+from core.integration.run import Run
 from core.symbolic.source_text import to_text
 from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
@@ -101,26 +102,26 @@ class Ending(NamedTuple):
         return self.last.mode >= len(self.system.laws.regions)
 
 
-def ending_of(runner: Runner) -> Ending:
+def ending_of(run: Run) -> Ending:
     """How a run has ended."""
-    return Ending(runner.system, runner.method.adaptive, runner.status, runner.last, cause_of(runner))
+    return Ending(run.system, run.method.adaptive, run.status, run.last, cause_of(run))
 
 
-def cause_of(runner: Runner) -> Cause:
+def cause_of(run: Run) -> Cause:
     """Why a run has ended."""
-    remarks = runner.log.remarks()
-    if runner.status is Status.COMPLETED and not remarks:
+    remarks = run.log.remarks()
+    if run.status is Status.COMPLETED and not remarks:
         return _AS_ASKED
-    event = runner.log.last if runner.status is Status.EVENT else ""
-    return Cause(_step_length(runner), runner.growth, runner.why_cornered, _singular(runner), event, remarks)
+    event = run.log.last if run.status is Status.EVENT else ""
+    return Cause(_step_length(run), run.growth, run.why_cornered, _singular(run), event, remarks)
 
 
-def _singular(runner: Runner) -> str:
+def _singular(run: Run) -> str:
     """Which expression vanishes in the step ahead, as a clause."""
-    if runner.status not in (Status.SINGULAR, Status.ESCAPED) or runner.met is None:
+    if run.status not in (Status.SINGULAR, Status.ESCAPED) or run.met is None:
         return ""
-    singularity, h = runner.met
-    return f"{to_text(singularity.zero)} vanishes on the way to t = {runner.t + h:.12g}"
+    singularity, h = run.met
+    return f"{to_text(singularity.zero)} vanishes on the way to t = {run.t + h:.12g}"
 
 
 def outcome(end: Ending) -> str:
@@ -180,7 +181,7 @@ def _zeros_of_mode(end: Ending) -> str:
     return " or ".join(to_text(singularity.zero) for singularity in found)
 
 
-def _step_length(runner: Runner) -> float:
+def _step_length(run: Run) -> float:
     """Signed length of a step; for a variable-step method, of its longest."""
-    length = runner.settings.tau if math.isfinite(runner.settings.tau) else runner.longest
-    return math.copysign(length, runner.direction)
+    length = run.settings.tau if math.isfinite(run.settings.tau) else run.longest
+    return math.copysign(length, run.direction)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.integration.between_steps import states_at
 from core.integration.conserved_error import level_residual_along, psi_size, with_exits
 from core.integration.crossings import Crossings, Integers, side_columns, with_columns
-from core.integration.dense_output import Stepper, Track
 from core.integration.events import Events
 from core.integration.outcome import Cause, Ending, outcome
 from core.integration.recorded import Entry, Once, Point, States, distinct
@@ -157,10 +157,10 @@ class Trajectory:
         )
 
     @classmethod
-    def of_fields(cls, fields: dict[str, Any]) -> Trajectory:
+    def of_fields(cls, values: dict[str, Any]) -> Trajectory:
         """Make a run from all its fields; to set them one by one, as a frozen class does, takes longer than a run."""
         run = object.__new__(cls)
-        object.__setattr__(run, "__dict__", fields)
+        object.__setattr__(run, "__dict__", values)
         return run
 
     @cached_property
@@ -327,14 +327,14 @@ class Trajectory:
             steps, or if the equations of a step have no solution.
         """
         times = numbers(t, "t")
-        flat = self._checked_times(times.ravel())
-        x = self._kept(flat) if self.record != "steps" else self._between(flat)
-        if len(self.crossings) and (before or self.record != "steps"):
-            found, k = _matches(self.crossings.t, flat, first=before)
-            x[found] = (self.crossings.x if before else self.crossings.x_after)[k]
-        if (missing := np.isnan(x).any(axis=1)).any():
-            raise ValueError(self._missing(float(flat[missing][0])))
-        return x.reshape(*times.shape, x.shape[1])
+        return states_at(self, times.ravel(), before).reshape(*times.shape, self.x.shape[1])
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of its arrays, also of those that are yet to be made."""
+        own = (self.t, self.x, self.mode, self.segment, self.entered_t, self.entered_x, self.samples, self.envelope)
+        met = (getattr(part, column.name) for part in (self.crossings, self.events) for column in fields(part))
+        return sum(part.nbytes for part in (*own, *met) if isinstance(part, np.ndarray))
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """One (n,) array a column, as data frames take them: ``pandas.DataFrame(run.columns())``.
@@ -350,58 +350,3 @@ class Trajectory:
         error = self.conserved_error()
         names = ["psi error"] if error.shape[1] == 1 else [f"psi error {j + 1}" for j in range(error.shape[1])]
         return with_columns(columns, {**side_columns(self.side), **{name: error[:, j] for j, name in enumerate(names)}})
-
-    def _checked_times(self, times: Floats) -> Floats:
-        ends = [float(t) for t in (self.t[0], *self.t[-2:])]
-        outside = (times < min(ends)) | (times > max(ends))
-        if outside.any():
-            span = f"{ends[0]!r} … {ends[-1]!r}"
-            raise ValueError(f"t = {float(times[outside][0])!r} is outside the run, which goes over t = {span}")
-        return times
-
-    def _kept(self, times: Floats) -> Floats:
-        """States at times that were recorded, nan at others."""
-        x = np.full((len(times), self.x.shape[1]), np.nan)
-        found, k = _matches(self.t, times)
-        x[found] = self.x[k]
-        return x
-
-    def _between(self, times: Floats) -> Floats:
-        """States at times between recorded steps, nan where there is no solution."""
-        entered = np.concatenate([self.mode[:1], self.crossings.mode])
-        # A perturbation may have moved the crossing at which the run stopped back beyond the last step.
-        back = len(self.t) > 2 and (self.t[-1] - self.t[-2]) * (self.t[-2] - self.t[0]) < 0.0
-        n = len(self.t) - back
-        rows = self.t[:n], self.x[:n], self.mode[:n], self.segment[:n]
-        track = Track(*rows, self.entered_t, self.entered_x, entered)
-        along = times if track.t[-1] >= track.t[0] else -times
-        order = None if (along[1:] >= along[:-1]).all() else np.argsort(along)
-        found = Stepper(self.system, METHODS[self.method], self.tolerance).find(
-            track, times if order is None else times[order]
-        )
-        found.x[found.solved :] = np.nan
-        states = found.x
-        if order is not None:
-            states = np.empty_like(found.x)
-            states[order] = found.x
-        if back:
-            states[times == self.t[-1]] = self.x[-1]
-        return states
-
-    def _missing(self, t: float) -> str:
-        if self.record == "steps":
-            return f"t = {t!r}: the equations of the step to there have no real solution; take a smaller tau"
-        return (
-            f"t = {t!r}: the run has not recorded its steps (record={self.record!r}), so only the times it "
-            'has kept are available; integrate with record="steps", or with t_eval at the times wanted'
-        )
-
-
-def _matches(known: Floats, times: Floats, first: bool = False) -> tuple[NDArray[np.bool_], Integers]:
-    """Which times are among known ones, and their indices there: the last of equal ones, or the first."""
-    order = np.argsort(known, kind="stable")
-    ordered = known[order]
-    k = np.searchsorted(ordered, times, "left") if first else np.searchsorted(ordered, times, "right") - 1
-    k = np.clip(k, 0, len(known) - 1)
-    found = ordered[k] == times
-    return found, order[k[found]]

@@ -38,13 +38,13 @@ def ends_by_prange(
     blank, d = runner.blank(end), system.dimension
     one = blank.memory
     memory = (
-        np.empty((_PARTS, 1), dtype=one.run.dtype), np.empty((_PARTS, one.w.size)), np.empty((_PARTS, 1), dtype=ROW),
+        np.empty((_PARTS, 1), dtype=one.record.dtype), np.empty((_PARTS, one.w.size)), np.empty((_PARTS, 1), dtype=ROW),
         np.empty((_PARTS, 1, d)), np.empty((_PARTS, _HITS), dtype=HIT), np.empty((_PARTS, _HITS, 3, d)),
         *(np.empty((_PARTS, *a.shape)) for a in (one.coefficients, one.nodes, one.pieces, one.samples, blank.envelope)),
     )  # fmt: skip
     ends = np.empty_like(x0)
     arguments = (
-        blank.functions, blank.guards, one.run, one.w, one.p, d, blank.budget, *memory, *blank.events, x0, ends,
+        blank.functions, blank.guards, one.record, one.w, one.p, d, blank.budget, *memory, *blank.events, x0, ends,
     )  # fmt: skip
     _compiled(tuple(map(numba.typeof, arguments)))(compiled_march(), *arguments)
     return ends

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+import core
 from pwsviz.tasks.cancellation import Cancelled
 
 Value = TypeVar("Value")
@@ -79,9 +80,10 @@ class Cache:
             future.set_exception(reason)
             raise
         future.set_result(value)
+        size = nbytes(value)  # the arrays of a run may be made only now
         with self._lock:
-            self._sizes[key] = nbytes(value)
-            self._held += self._sizes[key]
+            self._sizes[key] = size
+            self._held += size
             self._shrink()
         return value
 
@@ -97,7 +99,7 @@ class Cache:
 
 def nbytes(value: object) -> int:
     """Return the bytes of the arrays in a dataclass, a sequence or an array, nested ones included."""
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | core.Trajectory):
         return value.nbytes
     if isinstance(value, list | tuple):
         return sum(nbytes(item) for item in value)

@@ -50,4 +50,4 @@ def levels(runner: Any) -> list[Any]:
     system = runner.system
     m = max(len(s.conserved) for s in system.laws.modes.values())
     start = Frame(system.dimension, m).level
-    return [mp.mpf(runner._memory.w[start + j]) + mp.mpf(runner._memory.w[start + m + j]) for j in range(m)]
+    return [mp.mpf(runner.memory.w[start + j]) + mp.mpf(runner.memory.w[start + m + j]) for j in range(m)]

@@ -5,6 +5,7 @@ from threading import Barrier, Event, Thread
 import numpy as np
 import pytest
 
+import core
 from pwsviz.results.cache import Cache, nbytes
 from pwsviz.tasks.cancellation import Cancelled
 
@@ -79,3 +80,10 @@ def test_memory_is_bounded_and_the_oldest_goes_first():
 
 def test_bytes_of_nested_arrays_are_counted():
     assert nbytes([np.zeros(2), (np.zeros(3), "text")]) == 40
+
+
+def test_bytes_of_a_run_are_those_of_its_arrays_though_they_are_made_late():
+    run = core.integrate("elliptic_curve", (0.0, 10.0), tau=1e-3)
+    found = nbytes(run)
+    arrays = (run.t, run.x, run.mode, run.segment, run.entered_t, run.entered_x, run.crossings.t, run.samples)
+    assert sum(array.nbytes for array in arrays) < found < 2 * run.x.nbytes + 3 * run.t.nbytes
