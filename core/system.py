@@ -224,7 +224,7 @@ class PiecewiseSystem:
         jumps = tuple(self.jumps.items())
         return accepted(Declaration(self.variables, names, bounds, self.surfaces, regions, jumps, ways))
 
-    @property
+    @cached_property
     def laws(self) -> Laws:
         """The laws as sympy expressions, shared by all systems that differ in parameter values only."""
         return self._declared.laws

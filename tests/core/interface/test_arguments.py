@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import core
-from core.interface.arguments import count, listed, number, numbers
+from core.interface.arguments import count, listed, number, numbers, plain_numbers
 
 SYSTEM = core.CATALOGUE["harmonic_oscillator"]
 
@@ -90,3 +90,19 @@ def test_a_method_may_be_given_itself():
     study = core.stability_study(SYSTEM, methods=[method], taus=(0.1, 0.2), parts="largest_tau")
     assert study.methods == ("rk4",)
     assert core.work_precision(SYSTEM, methods=[method], settings={"rk4": (0.1,)}, peers=()).curves[0].name == "rk4"
+
+
+@pytest.mark.parametrize("values", [(1, 2.0), [1.0, 2], np.array([1, 2]), (np.float64(1), 2), np.array([1.0, 2.0])])
+def test_plain_numbers_are_taken_as_they_are(values):
+    found = plain_numbers(values, 2)
+    assert found == (1.0, 2.0)
+    assert {type(value) for value in found} == {float}
+
+
+@pytest.mark.parametrize(
+    "values",
+    [(1, 2, 3), (1, True), np.array([True, False]), (1, "2"), (1, np.nan), (1, 10**400), (1e308, 1e308), {1, 2}, 1.0,
+     np.array(1.0), np.ones((2, 2)), np.ones(2, dtype=complex), {"x": 1, "y": 2}, (1, np.float32(2)), None],
+)  # fmt: skip
+def test_all_others_need_a_closer_look(values):
+    assert plain_numbers(values, 2) is None
