@@ -22,6 +22,7 @@ from core.interface.arguments import checked_sliding, choice, count, number, num
 from core.interface.tasks import check_hooks
 from core.kernels.arrays import Floats
 from core.methods import METHODS, Method, method_named
+from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
@@ -201,10 +202,11 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple
     """Return the initial state; ValueError if no run can start there."""
     start, laws = system.x0 if x0 is None else system.check_state(x0), system.laws
     values = laws.numbers("start", laws.at_start, t0, start, system.parameter_array)
-    if laws.two_sided and values[0] != 0.0 and math.isfinite(sum(values)):
+    heights = values[: len(laws.surfaces)]
+    if math.isfinite(sum(values)) and 0.0 not in heights and (laws.two_sided or _regions_at(laws, heights)):
         return start  # inside a region, and all is finite
     count, d = len(laws.surfaces), system.dimension
-    heights, gradients, rest = values[:count], values[count : count * (1 + d)], values[count * (1 + d) :]
+    gradients, rest = values[count : count * (1 + d)], values[count * (1 + d) :]
     word = "g" if laws.two_sided else "a switching function"
     if not all(map(math.isfinite, heights)):
         raise ValueError(f"x0 = {start!r}: {word} has no finite value there; {_OTHER}")
@@ -213,12 +215,17 @@ def checked_start(system: PiecewiseSystem, t0: float, x0: Start | None) -> tuple
             raise ValueError(
                 f"x0 = {start!r}: {word} and its gradient vanish there, so {word} has no surface; {_OTHER}"
             )
-    inside = [k for k, ways in enumerate(laws.ways) if all(way.sign * heights[way.surface] >= 0.0 for way in ways)]
+    inside = _regions_at(laws, heights)
     if not inside and first_place(system, t0, np.array(start)).region is None:
         raise ValueError(f"x0 = {start!r} lies in a region for which no law is declared; {_OTHER}")
     if not all(math.isfinite(f) for k in inside for f in rest[k * d : (k + 1) * d]):
         raise ValueError(f"x0 = {start!r}: the field has no finite value there; {_OTHER}")
     return start
+
+
+def _regions_at(laws: Laws, heights: list[float]) -> list[int]:
+    """Numbers of the regions in which, or at the boundary of which, switching functions have these values."""
+    return [k for k, ways in enumerate(laws.ways) if all(way.sign * heights[way.surface] >= 0.0 for way in ways)]
 
 
 def checked_settings(

@@ -29,8 +29,8 @@ __all__ = ["AT_SURFACE", "Run"]
 #: Results of a run that stops at a surface.
 AT_SURFACE = (Status.SLIDING, Status.REPELLING, Status.GRAZING, Status.CORNER, Status.UNDECLARED)
 #: Places of the fields of the record that are read or written for every run.
-_T, _T_CARRY, _TAU, _LONGEST, _MODE, _FIRST_MODE = (
-    FIELDS[name] for name in ("t", "t_carry", "tau", "longest", "mode", "first_mode")
+_T, _T_CARRY, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
+    FIELDS[name] for name in ("t", "t_carry", "tau", "longest", "mode", "first_mode", "row", "guard")
 )
 _STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _MAX_CROSSINGS, _MAX_EVENTS = (
     FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "max_crossings", "max_events")
@@ -96,12 +96,12 @@ class Run:
 
     def _find_first_region(self) -> None:
         """Find the region in which the run begins: the loop itself tells two sides of one surface apart."""
-        place = first_place(self.system, self.t, self.x)
+        place = first_place(self.system, self.t0, self.memory.x)
         if place.region is None:
             raise ValueError(f"x0 = {self.start!r} lies in a region for which no law is declared; choose another state")
-        self.record["row"], self.record["guard"] = self.begun.table.first_rows[place.region], place.guard
-        self.corner = place.corner
-        if self.ready.functions[self.record["row"][0], STEP] == 0:
+        row, self.corner = int(self.begun.table.first_rows[place.region]), place.corner
+        self.wholes[_ROW], self.wholes[_GUARD] = row, place.guard
+        if self.ready.functions[row, STEP] == 0:
             self.compile(place.region)
 
     @property
@@ -132,7 +132,7 @@ class Run:
     @property
     def first_region(self) -> int:
         """Number of a region in which, or at the boundary of which, the run begins."""
-        return int(self.begun.table.guards["mode"][int(self.record["row"][0])])
+        return int(self.begun.table.guards["mode"][self.wholes[_ROW]])
 
     @property
     def slides(self) -> bool:
