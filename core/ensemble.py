@@ -14,13 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from core.integrate import checked_method, checked_settings, checked_span, checked_start
 from core.integration.crossings import Integers
 from core.integration.events import Event, Watched, checked_events
-from core.integration.member_starts import first_places
-from core.integration.members import Block, Members, Told, Wanted, integrate_members, not_begun
+from core.integration.members import Block, Members, Wanted, integrate_members, not_begun
 from core.integration.members_loop import END
 from core.integration.run_settings import Settings
 from core.interface.arguments import choice, number, numbers
 from core.interface.cancelling import Cancel
-from core.interface.tasks import as_completed, check_hooks
+from core.interface.tasks import GivenUp, as_completed, check_hooks
 from core.kernels.arrays import Floats
 from core.methods import Method
 from core.symbolic.laws import Laws
@@ -158,7 +157,7 @@ def ensemble(
     t_span: tuple[float, float],
     x0: ArrayLike | None = None,
     parameters: Mapping[str, ArrayLike] | None = None,
-    tau: float | None = None,
+    tau: ArrayLike | None = None,
     method: str | Method = "dmm2",
     *,
     tolerance: float | None = None,
@@ -176,20 +175,22 @@ def ensemble(
     cancel: Cancel | None = None,
     progress: Callable[[float], object] | None = None,
 ) -> Ensemble:
-    """Integrate many members of one system, which differ in initial states and parameters.
+    """Integrate many members of one system, which differ in initial states, parameters and step sizes.
 
     The loop over the members is compiled, and runs on all processors. Each member comes out as `integrate` brings it
     there, bit by bit.
 
     Parameters
     ----------
-    system, t_span, tau, method, tolerance, transition, perturbation_order, perturbation_scale, max_steps, sliding,
+    system, t_span, method, tolerance, transition, perturbation_order, perturbation_scale, max_steps, sliding,
     events
         As of `integrate`.
     x0
         (n, d) initial states, or (d,) for all; the system's own where not given.
     parameters
         Name of a parameter -> (n,) values, or a number for all.
+    tau
+        (n,) step sizes, or a number for all.
     record
         "end": the last state of each member. "crossings": also its crossings, of which there are at most
         n·(max_crossings − discard), each of 12 + 8·d bytes (12 + 16·d where the system has jumps), and of up to 200
@@ -226,15 +227,21 @@ def ensemble(
     span, limits = checked_span(t_span), {"crossings": max_crossings, "events": max_events}
     if choice(record, "record", _RECORDS) != "end" and limits[record] is None:
         raise ValueError(f'record="{record}" needs max_{record}, the most {record} of a member: they bound the memory')
-    settings = checked_settings(
-        chosen, tau, tolerance, transition, perturbation_order, perturbation_scale,
-        _UNBOUNDED if max_crossings is None else max_crossings, max_steps, None, sliding,
-        checked_events(system, events), _UNBOUNDED if max_events is None else max_events,
-    )  # fmt: skip
+    watched = checked_events(system, events)
+
+    def settings_with(step: Any) -> Settings:
+        return checked_settings(
+            chosen, step, tolerance, transition, perturbation_order, perturbation_scale,
+            _UNBOUNDED if max_crossings is None else max_crossings, max_steps, None, sliding, watched,
+            _UNBOUNDED if max_events is None else max_events,
+        )  # fmt: skip
+
+    each = None if tau is None or np.ndim(tau) == 0 else [settings_with(step) for step in _step_sizes(tau)]
+    settings = settings_with(tau if each is None else None)
     first = checked_discard(discard)
-    _check_limits(record, limits, settings.events, first)
+    _check_limits(record, limits, watched, first)
     wanted = None if record == "end" else Wanted(events=int(record == "events"), discard=first)
-    members = checked_members(system, chosen, settings, span, x0, parameters, wanted)
+    members = checked_members(system, chosen, settings, span, x0, parameters, wanted, each)
     return integrate_all(members, executor, cancel, progress)
 
 
@@ -264,12 +271,15 @@ def checked_members(
     x0: ArrayLike | None,
     parameters: Mapping[str, ArrayLike] | None,
     wanted: Wanted | None,
+    each: Sequence[Settings] | None = None,
 ) -> Members:
-    """Return the members of an ensemble; ValueError if their states or parameters make no sense."""
-    x, p = _checked_arrays(system, x0, parameters)
-    places = first_places(system.laws, t_span[0], x, p)
-    members = Members(system, method, settings, t_span, x, p, places, wanted, Told())
-    for k in np.flatnonzero(~places.plain).tolist():  # the doubtful ones are checked as `integrate` does
+    """Return the members of an ensemble; ValueError if their states or parameters make no sense.
+
+    If they differ in step size, `each` are the settings of each of them.
+    """
+    x, p = _checked_arrays(system, x0, parameters, None if each is None else len(each))
+    members = Members.of(system, method, settings, each or (), t_span, x, p, wanted, GivenUp())
+    for k in np.flatnonzero(~members.places.plain).tolist():  # the doubtful ones are checked as `integrate` does
         try:
             checked_start(members.one(k), t_span[0], tuple(x[k].tolist()))
         except ValueError as reason:
@@ -296,9 +306,12 @@ def integrate_all(
 
 
 def _checked_arrays(
-    system: PiecewiseSystem, x0: ArrayLike | None, parameters: Mapping[str, ArrayLike] | None
+    system: PiecewiseSystem, x0: ArrayLike | None, parameters: Mapping[str, ArrayLike] | None, steps: int | None
 ) -> tuple[Floats, Floats]:
-    """Initial states (n, d) and parameter values (n, parameters); ValueError if they make no sense."""
+    """Initial states (n, d) and parameter values (n, parameters); ValueError if they make no sense.
+
+    `steps` is the number of step sizes, where they are given one by one.
+    """
     d, names = system.dimension, [q.name for q in system.parameters]
     states = numbers(system.x0 if x0 is None else x0, "x0")
     if states.ndim not in (1, 2) or states.shape[-1] != d:
@@ -316,17 +329,24 @@ def _checked_arrays(
             if columns[name].size:
                 system.parameters[names.index(name)].check(float(extreme))
     lengths = {len(states)} if states.ndim == 2 else set()
-    lengths |= {len(column) for column in columns.values() if column.ndim}
+    lengths |= {len(column) for column in columns.values() if column.ndim} | (set() if steps is None else {steps})
     if len(lengths) > 1:
-        raise ValueError(
-            f"x0 and parameters are of {' and '.join(map(str, sorted(lengths)))} members: give as many of each"
-        )
+        numbers_of = " and ".join(map(str, sorted(lengths)))
+        raise ValueError(f"x0, parameters and tau are of {numbers_of} members: give as many of each")
     n = lengths.pop() if lengths else 1
     p = np.empty((n, len(names)))
     p[:] = system.parameter_array
     for name, column in columns.items():
         p[:, names.index(name)] = column
     return np.array(np.broadcast_to(states, (n, d)), order="C"), p
+
+
+def _step_sizes(tau: ArrayLike | None) -> list[float]:
+    """(n,) step sizes as numbers; ValueError if they are none."""
+    sizes = numbers(tau, "tau")
+    if sizes.ndim != 1:
+        raise ValueError(f"tau has shape {sizes.shape}: (n,), or a number for all, is needed")
+    return list(sizes.tolist())
 
 
 def _parts(count: int) -> Iterator[slice]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.integration.beginning import Blank
 from core.integration.corner import surfaces_met
@@ -201,6 +203,13 @@ class Runner(Run):
             self.begun.blank_frame.copy(), self.memory.coefficients, np.array((x, x)), t, t_end, h, size, most,
         )  # fmt: skip
         return None if code == UNKNOWN else Growth(code)
+
+    def fail(self, status: Status, record: NDArray[Any], w: Floats, last_hit: Chunk) -> Status:
+        """Take over another run of these settings, whose step has failed; returns why it has."""
+        self.record[:1].view(np.uint8)[:], self.memory.w[:] = record.view(np.uint8), w
+        self.chunks, self.status = [last_hit], status
+        self.status, self.growth = cause_of_failure(self)
+        return self.status
 
     def blank(self, t_end: float) -> Blank:
         """What other runs to `t_end` begin from, of the same method and settings; before this one has begun."""

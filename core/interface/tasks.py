@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from threading import Event
 from typing import Any, TypeVar
+
+import numpy as np
 
 from core.interface.cancelling import Cancel
 
@@ -30,21 +31,27 @@ def check_hooks(cancel: Any, progress: Any, executor: Any = None) -> None:
 
 
 class GivenUp:
-    """A `Cancel` for tasks: True once their results are no longer wanted; in another process it never is."""
+    """A `Cancel` for tasks: True once their results are no longer wanted; in another process it never is.
+
+    Attributes
+    ----------
+    flag
+        (1,) the same for compiled loops: not 0 once they are not wanted.
+    """
 
     def __init__(self) -> None:
-        self._event = Event()
+        self.flag = np.zeros(1, dtype=np.int64)
 
     def set(self) -> None:
         """Let the tasks stop."""
-        self._event.set()
+        self.flag[0] = 1
 
     def __call__(self) -> bool:
         """Return whether the results are no longer wanted."""
-        return self._event.is_set()
+        return bool(self.flag[0])
 
     def __reduce__(self) -> tuple[type[GivenUp], tuple[()]]:
-        """Pickle without the event, which does not leave its process."""
+        """Pickle without the flag, which does not leave its process."""
         return GivenUp, ()
 
 

@@ -63,6 +63,30 @@ def test_each_member_is_the_run_that_integrate_gives_bit_by_bit(name, draws):
                 assert not differs(found, k, run), (name, settings, x0[k])
 
 
+@pytest.mark.parametrize("settings", [{}, {"perturbation_order": 2}, {"events": "y", "max_events": 90}])
+def test_members_may_differ_in_step_size(settings):
+    taus, x0 = np.geomspace(0.003, 0.3, 7), (-1.0, -0.9)
+    settings = {"record": "crossings", "method": "rk4", "max_crossings": 90, **settings}
+    found = core.ensemble("elliptic_curve", (0.0, T), x0, tau=taus, **settings)
+    for k, tau in enumerate(taus):
+        run = core.integrate("elliptic_curve", (0.0, T), x0, tau, **settings)
+        assert not differs(found, k, run)
+
+
+@pytest.mark.parametrize(("name", "method"), [("elliptic_curve", "dmm2"), ("kepler", "rk4")])
+def test_why_steps_fail_is_what_integrate_finds(name, method):
+    system, count = core.CATALOGUE[name], 150
+    taus = np.geomspace(0.02, 9.0, count)
+    x0 = np.tile(system.x0, (count, 1))
+    x0[:, 0] = np.resize(np.linspace(-2.0, 2.0, 8), count)
+    settings = {"method": method, "record": "crossings", "max_crossings": 90}
+    found = core.ensemble(system, (0.0, 20.0), x0, tau=taus, **settings)
+    for k, tau in enumerate(taus):
+        assert not differs(found, k, core.integrate(system, (0.0, 20.0), x0[k], tau, **settings))
+    failed = {Status.ESCAPED, Status.UNSTABLE, Status.NO_CONVERGENCE, Status.SINGULAR} & set(found.outcomes)
+    assert sum(found.outcomes[status] for status in failed) > 10, found.outcomes
+
+
 def test_time_may_run_back_or_not_at_all():
     x0 = [[-1.0, -1.0], [-1.1, -0.9]]
     for end in (-7.0, 0.0):
@@ -139,6 +163,9 @@ def test_parameters_and_states_may_be_common_to_all():
         ({"discard": -1}, "discard = -1"),
         ({"discard": 0.5}, "discard = 0.5"),
         ({"tau": -1.0}, "must be positive"),
+        ({"tau": [0.1, 0.0]}, "must be positive"),
+        ({"tau": [[0.1]]}, r"tau has shape \(1, 1\)"),
+        ({"x0": [[1.0, 1.0]] * 3, "tau": [0.1, 0.2]}, "2 and 3 members"),
         ({"t_span": (0.0, np.inf)}, "end time"),
     ],
     ids=lambda part: part if isinstance(part, str) else "",
@@ -172,7 +199,7 @@ def test_progress_rises_to_one_and_a_cancelled_member_is_where_it_began():
 
 
 def test_members_that_end_before_any_crossing_take_no_memory_for_crossings():
-    """Each of them is left to `integrate`'s own loop; room was doubled for every one."""
+    """Room was doubled for every one."""
     found = core.ensemble(
         "elliptic_curve", (0.0, 5.0), np.tile([1.5, 2.0], (60, 1)), tau=0.01, record="crossings", max_crossings=5
     )

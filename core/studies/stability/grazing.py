@@ -9,16 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.integrate import integrate
 from core.integration.tally import KINDS, Tally, crossed
-from core.interface.cancelling import Cancel, Cancelled, raise_if
+from core.interface.cancelling import Cancel, Cancelled
 from core.interface.summary import Brief
 from core.interface.tasks import GivenUp, as_completed
 from core.kernels.arrays import Floats
 from core.reference import Solution
 from core.studies.sequence import CrossingSequence
-from core.studies.stability.errors import worst_error
 from core.studies.stability.plan import MAX_STEPS, Plan
+from core.studies.stability.runs import runs_of
 from core.studies.stability.tangency import Tangency, exact_times, find_tangency
 from core.studies.stability.verdict import start_at
 
@@ -150,21 +149,18 @@ def _empty(plan: Plan, tangency: Tangency | None) -> Grazing:
 
 
 def _runs_from(
-    plan: Plan, x0: tuple[float, ...], horizons: Floats, cancel: Cancel
+    plan: Plan, x0: tuple[float, ...], horizons: Floats, given_up: GivenUp
 ) -> tuple[float, Integers, list[tuple[Tally, float, int]]]:
     """End time of the runs from a start, the solution's tally, and (tally, error, status) per method."""
     t0 = plan.t_span[0]
-    times, solution = exact_times(plan, x0, float(horizons.max()), cancel)
+    times, solution = exact_times(plan, x0, float(horizons.max()), given_up)
     clear = [float(np.abs(times - t).min(initial=np.inf)) for t in horizons]
     horizon = float(horizons[int(np.argmax(clear))])
     rows = []
     for method in plan.methods:
-        one = integrate(
-            plan.system, (t0, horizon), x0, plan.tau, method, max_steps=MAX_STEPS, max_crossings=MAX_STEPS,
-            transition=plan.transition, sliding=plan.sliding, cancel=cancel,
-        )  # fmt: skip
-        raise_if(cancel)
-        rows.append((CrossingSequence.of(one).tally, worst_error(one), int(one.status)))
+        how = MAX_STEPS, plan.transition, plan.sliding, given_up
+        (one,) = runs_of(plan.system, x0, (t0, horizon), method, [plan.tau], *how)
+        rows.append((one.passed.tally, one.error, int(one.status)))
     return horizon, _expected(plan, solution, times[times <= horizon].tolist(), horizon), rows
 
 

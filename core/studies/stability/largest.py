@@ -85,12 +85,12 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         yield found
 
 
-def _largest(plan: Plan, expected: Expected, method: str, cancel: Cancel) -> tuple[float, float, str]:
+def _largest(plan: Plan, expected: Expected, method: str, given_up: GivenUp) -> tuple[float, float, str]:
     """The largest step size that works, the smallest that fails, and why."""
 
     def trouble(tau: float) -> str:
         start, options = (plan.x0, plan.t_span[0]), (plan.transition, plan.sliding)
-        (verdict,) = judge(plan.system, *start, expected, method, [tau], MAX_STEPS, *options, cancel)
+        (verdict,) = judge(plan.system, *start, expected, method, [tau], MAX_STEPS, *options, given_up)
         if verdict.outcome != expected.status:
             return verdict.message
         if METHODS[method].conservative and verdict.error > _KEPT * expected.size:

@@ -85,12 +85,12 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         yield replace(found, **{f.name: getattr(found, f.name).copy() for f in fields(found)})
 
 
-def _column(plan: Plan, x0: tuple[float, ...], method: str, cancel: Cancel) -> tuple[int, Tally, list[Verdict]]:
+def _column(plan: Plan, x0: tuple[float, ...], method: str, given_up: GivenUp) -> tuple[int, Tally, list[Verdict]]:
     """How the solution from one start ends, how often it meets a surface, and a verdict for each step size."""
     try:
-        expected = expected_of(plan.system, x0, plan.t_span, plan.sliding, cancel)
+        expected = expected_of(plan.system, x0, plan.t_span, plan.sliding, given_up)
     except ValueError as why:  # f or g is undefined there
         return NO_START, Tally(), [Verdict(NO_START, Tally(), np.nan, str(why))] * len(plan.taus)
-    options = (plan.transition, plan.sliding, cancel)
+    options = (plan.transition, plan.sliding, given_up)
     verdicts = judge(plan.system, x0, plan.t_span[0], expected, method, plan.taus.tolist(), MAX_STEPS, *options)
     return int(expected.status), expected.crossings.tally, verdicts

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from core.integrate import integrate
 from core.integration.tally import Tally
 from core.integration.trajectory import Status, Trajectory
-from core.interface.cancelling import Cancel, raise_if
+from core.interface.cancelling import Cancel
+from core.interface.tasks import GivenUp
 from core.studies.sequence import CrossingSequence
-from core.studies.stability.errors import worst_errors
+from core.studies.stability.runs import EndedRun, runs_of
 from core.system import PiecewiseSystem
 
 __all__ = [
@@ -41,8 +42,6 @@ _REFERENCE_STEPS = 20_000
 _BEYOND = 0.25
 #: Least distance of the horizon from a crossing, as part of the gap between crossings.
 _CLEAR = 0.25
-#: Number of recorded states of which the errors are evaluated together: few enough to stay in the processor's cache.
-_STATES = 20_000
 
 #: Outcome of a run that is not computed yet. Other outcomes are the values of `Status`, and the following.
 NOT_YET = 0
@@ -94,7 +93,7 @@ class Verdict:
     """A value of `Status`, or one of the outcomes above."""
     met: Tally
     error: float
-    """Largest |Δψ|, see `worst_error`."""
+    """Largest |Δψ|, see `EndedRun`."""
     message: str
 
 
@@ -140,7 +139,7 @@ def expected_of(
 
 def judge(
     system: PiecewiseSystem, x0: tuple[float, ...], t0: float, expected: Expected, method: str, taus: Iterable[float],
-    max_steps: int, transition: str = "mannshardt", sliding: str = "stop", cancel: Cancel | None = None,
+    max_steps: int, transition: str = "mannshardt", sliding: str = "stop", given_up: GivenUp | None = None,
 ) -> list[Verdict]:  # fmt: skip
     """Run a method with each step size, and compare ending and crossings with the solution.
 
@@ -149,31 +148,17 @@ def judge(
     Cancelled
         If told to stop.
     """
-    verdicts: list[Verdict] = []
-    runs: list[Trajectory] = []
-    for tau in taus:
-        run = integrate(
-            system, (t0, expected.horizon), x0, tau, method, max_steps=max_steps, max_crossings=max_steps,
-            transition=transition, sliding=sliding, cancel=cancel,
-        )  # fmt: skip
-        raise_if(cancel)
-        runs.append(run)
-        if sum(len(run.t) for run in runs) > _STATES:
-            verdicts += _verdicts(runs, expected)
-            runs = []
-    return verdicts + _verdicts(runs, expected)
+    given = transition, sliding, GivenUp() if given_up is None else given_up
+    runs = runs_of(system, x0, (t0, expected.horizon), method, taus, max_steps, *given)
+    return [_verdict(run, expected) for run in runs]
 
 
-def _verdicts(runs: list[Trajectory], expected: Expected) -> list[Verdict]:
-    errors = worst_errors(runs).tolist()
-    return [_verdict(run, expected, error) for run, error in zip(runs, errors, strict=True)]
-
-
-def _verdict(run: Trajectory, expected: Expected, error: float) -> Verdict:
-    outcome, message, passed = int(run.status), run.status.reason, CrossingSequence.of(run)
-    if run.status is not expected.status:
-        if run.status is Status.COMPLETED:
+def _verdict(run: EndedRun, expected: Expected) -> Verdict:
+    status, passed = run.status, run.passed
+    outcome, message = int(status), status.reason
+    if status is not expected.status:
+        if status is Status.COMPLETED:
             outcome, message = WENT_ON, f"it continues where the solution stops because {expected.status.reason}"
-    elif run.status in _COUNTED and (difference := passed.difference(expected.crossings)):
+    elif status in _COUNTED and (difference := passed.difference(expected.crossings)):
         outcome, message = WRONG_CROSSINGS, difference
-    return Verdict(outcome, passed.tally, error, message)
+    return Verdict(outcome, passed.tally, run.error, message)

@@ -9,7 +9,7 @@ import pytest
 
 import core
 from core.studies.stability import NO_START, NOT_YET, PARTS, WENT_ON, WRONG_CROSSINGS, outcome_words, stability_study
-from core.studies.stability.errors import worst_error, worst_errors
+from core.studies.stability import verdict as verdicts
 from core.studies.stability.verdict import expected_of, judge
 
 ELLIPTIC = core.CATALOGUE["elliptic_curve"]
@@ -151,23 +151,32 @@ def test_a_run_that_goes_on_where_the_solution_stops_is_told():
     assert WENT_ON in found.outcome[0, 1] or WRONG_CROSSINGS in found.outcome[0, 1]
 
 
-@pytest.mark.parametrize("name", ["damped_oscillator", "elliptic_curve", "bouncing_ball", "relay_feedback"])
-@pytest.mark.parametrize("perturbation_order", [None, 1, 2])
-def test_the_error_of_a_verdict_is_the_largest_change_of_psi_along_the_run(name, perturbation_order):
-    arguments = {"tau": 0.02, "method": "rk2", "perturbation_order": perturbation_order}
-    run = core.integrate(name, (0.0, 20.0), max_crossings=500, **arguments)
-    along = run.accumulated_error()
-    assert worst_error(run) == np.abs(along).max() if along.size else np.isnan(worst_error(run))
+@pytest.mark.parametrize("name", ["elliptic_curve", "bouncing_ball", "stick_slip", "kepler"])
+def test_a_cell_of_the_map_is_what_integrate_gives(name):
+    system, taus = core.CATALOGUE[name], (0.01, 0.1, 1.0)
+    found = stability_study(system, (0, 9), methods=("rk2",), taus=taus, parts="map", sliding="continue").map
+    for column in (0, 9, 18):
+        start = (float(found.values[column]), *system.x0[1:])
+        try:
+            expected = expected_of(system, start, (0.0, 9.0), "continue")
+        except ValueError:
+            assert (found.outcome[0, :, column] == NO_START).all()
+            continue
+        for row, tau in enumerate(taus):
+            run = core.integrate(system, (0.0, expected.horizon), start, tau, "rk2", sliding="continue")
+            error = np.fmax.reduce(run.change_of_psi()[~run.sliding], initial=np.nan)
+            error = np.nan if run.status.name in ("ESCAPED", "UNSTABLE") else error
+            judged = (WRONG_CROSSINGS, WENT_ON, run.status)
+            assert found.outcome[0, row, column] in judged
+            assert tuple(found.met[0, row, column].tolist()) == run.tally
+            assert np.array_equal(found.error[0, row, column], error, equal_nan=True)
 
 
-@pytest.mark.parametrize("name", ["elliptic_curve", "bouncing_ball", "stick_slip", "chua", "kepler"])
-def test_errors_of_many_runs_are_those_of_each_alone(name):
-    system = core.CATALOGUE[name]
-    starts = np.array(system.x0) + np.random.default_rng(0).uniform(-0.3, 0.3, (6, system.dimension))
-    runs = [core.integrate(system, (0.0, 9.0), x, 0.1, "rk2", max_crossings=500, sliding="continue") for x in starts]
-    alone = [np.fmax.reduce(run.change_of_psi()[~run.sliding], initial=np.nan) for run in runs]
-    alone = [np.nan if run.status.name in ("ESCAPED", "UNSTABLE") else e for run, e in zip(runs, alone, strict=True)]
-    assert np.array_equal(worst_errors(runs), alone, equal_nan=True)
+def test_runs_of_the_map_do_without_a_call_of_integrate(monkeypatch):
+    called = []
+    monkeypatch.setattr(verdicts, "integrate", lambda *a, **b: called.append(a) or core.integrate(*a, **b))
+    stability_study(HARMONIC, methods=("dmm2",), taus=(0.01, 0.1, 0.2), values=(1.0, 2.0), parts="map")
+    assert len(called) == 2, "the reference of each start"
 
 
 def test_a_verdict_and_the_run_that_it_is_about_tell_of_one_error():
