@@ -111,7 +111,7 @@ def _completed(
             if not under_way:
                 return
             done, _ = wait(under_way, None if cancel is None else _POLL, FIRST_COMPLETED)
-            for future in done:
+            for future in sorted(done, key=under_way.__getitem__):
                 yield under_way.pop(future), future.result()
     finally:
         for future in under_way:

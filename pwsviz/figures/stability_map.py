@@ -160,16 +160,19 @@ def _choose(event: Event, on_choose: Choose) -> None:
 
 
 def _cells(found: OutcomeMap, k: int) -> dict[str, NDArray[Any]]:
-    """Return the columns of the computed cells of one integrator."""
+    """Return the columns of the computed cells of one integrator; they reach to the middle between computed starts."""
     shown = outcomes_shown(found, k)
     row, column = np.nonzero(shown != NOT_YET)
     across, up = np.exp(_edges(np.log(found.taus))), _edges(found.values)
+    known, place = np.unique(column, return_inverse=True)
+    middles = (found.values[known[1:]] + found.values[known[:-1]]) / 2
+    bottom, top = np.append(up[0], middles)[place], np.append(middles, up[-1])[place]
     error, codes = found.error[k][row, column], shown[row, column].tolist()
     return {
         "left": across[row],
         "right": across[row + 1],
-        "bottom": up[column],
-        "top": up[column + 1],
+        "bottom": bottom,
+        "top": top,
         "tau": np.array([printed(f"{tau:.3g}") for tau in found.taus[row]]),
         "value": np.array([printed(f"{value:.4g}") for value in found.values[column]]),
         "words": np.array([OUTCOMES[code].words for code in codes]),

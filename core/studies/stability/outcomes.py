@@ -64,14 +64,14 @@ def count(plan: Plan) -> int:
 
 
 def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterator[OutcomeMap]:
-    """Yield the results so far after each column of the map."""
+    """Yield the results so far after each start, from a coarse map to the fine one."""
     n, kinds, shape = len(plan.values), len(KINDS), (len(plan.methods), len(plan.taus), len(plan.values))
     found = OutcomeMap(
         plan.taus, plan.values, np.zeros(shape, dtype=np.int64), np.full(shape, np.nan),
         np.zeros((*shape, kinds), dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, kinds), dtype=np.int64),
     )  # fmt: skip
     given_up = GivenUp()
-    columns = [(which, row) for row in range(n) for which in range(len(plan.methods))]
+    columns = [(which, row) for row in _coarse_to_fine(n) for which in range(len(plan.methods))]
     tasks = [
         (plan, start_at(plan.x0, plan.coordinate, plan.values[row]), plan.methods[which], given_up)
         for which, row in columns
@@ -83,6 +83,11 @@ def run(plan: Plan, executor: Executor | None, cancel: Cancel | None) -> Iterato
         found.error[which, :, row] = [verdict.error for verdict in verdicts]
         found.met[which, :, row] = [verdict.met for verdict in verdicts]
         yield replace(found, **{f.name: getattr(found, f.name).copy() for f in fields(found)})
+
+
+def _coarse_to_fine(n: int) -> list[int]:
+    """The numbers below n, so ordered that any first ones of them are spread evenly."""
+    return sorted(range(n), key=lambda k: -(k & -k) if k else -n)
 
 
 def _column(plan: Plan, x0: tuple[float, ...], method: str, given_up: GivenUp) -> tuple[int, Tally, list[Verdict]]:

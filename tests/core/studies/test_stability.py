@@ -179,6 +179,18 @@ def test_runs_of_the_map_do_without_a_call_of_integrate(monkeypatch):
     assert len(called) == 2, "the reference of each start"
 
 
+def test_the_map_is_refined_from_a_coarse_one():
+    seen = []
+    stability_study(
+        HARMONIC, methods=("rk2",), taus=(0.1, 0.2), values=np.linspace(1.0, 2.0, 9), parts="map",
+        executor=ThreadPoolExecutor(1), progress=lambda done, total, study: seen.append(study.map.expected != NOT_YET),
+    )  # fmt: skip
+    assert [np.flatnonzero(seen[k - 1]).tolist() for k in (1, 2, 3, 5)] == [
+        [0], [0, 8], [0, 4, 8], [0, 2, 4, 6, 8],
+    ]  # fmt: skip
+    assert seen[-1].all()
+
+
 def test_a_verdict_and_the_run_that_it_is_about_tell_of_one_error():
     start, span = (1.0, 1.0), (0.0, 10.0)
     expected = expected_of(HARMONIC, start, span)

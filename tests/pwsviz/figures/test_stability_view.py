@@ -72,6 +72,21 @@ def test_cells_of_the_map_tile_the_range_and_lie_about_their_runs(study):
         assert left < float(tau) < right
 
 
+@pytest.mark.parametrize("computed", [[0], [0, 4], [1, 2, 4]])
+def test_the_starts_computed_so_far_fill_the_range(study, computed):
+    there = np.isin(np.arange(5), computed)
+    view = StabilityView(lambda *place: None)
+    view.show(replace(study, map=replace(study.map, outcome=np.where(there, study.map.outcome, NOT_YET))), "map", "rk2")
+    drawn = view._made["map"]
+    data, low, high = drawn.cells.data, *drawn.corners.data["y"]
+    assert len(data["left"]) == 6 * len(computed)
+    bottom, top = (np.unique(data[name]) for name in ("bottom", "top"))
+    assert (bottom[0], top[-1]) == (low, high)
+    assert np.array_equal(bottom[1:], top[:-1])
+    assert (bottom < study.map.values[computed]).all()
+    assert (study.map.values[computed] < top).all()
+
+
 def test_cells_have_the_colour_and_the_words_of_their_outcome(study):
     view, found = StabilityView(lambda *place: None), study.map
     view.show(study, "map", "rk2")
