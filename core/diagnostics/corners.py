@@ -16,7 +16,7 @@ import numpy as np
 from core.integration.crossings import Crossings
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
-from core.integration.starting import way_out
+from core.integration.starting import onto_surfaces, way_out
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
@@ -24,7 +24,7 @@ from core.symbolic.source_text import to_text
 
 __all__ = ["undecided_corners"]
 
-#: Most places at which the ways out are examined: those that are nearest to a corner.
+#: Most crossings that are examined: those that are nearest to other surfaces.
 _MOST = 64
 #: Most steps that are made again, half as long.
 _MOST_STEPS = 1e6
@@ -38,7 +38,7 @@ _MARGIN = 16.0
 
 
 class _Passage(NamedTuple):
-    """A crossing near a corner, out of which the laws around do not lead one way."""
+    """A crossing near a corner."""
 
     number: int
     """Index of the crossing."""
@@ -49,66 +49,77 @@ class _Passage(NamedTuple):
     """Number of the other surface."""
     height: float
     """Its switching function there."""
-    reason: str
-    """Why the laws do not tell the way out."""
+    corner: Floats
+    """(d,) where the two surfaces meet."""
+    reach: float
+    """Length of a step there."""
+    rounding: float
+    """Bound on the error of the height by rounding the states of the segment that led there."""
 
 
 def undecided_corners(run: Trajectory) -> Iterator[str]:
-    """Warn of the first crossing that is nearer to an ambiguous corner than the run is accurate.
+    """Warn of the first crossing that is nearer to a corner than the run is accurate, if its laws lead out in two ways.
 
     How accurate it is there is told by a run with half the step; of a long run, by the last part of it.
     """
-    crossings = run.crossings
-    laws = run.system.laws
+    crossings, laws = run.crossings, run.system.laws
     if len(laws.surfaces) < 2 or not laws.regions[0].sides or not np.array_equal(crossings.x, crossings.surface):
         return  # regions by name have no corners; a run that is perturbed, or steps over surfaces, is off them anyway
     passages = _passages(run)
     if not passages:
         return
+    direction = math.copysign(1.0, run.t[-1] - run.t[0])
     begin = int(np.argmax(np.abs(run.entered_t - passages[-1].t) <= _MOST_STEPS * run.tau / 2.0))
     closer = _made_again(run, begin, passages[-1].t, run.tau / 2.0)
-    order = METHODS[run.method].order
-    factor = 1.0 if order is None else 1.0 / (1.0 - 2.0**-order)  # Richardson
     for passage in passages:
-        error = _difference(run, passage, closer)
-        length = abs(passage.t - run.entered_t[passage.number])
-        if 0.0 < length < run.tau:  # half the step may have made the same part of a step
-            error += _difference(run, passage, _made_again(run, passage.number, passage.t, length / 2.0))
-        error = factor * error + _rounding(run, passage)
-        if abs(passage.height) <= _SAFETY * error:
+        if abs(passage.height) > _SAFETY * _error(run, passage, closer):
+            continue
+        way = way_out(run.system, passage.t, passage.corner, tuple(sorted((passage.met, passage.near))), direction)
+        if way.mode is None:
             met, near = (to_text(laws.surfaces[k]) for k in (passage.met, passage.near))
             yield (
                 f"At t = {passage.t:.6g} {met} = 0 is met so near to {near} = 0 that a run of this accuracy does not "
-                f"tell which of them is met first, and {passage.reason}: with other steps it may go on elsewhere"
+                f"tell which of them is met first, and {way.reason}: with other steps it may go on elsewhere"
             )
             return
 
 
 def _passages(run: Trajectory) -> list[_Passage]:
-    """Crossings within a step of an ambiguous corner, in order of time."""
-    system, laws, crossings = run.system, run.system.laws, run.crossings
+    """Crossings within a step of a corner, in order of time."""
+    system, laws, crossings, p = run.system, run.system.laws, run.crossings, run.system.parameter_array
+    count = len(laws.surfaces)
     known = np.flatnonzero((crossings.kind != "corner") & (crossings.surface_met >= 0))
     t, x, met = crossings.t[known], crossings.x[known], crossings.surface_met[known]
-    arriving = np.concatenate([run.mode[:1], crossings.mode])[known]  # before each
-    distance = np.full((len(known), len(laws.surfaces)), np.inf)  # in time, with the speed at which it arrives
-    heights = laws.evaluate("heights", laws.surfaces, t, x, system.parameter_array)
+    arriving = np.concatenate([run.mode[:1], crossings.mode])[known]  # of each crossing, the mode before it
+    values = laws.evaluate("heights and roundings", laws.surfaces_and_roundings, t, x, p)
+    before = laws.evaluate("heights and roundings", laws.surfaces_and_roundings, run.entered_t, run.entered_x, p)[known]
+    heights, rounding = values[:, :count], _MARGIN * _EPS * (values + before)[:, count:]
+    away, reach = np.full(heights.shape, np.inf), np.zeros(len(known))  # time to the other surfaces; way of a step
     for number in np.unique(arriving[arriving >= 0]).tolist():
         rows, mode = arriving == number, laws.mode(number)
-        wanted = tuple(map(mode.rate_of, laws.surfaces))
-        rates = laws.evaluate(("rates", number), wanted, t[rows], x[rows], system.parameter_array)
+        wanted = (*map(mode.rate_of, laws.surfaces), *mode.field)
+        rates = laws.evaluate(("rates and field", number), wanted, t[rows], x[rows], p)
         with np.errstate(all="ignore"):
-            distance[rows] = np.abs(heights[rows] / rates)
-    distance[np.arange(len(known)), met] = np.inf
-    rows, others = np.nonzero(distance <= run.tau)
-    nearest = np.argsort(distance[rows, others])[:_MOST]
-    direction, found = math.copysign(1.0, run.t[-1] - run.t[0]), []
-    for row, other in sorted(zip(rows[nearest].tolist(), others[nearest].tolist(), strict=True)):
-        surfaces = tuple(sorted((int(met[row]), other)))
-        way = way_out(system, float(t[row]), x[row], surfaces, direction)
-        if way.mode is None:
-            place = int(known[row]), float(t[row]), int(met[row]), other
-            found.append(_Passage(*place, float(heights[row, other]), way.reason))
+            away[rows] = np.abs(heights[rows] / rates[:, :count])
+        reach[rows] = run.tau * np.abs(rates[:, count:]).max(axis=1)
+    away[np.arange(len(known)), met] = np.inf
+    rows, others = np.nonzero(away <= run.tau)
+    nearest = np.argsort(away[rows, others])[:_MOST]
+    found = []
+    for row, near in sorted(zip(rows[nearest].tolist(), others[nearest].tolist(), strict=True)):
+        corner = onto_surfaces(system, float(t[row]), x[row], tuple(sorted((int(met[row]), near))))
+        left = abs(_height(run, near, float(t[row]), corner))
+        if left <= abs(heights[row, near]) / 4.0 + rounding[row, near]:  # else they are parallel, or do not meet nearby
+            place = int(known[row]), float(t[row]), int(met[row]), near, float(heights[row, near]), corner
+            found.append(_Passage(*place, float(reach[row]), float(rounding[row, near])))
     return found
+
+
+def _height(run: Trajectory, surface: int, t: float, x: Floats) -> float:
+    """A switching function at a state (d,)."""
+    return float(
+        run.system.laws.evaluate("heights", run.system.laws.surfaces, t, x, run.system.parameter_array)[surface]
+    )
 
 
 def _made_again(run: Trajectory, begin: int, t: float, step: float) -> Crossings:
@@ -124,23 +135,25 @@ def _made_again(run: Trajectory, begin: int, t: float, step: float) -> Crossings
     return runner.crossings()
 
 
-def _rounding(run: Trajectory, passage: _Passage) -> float:
-    """Bound on the error of the height of the other surface by rounding the states of the segment that led there."""
-    laws, row, k = run.system.laws, len(run.system.laws.surfaces) + passage.near, passage.number
-    states = np.stack([run.entered_x[k], run.crossings.x[k]])
-    times = np.array([run.entered_t[k], passage.t])
-    sizes = laws.evaluate("sizes", laws.surfaces_and_roundings, times, states, run.system.parameter_array)[:, row]
-    return _MARGIN * _EPS * float(sizes.sum())
+def _error(run: Trajectory, passage: _Passage, closer: Crossings) -> float:
+    """Estimate of the error of the height of the other surface; inf where that may be met first."""
+    order = METHODS[run.method].order
+    factor = 1.0 if order is None else 1.0 / (1.0 - 2.0**-order)  # Richardson
+    error, length = _difference(run, passage, closer), abs(passage.t - run.entered_t[passage.number])
+    if 0.0 < length < run.tau:  # half the step may have made the same part of a step
+        error += _difference(run, passage, _made_again(run, passage.number, passage.t, length / 2.0))
+    return factor * error + passage.rounding
 
 
 def _difference(run: Trajectory, passage: _Passage, closer: Crossings) -> float:
-    """By how much the height of the other surface differs in another run; inf where that meets another one first."""
-    system, laws = run.system, run.system.laws
-    rows = np.flatnonzero(np.isin(closer.surface_met, (passage.met, passage.near)))
+    """By how much the height of the other surface differs in another run; inf where that meets the other one first.
+
+    A run that does not come near the corner has parted from this one before: it tells nothing here.
+    """
+    rows = np.flatnonzero(np.abs(closer.x - passage.corner).max(axis=1) <= passage.reach)
     if not len(rows):
-        return math.inf
+        return 0.0
     row = rows[np.argmin(np.abs(closer.t[rows] - passage.t))]
     if closer.surface_met[row] != passage.met or closer.kind[row] == "corner":
         return math.inf
-    heights: Floats = laws.evaluate("heights", laws.surfaces, closer.t[row], closer.x[row], system.parameter_array)
-    return abs(float(heights[passage.near]) - passage.height)
+    return abs(_height(run, passage.near, float(closer.t[row]), closer.x[row]) - passage.height)
