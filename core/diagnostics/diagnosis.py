@@ -15,6 +15,7 @@ from core.diagnostics.constants import (
     second_rate_bound,
     wellposed_bound,
 )
+from core.diagnostics.corners import undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
 from core.diagnostics.resolution import unresolved
 from core.diagnostics.scheme import Scheme
@@ -126,12 +127,12 @@ def diagnose(run: Trajectory) -> Diagnosis:
 def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
-    The first of `unresolved`: steps too long for g or for the field; else the first of `Diagnosis.warnings`, from the
-    first 256 crossings.
+    The first of `unresolved`: steps too long for g or for the field; else that of `undecided_corners`; else the first
+    of `Diagnosis.warnings`, from the first 256 crossings.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
-    warnings = unresolved(run)
+    warnings = unresolved(run) or tuple(undecided_corners(run))
     if not warnings:
         warnings = _diagnosis(run, run.crossings.first(_FIRST)).warnings
     return f"{warnings[0]}." if warnings else ""

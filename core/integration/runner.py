@@ -18,7 +18,7 @@ from core.integration.memory import FIELDS, FIRST_HITS
 from core.integration.outcome import cause_of_failure
 from core.integration.recorded import Chunk
 from core.integration.run import AT_SURFACE, Run
-from core.integration.starting import leaning, onto_surfaces, regions_entered, way_out
+from core.integration.starting import leaning, onto_surfaces, regions_entered, sliding_begun, way_out
 from core.kernels.abi import STEP
 from core.kernels.arrays import Floats
 from core.transition.event_location import BOUND
@@ -130,7 +130,12 @@ class Runner(Run):
             region, guard = entered[0]
             self._begin_in(region, (self.system.laws.ways[region][guard].surface,))
             return True
-        self.status = Status.REPELLING if entered else self.status
+        begun = None if entered else sliding_begun(self.system, region, guard, self.t, self.x, sign)
+        if begun is not None and self.settings.slides:
+            self._begin_in(begun[0], ())
+            self.record["at"] = 1 << begun[1]
+            return True
+        self.status = Status.REPELLING if entered else self.status if begun is None else Status.SLIDING
         return False
 
     def _begin_in(self, mode: int, surfaces: tuple[int, ...]) -> None:

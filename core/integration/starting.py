@@ -14,7 +14,7 @@ from core.kernels.arrays import Floats
 from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem
 
-__all__ = ["Leaning", "Place", "first_place", "leaning", "onto_surfaces", "regions_entered", "way_out"]
+__all__ = ["Leaning", "Place", "first_place", "leaning", "onto_surfaces", "regions_entered", "sliding_begun", "way_out"]
 
 _EPS = 2.0**-52
 _MARGIN = 16.0  #: a value below this many first-order bounds on its rounding counts as zero
@@ -130,6 +130,34 @@ def regions_entered(
         sides.append((way.to, way.back))
     ordered = sorted(sides, key=lambda side: system.laws.ways[side[0]][side[1]].sign)
     return [side for side in ordered if leaning(system, *side, t, x, direction).way > 0]
+
+
+def sliding_begun(
+    system: PiecewiseSystem, region: int, guard: int, t: float, x: Floats, direction: float
+) -> tuple[int, int] | None:
+    """Mode of sliding that begins at a point on a surface to which both fields lead, one of them tangentially.
+
+    There Filippov's field is the tangent one, so that the second derivative of g along it, which leads back to the
+    surface, is the rate with which this field comes to point there.
+
+    Parameters
+    ----------
+    region, guard, t, x, direction
+        As of `regions_entered`.
+
+    Returns
+    -------
+    (mode, guard) or None
+        Its number, and the number of its guard that vanishes there: the rate of g with the tangent field.
+    """
+    way = system.laws.ways[region][guard]
+    if way.to is None or way.back is None or way.sliding is None:
+        return None
+    sides = [(region, guard), (way.to, way.back)]
+    below_and_above = sides if way.sign < 0 else sides[::-1]
+    leans = [leaning(system, *side, t, x, direction) for side in below_and_above]
+    folded = [k for k, lean in enumerate(leans) if lean.folded]
+    return (way.sliding, folded[0]) if all(lean.way < 0 for lean in leans) and len(folded) == 1 else None
 
 
 class Leaning(NamedTuple):

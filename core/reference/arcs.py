@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
@@ -15,6 +16,7 @@ from core.reference.first_root import FirstRoot, newton, zero_between
 from core.reference.guard import Enclosure, Guard, Polynomial
 from core.reference.powers import GUARD, Field, Step
 from core.reference.program import Digits
+from core.reference.slow_flow import FastPart, SlowFlow
 from core.reference.solution import Arrival, State
 from core.reference.transitions import Entry
 
@@ -22,6 +24,8 @@ __all__ = ["ExactArc", "Level", "Motion", "zero_of"]
 
 #: Most steps of one arc, some 300 turns, before the search for a crossing is given up.
 _MAX_STEPS = 2000
+#: Steps of an arc after which parts that decay are looked for: fewer take less time.
+_FEW = 12
 #: Step, relative to the time since the start of the arc, below which the solution may be at a pole.
 _POLE = 2.0**-40
 #: Least growth of the state, relative to the start of the arc, that is taken for a pole.
@@ -56,6 +60,24 @@ class Motion:
         self.field = Field(field, variables)
         self.guards = [Guard(height, field, variables) for height in heights]
         self.moves = any(guard.moves for guard in self.guards)
+        self._laws = field, heights, variables
+        self._slow: dict[Digits, tuple[SlowFlow, Motion] | None] = {}
+
+    @cached_property
+    def _fast_part(self) -> FastPart | None:
+        field, _, variables = self._laws
+        return FastPart.of(field, variables)
+
+    def on_slow_flow(self, digits: Digits, x: State, least: Any) -> tuple[Motion, State] | None:
+        """The mode and the state (d,) without a fast part, if there is one that is at most `least` times the state."""
+        if self._fast_part is None:
+            return None
+        if digits not in self._slow:
+            flow, (_, heights, variables) = self._fast_part.left_out(digits), self._laws
+            self._slow[digits] = None if flow is None else (flow, Motion(flow.field, heights, variables))
+        if (slow := self._slow[digits]) is None or (on := slow[0].entered(digits, x, least)) is None:
+            return None
+        return slow[1], on
 
 
 class Level(NamedTuple):
@@ -147,6 +169,7 @@ class ExactArc:
         if len(self._steps) == _MAX_STEPS:
             last = float(self._end)
             raise ValueError(f"no crossing found in {_MAX_STEPS} steps, up to {last:.6g} after the last one")
+        self._leave_out_decayed_parts()
         step = self._motion.field.step(self._level.digits, self._end, self._last, self._unit)
         self._steps.append(step)
         self._end += step.span
@@ -155,6 +178,13 @@ class ExactArc:
         self._unchanged_steps = self._unchanged_steps + 1 if unchanged else 0
         if not self._search_near_guide(step):
             self._search(step)
+
+    def _leave_out_decayed_parts(self) -> None:
+        """Go on without the parts of the state that have decayed below the precision, so that steps may be longer."""
+        digits = self._level.digits
+        while len(self._steps) >= _FEW and (slow := self._motion.on_slow_flow(digits, self._last, self._round_off)):
+            self._motion, self._last = slow
+            self._unit = self._motion.field.unit(digits, self._last)
 
     def _search_near_guide(self, step: Step) -> bool:
         """Seek the end near that in fewer digits; True if found there, or known to lie on a later step."""

@@ -166,7 +166,11 @@ class Transitions:
             self._heights[way.surface] = max(self._heights.get(way.surface, 0.0), arc.largest_height(met.guard))
         tangent = self.dynamics.tangent * arc.largest_rate(met.guard)
         if not met.at_once and -self._rate(arc.mode, met.guard, met.t, met.x) <= tangent:
-            ending = _NO_END_OF_SLIDING if turns else Ending("it touches the surface tangentially")
+            ending = (
+                _NO_END_OF_SLIDING
+                if turns
+                else Ending("it touches the surface tangentially, or too nearly so to be told apart")
+            )
             return ending._replace(doubtful=True)
         if self._accumulates(way.surface, float(met.t)):
             return Ending("its crossings accumulate: infinitely many follow in a finite time (Zeno)")
@@ -284,7 +288,7 @@ class Transitions:
                     return Ending("after the reset, across another surface, the fields do not tell the side it enters")
                 return self._begin(t, x, way.to, there, folded, jumped)
             if rate == 0 and zero:
-                return Ending("it touches another surface tangentially")
+                return Ending("it touches another surface tangentially, or too nearly so to be told apart")
             if zero and rate > 0:
                 leaving.append(k)
             elif past is None:

@@ -60,8 +60,10 @@ NONE, FOUND, TOUCH, SHORT, FAILED = 0, 1, 2, 3, 4
 _EPS = 2.0**-52
 #: A state of this size has escaped: the square of a larger one may overflow.
 BOUND = 1e150
-#: Largest number of trial lengths in one step.
+#: Largest number of trial lengths kept at a time: halving down to rounding takes 53.
 MAX_NODES = 64
+#: Largest number of parts of a step that are looked at: several a halving where the height vanishes as a power of time.
+_MAX_PARTS = 1024
 #: Largest number of trial steps for one root.
 _MAX_TRIALS = 100
 #: Largest number of trial steps of Newton's method.
@@ -259,13 +261,17 @@ def locate_crossing(context, t, begin, h, f_end, r_end):
         return NONE  # the perturbation has moved it off the surface, to either side, and it is not back
     depth = 0
     nodes[0, 0], nodes[0, 1], nodes[0, 2] = h, f_end, r_end
-    for _ in range(MAX_NODES):
+    for _ in range(_MAX_PARTS):
         s1, f1, r1 = nodes[depth, 0], nodes[depth, 1], nodes[depth, 2]
         third = abs(s1 - s) / 3.0
         low, high = f + r * third, f1 - r1 * third  # with f and f1 the coefficients of the cubic
         if f1 <= 0.0 < f and not low < 0.0 < high:
             run.hit = root(context, t, s, s1, f, f1, r, r1)
             return FOUND if run.hit == run.hit else FAILED
+        if f == 0.0 and -noise <= f1 <= 0.0 and 0.0 <= r * abs(s1 - s) <= noise and depth > 0:
+            s, r = s1, max(r1, 0.0)  # the part is too short to tell whether the state has left the surface
+            depth -= 1
+            continue
         if f == 0.0 and f1 <= 0.0 and r1 <= 0.0:  # the state has left the surface and returned
             s, f, r = peak(context, t, s, s1, r, r1)
             if not f > 0.0:
@@ -277,6 +283,9 @@ def locate_crossing(context, t, begin, h, f_end, r_end):
         if f1 > 0.0 and r < 0.0 < r1 and f > 0.0:
             s2, f2, r2 = dip(context, t, s, s1, f, f1, r, r1)
             above = above or (f - 2.0 * low + high >= 0.0 and low - 2.0 * high + f1 >= 0.0)  # convex: tangents bound it
+        if third <= _EPS * abs(h) and f1 <= 0.0 < f:  # the height vanishes as a power of time: its rate does, too
+            run.hit = s1
+            return TOUCH
         if (f2 > 0.0 and above) or third <= _EPS * abs(h):
             if depth == 0:
                 return NONE
@@ -365,8 +374,10 @@ def locate_by_scheme(context, t, h, f_end, r_end, kind, low, high):
         height = try_step(context, t, run.hit)
         if height > 0.0:
             return SHORT
-        return TOUCH if -height <= _MARGIN * g_rounding(context, t + run.hit) else FAILED
-    if kind == ROOT:  # the scheme, projected to the levels of ψ, meets the surface a little earlier or later
+        if -height <= _MARGIN * g_rounding(context, t + run.hit):
+            return TOUCH
+        h, f_end, r_end = run.hit, height, rate_at_end(context)
+    elif kind == ROOT:  # the scheme, projected to the levels of ψ, meets the surface a little earlier or later
         h = unit * high
         f_end, r_end = try_step(context, t, h), rate_at_end(context)
         if f_end > 0.0:

@@ -4,6 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy
+from scipy.integrate import solve_ivp
 
 import core
 from core import Status
@@ -105,3 +106,29 @@ def test_runs_slide_where_the_exact_solution_does(method, draws):
         assert np.abs(run.crossings.t - exact.times).max(initial=0.0) < allowance
         for t in (*(0.5 * (exact.times[1:] + exact.times[:-1])), END):
             assert np.abs(run.at(t) - place(exact.state(float(t), system.dimension))).max() < allowance, (t, system)
+
+
+@pytest.mark.parametrize("above", [True, False])
+def test_a_start_where_one_field_is_tangent_and_both_lead_to_the_surface_slides(above, draws):
+    """Filippov's speed along y = 0, where the tangent field comes to point to it with the rate −b x."""
+    up = "+" if above else "-"  # the fold lies above the surface, or, mirrored, below it
+    tangent, pointing = ("s*a", f"-s*b*({up}x)"), ("s*c", f"{up}s*d")
+    minus, plus = (pointing, tangent) if above else (tangent, pointing)
+    system = core.PiecewiseSystem(
+        "Fold", ("x", "y"), f_minus=minus, f_plus=plus, g="y", x0=(0.0, 0.0),
+        parameters=dict.fromkeys("abcds", 1.0),
+    )  # fmt: skip
+    for rng in draws(12):
+        a, b, d = rng.uniform(0.3, 2.0, 3).tolist()
+        c, sign = float(rng.uniform(-0.2, 2.0)), float(rng.choice([-1.0, 1.0]))
+        run = core.integrate(
+            system.with_parameters(a=a, b=b, c=c, d=d, s=sign), (0.0, 0.5 * sign), tau=0.02, method="rk4",
+            sliding="continue",
+        )  # fmt: skip
+        case = (a, b, c, d, sign, run.message)
+        speed = lambda _, x, a=a, b=b, c=c, d=d: (b * c * x + a * d) / (b * x + d)  # noqa: E731
+        wanted = solve_ivp(speed, (0.0, 0.5), [0.0], rtol=1e-11, atol=1e-13)
+        assert run.status is Status.COMPLETED, case
+        assert (run.mode == 2).all(), case
+        assert run.x[-1] == pytest.approx([wanted.y[0, -1], 0.0], abs=1e-7), case
+        assert core.integrate(run.system, (0.0, 0.5 * sign), tau=0.02, method="rk4").status is Status.SLIDING

@@ -1,0 +1,159 @@
+"""Test whether a run passes a corner, at which several surfaces meet, on a side that its accuracy does not tell.
+
+The loop takes surfaces to be met at the same instant where they are to rounding. The error of a method is larger: of a
+solution that meets a corner, a numerical one meets one of the surfaces first, which of them is a matter of the step.
+That decides where the run goes on, unless the laws around lead the same way out of the corner whatever is met first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from core.integration.crossings import Crossings
+from core.integration.run_settings import Settings
+from core.integration.runner import Runner
+from core.integration.starting import onto_surfaces, way_out
+from core.integration.trajectory import Trajectory
+from core.kernels.arrays import Floats
+from core.methods import METHODS
+from core.symbolic.source_text import to_text
+
+__all__ = ["undecided_corners"]
+
+#: Most crossings that are examined: those that are nearest to other surfaces.
+_MOST = 64
+#: Most steps that are made again, half as long.
+_MOST_STEPS = 1e6
+#: Tolerance of a variable-step method in that, as part of its own.
+_TIGHTER = 2.0**-7
+_EPS = 2.0**-52
+#: Bound on the error of a run, in units of its estimate from half the step.
+_SAFETY = 2.0
+#: Error by rounding, in units of its first-order bound.
+_MARGIN = 16.0
+
+
+class _Passage(NamedTuple):
+    """A crossing near a corner."""
+
+    number: int
+    """Index of the crossing."""
+    t: float
+    met: int
+    """Number of the surface met."""
+    near: int
+    """Number of the other surface."""
+    height: float
+    """Its switching function there."""
+    corner: Floats
+    """(d,) where the two surfaces meet."""
+    reach: float
+    """Length of a step there."""
+    rounding: float
+    """Bound on the error of the height by rounding the states of the segment that led there."""
+
+
+def undecided_corners(run: Trajectory) -> Iterator[str]:
+    """Warn of the first crossing that is nearer to a corner than the run is accurate, if its laws lead out in two ways.
+
+    How accurate it is there is told by a run with half the step; of a long run, by the last part of it.
+    """
+    crossings, laws = run.crossings, run.system.laws
+    if len(laws.surfaces) < 2 or not laws.regions[0].sides or not np.array_equal(crossings.x, crossings.surface):
+        return  # regions by name have no corners; a run that is perturbed, or steps over surfaces, is off them anyway
+    passages = _passages(run)
+    if not passages:
+        return
+    direction = math.copysign(1.0, run.t[-1] - run.t[0])
+    begin = int(np.argmax(np.abs(run.entered_t - passages[-1].t) <= _MOST_STEPS * run.tau / 2.0))
+    closer = _made_again(run, begin, passages[-1].t, run.tau / 2.0)
+    for passage in passages:
+        if abs(passage.height) > _SAFETY * _error(run, passage, closer):
+            continue
+        way = way_out(run.system, passage.t, passage.corner, tuple(sorted((passage.met, passage.near))), direction)
+        if way.mode is None:
+            met, near = (to_text(laws.surfaces[k]) for k in (passage.met, passage.near))
+            yield (
+                f"At t = {passage.t:.6g} {met} = 0 is met so near to {near} = 0 that a run of this accuracy does not "
+                f"tell which of them is met first, and {way.reason}: with other steps it may go on elsewhere"
+            )
+            return
+
+
+def _passages(run: Trajectory) -> list[_Passage]:
+    """Crossings within a step of a corner, in order of time."""
+    system, laws, crossings, p = run.system, run.system.laws, run.crossings, run.system.parameter_array
+    count = len(laws.surfaces)
+    known = np.flatnonzero((crossings.kind != "corner") & (crossings.surface_met >= 0))
+    t, x, met = crossings.t[known], crossings.x[known], crossings.surface_met[known]
+    arriving = np.concatenate([run.mode[:1], crossings.mode])[known]  # of each crossing, the mode before it
+    values = laws.evaluate("heights and roundings", laws.surfaces_and_roundings, t, x, p)
+    before = laws.evaluate("heights and roundings", laws.surfaces_and_roundings, run.entered_t, run.entered_x, p)[known]
+    heights, rounding = values[:, :count], _MARGIN * _EPS * (values + before)[:, count:]
+    away, reach = np.full(heights.shape, np.inf), np.zeros(len(known))  # time to the other surfaces; way of a step
+    for number in np.unique(arriving[arriving >= 0]).tolist():
+        rows, mode = arriving == number, laws.mode(number)
+        wanted = (*map(mode.rate_of, laws.surfaces), *mode.field)
+        rates = laws.evaluate(("rates and field", number), wanted, t[rows], x[rows], p)
+        with np.errstate(all="ignore"):
+            away[rows] = np.abs(heights[rows] / rates[:, :count])
+        reach[rows] = run.tau * np.abs(rates[:, count:]).max(axis=1)
+    away[np.arange(len(known)), met] = np.inf
+    rows, others = np.nonzero(away <= run.tau)
+    nearest = np.argsort(away[rows, others])[:_MOST]
+    found = []
+    for row, near in sorted(zip(rows[nearest].tolist(), others[nearest].tolist(), strict=True)):
+        corner = onto_surfaces(system, float(t[row]), x[row], tuple(sorted((int(met[row]), near))))
+        left = abs(_height(run, near, float(t[row]), corner))
+        if left <= abs(heights[row, near]) / 4.0 + rounding[row, near]:  # else they are parallel, or do not meet nearby
+            place = int(known[row]), float(t[row]), int(met[row]), near, float(heights[row, near]), corner
+            found.append(_Passage(*place, float(reach[row]), float(rounding[row, near])))
+    return found
+
+
+def _height(run: Trajectory, surface: int, t: float, x: Floats) -> float:
+    """A switching function at a state (d,)."""
+    return float(
+        run.system.laws.evaluate("heights", run.system.laws.surfaces, t, x, run.system.parameter_array)[surface]
+    )
+
+
+def _made_again(run: Trajectory, begin: int, t: float, step: float) -> Crossings:
+    """Crossings, up to shortly after time t, of a run by shorter steps from where a segment was entered.
+
+    A variable-step method keeps a smaller tolerance as well.
+    """
+    method = METHODS[run.method]
+    tighter = max(_EPS, run.tolerance * _TIGHTER) if method.adaptive else math.nan
+    start = run.system, method, float(run.entered_t[begin]), tuple(run.entered_x[begin].tolist())
+    runner = Runner(*start, Settings(step, tighter, slides=run.slides))
+    runner.advance(t + math.copysign(2.0 * step, run.t[-1] - run.t[0]))
+    return runner.crossings()
+
+
+def _error(run: Trajectory, passage: _Passage, closer: Crossings) -> float:
+    """Estimate of the error of the height of the other surface; inf where that may be met first."""
+    order = METHODS[run.method].order
+    factor = 1.0 if order is None else 1.0 / (1.0 - 2.0**-order)  # Richardson
+    error, length = _difference(run, passage, closer), abs(passage.t - run.entered_t[passage.number])
+    if 0.0 < length < run.tau:  # half the step may have made the same part of a step
+        error += _difference(run, passage, _made_again(run, passage.number, passage.t, length / 2.0))
+    return factor * error + passage.rounding
+
+
+def _difference(run: Trajectory, passage: _Passage, closer: Crossings) -> float:
+    """By how much the height of the other surface differs in another run; inf where that meets the other one first.
+
+    A run that does not come near the corner has parted from this one before: it tells nothing here.
+    """
+    rows = np.flatnonzero(np.abs(closer.x - passage.corner).max(axis=1) <= passage.reach)
+    if not len(rows):
+        return 0.0
+    row = rows[np.argmin(np.abs(closer.t[rows] - passage.t))]
+    if closer.surface_met[row] != passage.met or closer.kind[row] == "corner":
+        return math.inf
+    return abs(_height(run, passage.near, float(closer.t[row]), closer.x[row]) - passage.height)
