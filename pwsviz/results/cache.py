@@ -35,8 +35,8 @@ class Cache:
         self.computed: Counter[str] = Counter()
         """How often a value of each kind was computed, not found."""
         self._lock = Lock()
-        self._futures: OrderedDict[Hashable, Future[Any]] = OrderedDict()
-        self._sizes: dict[Hashable, int] = {}
+        self._computing: dict[Hashable, Future[Any]] = {}
+        self._kept: OrderedDict[Hashable, tuple[Any, int]] = OrderedDict()  # values and their bytes, by their last use
         self._held = 0
 
     def get(self, kind: str, inputs: Hashable, compute: Callable[[], Value]) -> Value:
@@ -47,13 +47,14 @@ class Cache:
         key = (kind, inputs)
         while True:
             with self._lock:
-                future = self._futures.get(key)
+                if key in self._kept:
+                    kept: Value = self._recall(key)
+                    return kept
+                future = self._computing.get(key)
                 mine = future is None
                 if future is None:
-                    future = self._futures[key] = Future()
+                    future = self._computing[key] = Future()
                     self.computed[kind] += 1
-                else:
-                    self._futures.move_to_end(key)
             if mine:
                 return self._fill(key, future, compute)
             try:
@@ -66,35 +67,31 @@ class Cache:
         """Return the value for (`kind`, `inputs`) if it is kept, else None; nothing is computed or waited for."""
         key = (kind, inputs)
         with self._lock:
-            if key not in self._sizes:
-                return None
-            self._futures.move_to_end(key)
-            return self._futures[key].result()
+            return self._recall(key) if key in self._kept else None
+
+    def _recall(self, key: Hashable) -> Any:
+        self._kept.move_to_end(key)
+        return self._kept[key][0]
 
     def _fill(self, key: Hashable, future: Future[Any], compute: Callable[[], Value]) -> Value:
         try:
             value = compute()
         except BaseException as reason:
             with self._lock:
-                del self._futures[key]
+                del self._computing[key]
             future.set_exception(reason)
             raise
         future.set_result(value)
         size = nbytes(value)  # the arrays of a run may be made only now
         with self._lock:
-            self._sizes[key] = size
-            self._held += size
-            self._shrink()
+            del self._computing[key]
+            if size <= self.max_bytes:
+                self._kept[key] = value, size
+                self._held += size
+            while self._held > self.max_bytes or len(self._kept) > MAX_VALUES:
+                _, (_, freed) = self._kept.popitem(last=False)
+                self._held -= freed
         return value
-
-    def _shrink(self) -> None:
-        if self._held <= self.max_bytes and len(self._sizes) <= MAX_VALUES:
-            return
-        for key in [key for key in self._futures if key in self._sizes]:
-            self._held -= self._sizes.pop(key)
-            del self._futures[key]
-            if self._held <= self.max_bytes and len(self._sizes) <= MAX_VALUES:
-                return
 
 
 def nbytes(value: object) -> int:

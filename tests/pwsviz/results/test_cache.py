@@ -78,6 +78,33 @@ def test_memory_is_bounded_and_the_oldest_goes_first():
     assert cache.computed["array"] == 6
 
 
+def test_a_value_too_large_to_be_kept_drops_no_other():
+    cache = Cache(max_bytes=1000)
+    cache.get("array", 0, lambda: np.zeros(100))
+    assert cache.get("array", 1, lambda: np.ones(200)).sum() == 200
+    cache.get("array", 0, lambda: pytest.fail("was there"))
+
+
+class Counted:
+    """Inputs that count how often they are looked up."""
+
+    hashed = 0
+
+    def __hash__(self):
+        Counted.hashed += 1
+        return id(self)
+
+
+def test_dropping_the_oldest_takes_no_longer_the_more_values_are_kept(monkeypatch):
+    monkeypatch.setattr("pwsviz.results.cache.MAX_VALUES", 200)
+    cache = Cache()
+    for _ in range(200):
+        cache.get("full", Counted(), object)
+    Counted.hashed = 0
+    cache.get("one more", Counted(), object)
+    assert Counted.hashed < 20
+
+
 def test_bytes_of_nested_arrays_are_counted():
     assert nbytes([np.zeros(2), (np.zeros(3), "text")]) == 40
 
