@@ -61,14 +61,14 @@ def discrete_constants(scheme: Scheme, branch: Branch) -> tuple[Floats, Floats, 
     (k,), (k,), (k, d); nan where the step's equation is not solved.
     """
     system, way = scheme.system, np.sign(branch.rate)
-    slopes = _slopes(system, branch)
+    gradient = _slopes(system, branch)
     v = by_number(branch.mode, scheme.field, branch.t, branch.x)
     least, largest = np.abs(branch.rate), np.abs(_curvature(system, branch, branch.t, branch.x, v))
     end = branch.x
     for part in _DISCRETE_PARTS:
         h = part * branch.length
         v = by_number(branch.mode, scheme.velocity, branch.t, branch.x, h)
-        least = np.minimum(least, way * (slopes[:, 0] + np.einsum("ki,ki->k", slopes[:, 1:], v)))
+        least = np.minimum(least, way * (gradient[:, 0] + np.einsum("ki,ki->k", gradient[:, 1:], v)))
         for along in (0.0, 0.5, 1.0):
             s = along * h
             end = branch.x + s[:, None] * v
@@ -149,8 +149,7 @@ def _slopes(system: PiecewiseSystem, branch: Branch) -> Floats:
     """(k, 1 + d) g_t and ∇g at the surface of a branch."""
 
     def of(surface: int, t: Floats, x: Floats) -> Floats:
-        g = system.laws.surfaces[surface]
-        return _values(system, ("g_t, grad g", surface), (g.diff(TIME), *system.laws.gradients[surface]), t, x)
+        return _values(system, ("g_t, grad g", surface), slopes(system.laws, surface), t, x)
 
     return by_number(branch.surface, of, branch.t, branch.x)
 
@@ -173,6 +172,12 @@ def second_rate(laws: Laws, mode: int, surface: int) -> sympy.Expr:
     """d²g/dt² of a surface along the field of a mode."""
     law = laws.mode(mode)
     return law.rate_of(law.rate_of(laws.surfaces[surface]))
+
+
+@lru_cache(maxsize=64)
+def slopes(laws: Laws, surface: int) -> tuple[sympy.Expr, ...]:
+    """g_t and ∇g of a surface."""
+    return laws.surfaces[surface].diff(TIME), *laws.gradients[surface]
 
 
 @lru_cache(maxsize=64)

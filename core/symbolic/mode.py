@@ -42,7 +42,7 @@ class Mode:
         """Whether the state slides along a surface."""
         return self.surface is not None
 
-    @property
+    @cached_property
     def heights(self) -> tuple[Expr, ...]:
         """The guards with the signs that make them positive in this mode, if time runs forward."""
         return tuple(sign * guard for sign, guard in zip(self.signs, self.guards, strict=True))
@@ -67,9 +67,16 @@ class Mode:
         agreeing = (self.guards[0] - self.guards[1],) if self.slides else ()
         return singularities(self.field, self.variables, (*self.guards, *agreeing))
 
+    @cached_property
+    def _rates(self) -> dict[Expr, Expr]:
+        """Time derivatives asked for so far: sympy takes a millisecond for each."""
+        return {}
+
     def rate_of(self, u: Expr) -> Expr:
         """Time derivative of u along the field: zero if u is conserved."""
-        return rate_along(self.field, self.variables, u)
+        if u not in self._rates:
+            self._rates[u] = rate_along(self.field, self.variables, u)
+        return self._rates[u]
 
 
 def rate_along(field: Sequence[Expr], variables: Sequence[Symbol], u: Expr) -> Expr:

@@ -44,3 +44,10 @@ def test_checking_a_declaration_leaves_the_laws_that_others_share_as_they_are() 
     before = {name: copy.copy(value) for name, value in vars(laws).items()}
     assert declared(1.5).laws is laws
     assert vars(laws) == before
+
+
+def test_a_rate_is_differentiated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    mode, g = core.CATALOGUE["elliptic_curve"].laws.regions[0], core.CATALOGUE["elliptic_curve"].laws.g
+    first = mode.rate_of(g)
+    monkeypatch.setattr("core.symbolic.mode.rate_along", lambda *_: pytest.fail("differentiated again"))
+    assert mode.rate_of(g) == first
