@@ -32,8 +32,11 @@ RECENT = 8
 MOST_CELLS = 10_000_000
 """Pixels of a picture that it is looked up in whether they have been painted: four times those of a square one."""
 
-MOST_SPARE = 4_000_000
-"""Pixels of a picture that are kept for the next one."""
+BITS = 4
+"""Of the number of a pixel, those that tell its place within a tile; the others tell the tile."""
+
+TILE = 1 << BITS
+"""Pixels along the side of a tile of such a picture."""
 
 _compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
 
@@ -188,48 +191,31 @@ def painted_first(path: Floats, pixel: float) -> Mask:
     if len(path) < 3 or not columns * rows <= MOST_CELLS:
         return new
     new[:] = False
-    shape = int(columns) + 1, int(rows) + 1
-    cells = _spare.pop() if _spare else np.empty(0, np.float32)
-    if cells.size < shape[0] * shape[1]:
-        cells = np.full(shape[0] * shape[1], -1.0, np.float32)
-    painted = cells[: shape[0] * shape[1]].reshape(shape)
-    _first_painted(path, x_low - pixel, y_low - pixel, pixel, painted, new)
-    if cells.size <= MOST_SPARE and not _spare:
-        _unpaint(path, x_low - pixel, y_low - pixel, pixel, painted, new)
-        _spare.append(cells)
+    tiles = np.zeros((int(columns) // TILE + 1, int(rows) // TILE + 1), np.uint32)
+    _first_painted(path, x_low - pixel, y_low - pixel, pixel, tiles, new)
     return new
 
 
-_spare: list[NDArray[np.float32]] = []
-"""A raster without a mark, kept for the next path: to fill a new one takes longer than to paint on it."""
-
-
 @_compiled
-def _unpaint(path, x_low, y_low, pixel, painted, new):
-    for k in range(new.size):
-        if new[k]:
-            x, y = path[k, 0], path[k, 1]
-            across, up = path[k + 1, 0] - x, path[k + 1, 1] - y
-            count = 1 + int(np.sqrt(across * across + up * up) / pixel)
-            for i in range(count + 1):
-                column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
-                painted[column, row] = -1.0
-
-
-@_compiled
-def _is_painted(painted, column, row, until):
+def _is_painted(tiles, painted, column, row, until):
     """Whether the pixel, which most often is that of an earlier turn, or one beside it was painted before."""
-    if 0.0 <= painted[column, row] < until:
+    if 0.0 <= painted[tiles[column >> BITS, row >> BITS], column & TILE - 1, row & TILE - 1] < until:
         return True
-    for a in range(max(column - 1, 0), min(column + 2, painted.shape[0])):
-        for b in range(max(row - 1, 0), min(row + 2, painted.shape[1])):
-            if 0.0 <= painted[a, b] < until:
+    for a in range(max(column - 1, 0), column + 2):
+        for b in range(max(row - 1, 0), row + 2):
+            if 0.0 <= painted[tiles[a >> BITS, b >> BITS], a & TILE - 1, b & TILE - 1] < until:
                 return True
     return False
 
 
 @_compiled
-def _first_painted(path, x_low, y_low, pixel, painted, new):
+def _first_painted(path, x_low, y_low, pixel, tiles, new):
+    """Paint a path, and mark the edges that reach pixels not painted before.
+
+    Most of a picture stays empty, so only the tiles that the path reaches are made; `tiles` has their numbers, and 0
+    for all others.
+    """
+    painted, made = np.full((64, TILE, TILE), np.float32(-1.0)), 1
     passed = 0.0  # length of the path so far in pixels; each pixel has the length at which it was painted, or -1
     for k in range(new.size):
         x, y = path[k, 0], path[k, 1]
@@ -240,14 +226,20 @@ def _first_painted(path, x_low, y_low, pixel, painted, new):
         count = 1 + int(length)
         for i in range(count + 1):
             column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
-            if not _is_painted(painted, column, row, passed + length * i / count - RECENT):
+            if not _is_painted(tiles, painted, column, row, passed + length * i / count - RECENT):
                 new[k] = True
                 break
         if new[k]:
             for i in range(count + 1):
                 column, row = int((x + across * i / count - x_low) / pixel), int((y + up * i / count - y_low) / pixel)
-                if painted[column, row] < 0:
-                    painted[column, row] = passed + length * i / count
+                tile = tiles[column >> BITS, row >> BITS]
+                if tile == 0:
+                    if made == len(painted):
+                        painted = np.concatenate((painted, np.full_like(painted, np.float32(-1.0))))
+                    tile = tiles[column >> BITS, row >> BITS] = made
+                    made += 1
+                if painted[tile, column & TILE - 1, row & TILE - 1] < 0:
+                    painted[tile, column & TILE - 1, row & TILE - 1] = passed + length * i / count
         passed += length
 
 

@@ -1,5 +1,7 @@
 """Curves shrink to what a screen shows, and by no more than promised."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -8,6 +10,7 @@ from hypothesis.extra import numpy as hnp
 
 from pwsviz.geometry.envelope import envelope
 from pwsviz.geometry.polyline_reduction import (
+    MOST_CELLS,
     RESOLUTION,
     distinct_pixels,
     first_in_cells,
@@ -203,6 +206,20 @@ def test_what_is_painted_first_does_not_depend_on_how_finely_a_path_is_divided(p
     new = painted_first(path, 2.0 / RESOLUTION)
     assert new[: points - points // 100].all(), "a path does not repeat the piece that leads to it"
     assert not new[points + 1 :].any()
+
+
+def test_a_curve_across_a_large_picture_takes_room_for_itself_alone():
+    t = np.linspace(0.0, 40.0, 4000)
+    path, pixel = np.column_stack([np.cos(t), np.sin(t)]) * np.exp(t / 10.0)[:, None], 0.03
+    pixels = np.prod(np.ptp(path, axis=0) / pixel)
+    assert pixels < MOST_CELLS
+    painted_first(path[:10], pixel)  # compiled
+    tracemalloc.start()
+    new = painted_first(path, pixel)
+    room = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert new.all()
+    assert room < pixels, f"{room:,} bytes for {pixels:,.0f} pixels of 4 bytes"
 
 
 def test_curves_that_cross_stay_whole():
