@@ -145,11 +145,18 @@ class Ground:
         """
         if backdrop is self._shown:
             return
+        moved = self._shown is not None and self._shown.formulas["moving"]
         self._shown, self.covered = backdrop, backdrop.window
-        self.side.data = _polygons(backdrop.minus_outer, backdrop.minus_holes)
-        self.bare.data = _polygons(backdrop.bare_outer, backdrop.bare_holes)
         self._bare_entry.visible = bool(backdrop.bare_outer)
-        self.surface.data = _columns(backdrop.surface)  # sent like the sides: the browser moves both by itself
+        for source, columns in (
+            (self.side, _polygons(backdrop.minus_outer, backdrop.minus_holes)),
+            (self.bare, _polygons(backdrop.bare_outer, backdrop.bare_holes)),
+            (self.surface, _columns(backdrop.surface)),
+        ):
+            if moved:  # by the browser itself, so that it shows other data than were sent
+                source.data = columns
+            else:
+                assign(source, **columns)
         for side in SIDES:
             cut = [_columns(part[side]) for part in (backdrop.levels, backdrop.orbit_levels, backdrop.arrows)]
             for source, columns in zip(self._lines(side), backdrop.whole.get(side, cut), strict=True):

@@ -307,7 +307,7 @@ class PortraitView:
         self._name(system, axes)
         self.orbits.data = _curves(pictures.orbits)
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
-        self.others.data = _curves(pictures.others, thinner=0.5)
+        assign(self.others, **_curves(pictures.others, thinner=0.5))
         assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
         assign(self.ends, **end_columns(pictures.numbered))
         assign(self.steps, **_step_columns([*pictures.orbits, *pictures.others]))
@@ -321,16 +321,17 @@ class PortraitView:
         """Put the stars at the starts; after a refused move this puts its star back."""
         chosen = [k == selected for k in range(len(starts))]
         numbers, crowds = star_labels(starts, self._visible or self.frame)
-        self.starts.data = {  # sent after each gesture, as `heard` differs: the browser may have moved them by itself
-            "x": [float(x) for x, _ in starts],
-            "y": [float(y) for _, y in starts],
-            "number": numbers,
-            "crowd": crowds,
-            "size": [26 if it else 21 for it in chosen],
-            "fill": [ORANGE if it else PALE_STAR for it in chosen],
-            "chosen": chosen,
-            "heard": [self._heard] * len(starts),
-        }
+        assign(
+            self.starts,
+            x=[float(x) for x, _ in starts],
+            y=[float(y) for _, y in starts],
+            number=numbers,
+            crowd=crowds,
+            size=[26 if it else 21 for it in chosen],
+            fill=[ORANGE if it else PALE_STAR for it in chosen],
+            chosen=chosen,
+            heard=[self._heard] * len(starts),  # sent after each gesture: the browser may have moved them by itself
+        )
         self.ground.keep_clear()
 
     def _number_stars(self) -> None:

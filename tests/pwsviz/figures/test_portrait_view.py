@@ -221,9 +221,29 @@ def test_a_closed_player_makes_and_sends_nothing():
 
 def test_what_a_parameter_does_not_change_in_the_backdrop_is_not_sent_again():
     view, system, window = Watched(), pictured()[0], Window(-2.0, 2.0, -2.0, 2.0)
-    sources = [*view.ground.levels.values(), *view.ground.arrows.values()]
+    ground = view.ground
+    sources = [*ground.levels.values(), *ground.arrows.values(), ground.side, ground.surface]
     before, after = [], []
     for a_minus, seen in ((-3.0, before), (-2.5, after)):
         view.show_backdrop(backdrop(system.with_parameters(a_minus=a_minus), window, {}))
         seen += [source.data for source in sources]
-    assert [old is new for old, new in zip(before, after, strict=True)] == [False, True, False, True]
+    assert [old is new for old, new in zip(before, after, strict=True)] == [False, True, False, True, True, True]
+
+
+def test_a_surface_that_the_browser_may_have_moved_is_sent_again():
+    view, system, window = Watched(), core.CATALOGUE["moving_interface"], Window(-2.0, 2.0, -2.0, 2.0)
+    sent = []
+    for source in (view.ground.side, view.ground.surface):
+        source.on_change("data", lambda _attribute, _old, new: sent.append(new))
+    for _ in range(2):
+        view.show_backdrop(backdrop(system, window, {}))
+    assert len(sent) == 4
+
+
+def test_what_a_move_of_a_slider_leaves_as_it_is_is_not_sent_again():
+    view, sent = Watched(), []
+    view.draw(TWO)
+    for source in (view.starts, view.others, view.crossings, view.methods):
+        source.on_change("data", lambda _attribute, _old, new: sent.append(new))
+    view.draw(TWO)
+    assert sent == []
