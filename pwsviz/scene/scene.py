@@ -147,7 +147,8 @@ class Scene(param.Parameterized):
     @property
     def offered(self) -> list[str]:
         """Integrators that can be used with the system."""
-        return [name for name in core.METHODS if can_use(self.declaration, name)]
+        system = self.declaration
+        return [name for name in core.METHODS if can_use(system, name)]
 
     @property
     def used(self) -> list[str]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from queue import Empty, SimpleQueue
+from threading import get_ident
 from time import monotonic
 from typing import Any
 
@@ -37,7 +38,7 @@ class Delivery:
         self._early: list[Callable[[], None]] = []
         self._waiting: SimpleQueue[Callable[[], None]] = SimpleQueue()
         if self.document is not None:
-            self._loop = asyncio.get_running_loop()
+            self._loop, self._thread = asyncio.get_running_loop(), get_ident()
             pn.state.onload(self._catch_up)
 
     def __call__(self, show: Callable[..., None], *outcome: Any, lacking: Callable[[], bool] = never) -> None:
@@ -57,7 +58,8 @@ class Delivery:
             show(*outcome)
         elif not self._loop.is_closed():
             self._waiting.put(partial(show, *outcome))
-            self._loop.call_soon_threadsafe(self._add_unless, lacking)
+            here = get_ident() == self._thread
+            (self._loop.call_soon if here else self._loop.call_soon_threadsafe)(self._add_unless, lacking)
 
     def later(self, seconds: float, show: Callable[[], None], wanted: Callable[[], bool]) -> None:
         """Call `show` in the event loop after so many seconds, if it is `wanted` then; not at all without a page.

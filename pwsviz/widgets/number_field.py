@@ -112,6 +112,9 @@ class NumberField(pn.viewable.Viewer):
 
     def _tell(self, **changes: Any) -> None:
         """Change what the browser shows, each setting once: of two changes at once it may restore the first."""
+        changes = {name: value for name, value in changes.items() if getattr(self.entry, name) != value}
+        if not changes:
+            return
         self._syncing = True
         try:
             self.entry.param.update(**changes)
