@@ -150,13 +150,14 @@ class ConservedView:
         """
         lines = together(line_of(curve.method) for curve in errors)
         heights = [drawable(curve.error[1:]) for curve in errors]
-        self.curves.data = {
-            "xs": [curve.t[1:] for curve in errors],  # without the start, where the change is 0 by definition
-            "ys": heights,
-            "method": [curve.method for curve in errors],
-            "colour": [line.colour for line in lines],
-            "dash": [list(line.dash) for line in lines],
-        }
+        assign(
+            self.curves,
+            xs=[curve.t[1:] for curve in errors],  # without the start, where the change is 0 by definition
+            ys=heights,
+            method=[curve.method for curve in errors],
+            colour=[line.colour for line in lines],
+            dash=[list(line.dash) for line in lines],
+        )
         self._show_exits(errors, heights)
         show_methods(self.methods, [curve.method for curve in errors])
         self._show_segments(errors[0])
@@ -170,12 +171,13 @@ class ConservedView:
     def _show_exits(self, errors: Sequence[ErrorCurve], heights: Sequence[Floats]) -> None:
         """Mark where curves leave the plot at its upper end, and say how large their |Δψ| becomes."""
         gone = [(curve, y) for curve, y in zip(errors, heights, strict=True) if np.nanmax(y, initial=0.0) >= CEILING]
-        self.exits.data = {
-            "t": [curve.t[1:][np.nanargmax(y)] for curve, y in gone],
-            "y": [CEILING] * len(gone),
-            "colour": [line_of(curve.method).colour for curve, _ in gone],
-            "words": [f"{curve.method} leaves the plot: {_largest(curve.error)}" for curve, _ in gone],
-        }
+        assign(
+            self.exits,
+            t=[curve.t[1:][np.nanargmax(y)] for curve, y in gone],
+            y=[CEILING] * len(gone),
+            colour=[line_of(curve.method).colour for curve, _ in gone],
+            words=[f"{curve.method} leaves the plot: {_largest(curve.error)}" for curve, _ in gone],
+        )
 
     def _show_segments(self, first: ErrorCurve) -> None:
         bounds = np.concatenate([[0.0], first.crossings, [first.t_end]])

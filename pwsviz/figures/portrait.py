@@ -22,6 +22,7 @@ from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
+from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.style import (
     ORANGE,
     VERMILION,
@@ -373,8 +374,8 @@ class PortraitView:
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
     lines = together(line_of(orbit.method) for orbit in orbits)
     return {
-        "xs": [orbit.path[:, 0] for orbit in orbits],
-        "ys": [orbit.path[:, 1] for orbit in orbits],
+        "xs": sent([orbit.path[:, 0] for orbit in orbits]),
+        "ys": sent([orbit.path[:, 1] for orbit in orbits]),
         "method": [orbit.method for orbit in orbits],
         "colour": [line.colour for line in lines],
         "dash": [list(line.dash) for line in lines],

@@ -25,6 +25,7 @@ from bokeh.plotting import figure
 from numpy.typing import NDArray
 
 import core
+from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
@@ -144,9 +145,6 @@ LOOKS: dict[str, tuple[Line, ...]] = {
     "TaylorSeries": (Line(VIOLET, (14, 4, 5, 4), "asterisk", 1.6),),
 }
 """Looks of the integrators of each family, in their order (cyclically); all differ in colour and in dash."""
-
-FEW = 40
-"""Entries up to which a column of numbers is sent as text."""
 
 NEAR_ROUND_OFF = 100.0
 """Ratio of the least error to the level of round-off up to which an axis goes down to that level."""
@@ -372,13 +370,7 @@ def unseen(columns: Iterable[str]) -> ColumnDataSource:
 def assign(source: ColumnDataSource, **columns: Any) -> None:
     """Give a source new data unless they equal its own, which saves sending and painting them."""
     if source.data.keys() != columns.keys() or any(_differ(source.data[name], columns[name]) for name in columns):
-        source.data = {name: _sent(column) for name, column in columns.items()}
-
-
-def _sent(column: Any) -> Any:
-    """Return a short array of numbers as a list: sent by itself, it would cost more than their digits."""
-    short = isinstance(column, np.ndarray) and column.dtype.kind in "if" and len(column) <= FEW
-    return column.tolist() if short else column
+        source.data = {name: sent(column) for name, column in columns.items()}
 
 
 def _differ(old: Any, new: Any) -> bool:

@@ -48,12 +48,12 @@ def test_curves_of_a_moved_slider_bring_the_backdrop_on_which_they_lie(explorer)
     scheduler.submit = lambda lane, *rest, **options: (
         submitted.append(lane) or Scheduler.submit(scheduler, lane, *rest, **options)
     )
-    before = panel.portrait.ground.surface.data
+    before = panel.portrait.ground.levels[-1].data
     explorer.scene.accept("values.a_minus", -2.6)
     explorer.settle(20)
     assert set(submitted) == {"runs", "view"}, "no other computation has to follow"
     assert counts(explorer)["backdrop"] == 2
-    assert panel.portrait.ground.surface.data is not before
+    assert panel.portrait.ground.levels[-1].data is not before
     explorer.scene.accept("values.a_minus", -2.5)
     explorer.settle(20)
     assert counts(explorer)["backdrop"] == 3
