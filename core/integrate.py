@@ -119,7 +119,9 @@ def integrate(
         Functions h(t, x) whose zeros are found along the run, each an expression or an `Event`. The steps are those of
         a run without events, bit by bit. A zero is located on the scheme, as crossings are, and counts where the sign
         of h changes: not at the start, nor where a jump changes the sign. An event at a crossing is at its time and
-        state, before its jump. A perturbation moves crossings, but not events.
+        state, before its jump; it counts if h comes to zero there, also where a jump turns h back, as the height of a
+        ball at its wall. A perturbation moves crossings, and events are those of the steps that are taken all the
+        same: next to a moved crossing one may be missing, or stand twice.
     max_events
         Number of events after which the run stops; 10⁶ where not given.
 

@@ -29,7 +29,8 @@ class Event:
     function: str
     """h, an expression in the variables, the parameters and t."""
     direction: int = 0
-    """1: where h increases with t, −1: where it decreases with t, 0: both; so also of a run that goes back in time."""
+    """1: where dh/dt > 0, −1: where dh/dt < 0, 0: both. Of a run that goes back in time that is the sign of dh/dt too,
+    and not of the change along the run."""
     terminal: bool = False
     """Whether the run ends at the first such zero."""
 

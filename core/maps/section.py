@@ -86,7 +86,8 @@ def section(
 ) -> Section:
     """Find where runs meet a surface: a Poincaré section.
 
-    Where nothing switches there, the points are `events` of the runs, which are the same without them.
+    Where nothing switches there, the points are `events` of the runs, which are the same without them. What there is to
+    say of a member, as of steps too long for h, is in the message of the run that `integrate` makes of it.
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ def section(
     of
         h(t, x), an expression whose zeros are the surface. None: the switching surface; of several surfaces, all.
     direction
-        1: where h increases, −1: where it decreases, 0: both.
+        1: where h increases with time, −1: where it decreases, 0: both; so also of runs that go back in time.
     coordinates
         Variables that are the coordinates of a point; all where not given.
     discard

@@ -45,8 +45,6 @@ _HIDDEN = 1e-300
 _BEYOND = 2.0**-20
 #: … but after so many poles in one step no more.
 _MOST_POLES = 16
-#: So does it beyond more zeros in a row than this that rounding does not separate.
-_CLOSE = 4
 #: An event function that is zero along a piece of this part of the longest step vanishes along an arc.
 _LONG = 1e-3
 
@@ -59,6 +57,8 @@ class Piece(NamedTuple):
     h: Any  # its length
     plain: Any  # whether it is a plain step
     crossed: Any  # whether it ends at a crossing
+    last: Any  # whether no other piece follows in its mode
+    longest: Any  # length of the longest step
 
 
 @inlined
@@ -91,7 +91,9 @@ def examine_piece(context, watch, x, carry, w, asked, h, plain, hits, places):
     else:
         put_place(context, x)
     row = row_in(watch, main.mode if plain else saved.mode)
-    piece, before = Piece(row, run.t + run.t_carry, h, plain, crossed), main.found
+    last, longest = crossed or (main.final == 1 and main.rest == 0.0), abs(main.tau)
+    longest = longest if main.adaptive == 0 else max(main.longest, abs(h))
+    piece, before = Piece(row, run.t + run.t_carry, h, plain, crossed, last, longest), main.found
     run.adaptive = main.adaptive
     if plain or not passes_none(context, watch, row, piece.t, h):
         set_frame(context, watch, w, plain, asked)
@@ -127,100 +129,144 @@ def set_frame(context, watch, w, plain, asked):
 
 
 @internal
-def take_side(watch, event, h):
-    """Sign that a function takes which begins a piece at zero; 0 if it stays there."""
-    if abs(event.rate * h) > event.noise:
-        return 1 if event.rate > 0.0 else -1
-    main = watch.records[0]
-    longest = abs(main.tau) if main.adaptive == 0 else main.longest
-    side = sign_beyond(event.end_value, event.end_noise)
-    if side == 0 and abs(h) >= _LONG * longest:
-        event.vanishes = 1
-    return side
+def find_events(context, watch, piece, k):
+    """Pass the zeros of an event function in a piece, each once; returns whether there is room for its events.
+
+    `event.side` is its sign since the last zero. It changes in `pass_zero`, which writes an event, and nowhere else,
+    but for where its zeros cannot be told: beyond a pole. So between two signs that rounding does not hide there is an
+    odd number of events if they differ, and an even number if not. A zero that rounding does not tell from an end of
+    the piece is passed at the start of the next piece, or at the end of this one if its mode ends there, or the run.
+    """
+    run, event = context.run, watch.events[k]
+    run.row = piece.row + k
+    event.zero = math.nan
+    if not (abs(event.value) < math.inf and abs(event.end_value) < math.inf and abs(event.end_rate) < math.inf):
+        event.undefined, event.side = 1, sign_beyond(event.end_value, event.end_noise)
+        return True
+    known, moves = sign_beyond(event.value, event.noise), way_of(piece, event.rate, event.noise)
+    side = known or moves or sign_beyond(event.end_value, event.end_noise)  # right after the start
+    if side == 0:
+        event.vanishes = 1 if abs(piece.h) >= _LONG * piece.longest else event.vanishes
+        return True
+    if event.side == -side:
+        put_place(context, context.x)
+        if not pass_zero(context, watch, piece, k, 0.0, event.value, event.rate, event.noise):
+            return False
+    event.side = side
+    run.leaving, run.height = (1, 0.0) if known == 0 else (0, abs(event.value))
+    run.rate = side * event.rate if known or moves else 0.0
+    return pass_inside(context, watch, piece, k) and reach_end(context, watch, piece, k)
+
+
+@inlined
+def way_of(piece, rate, noise):
+    """Sign of a rate; 0 if even in the longest step it changes h by no more than rounding does."""
+    return sign_beyond(rate * piece.longest, noise)
 
 
 @internal
-def find_events(context, watch, piece, k):
-    """Find the zeros of an event function in a piece, and write the events; returns whether there is room for them."""
+def pass_inside(context, watch, piece, k):
+    """Pass the zeros inside a piece; returns as `find_events` does."""
     run, event, h = context.run, watch.events[k], piece.h
-    value, rate, noise = event.end_value, event.end_rate, event.end_noise
-    run.row = piece.row + k
-    if not (abs(event.value) < math.inf and abs(value) < math.inf and abs(rate) < math.inf):
-        event.undefined, event.side = 1, sign_beyond(value, noise)
-        return True
-    side, before = event.side, event.before
-    event.before = 0
-    height, slope, leaving = side * event.value, side * event.rate, 0
-    hidden = abs(value) <= noise and (piece.crossed or abs(rate * h) <= noise)
-    arrives = hidden and abs(rate * h) > noise
-    passed_before = False
-    if side == 0:
-        side = take_side(watch, event, h)
-        if side == 0:
-            return True
-        passed_before, leaving, slope = before == -side, 1, max(side * event.rate, 0.0)
-    elif height <= 0.0:
-        leaving = 1
-        if slope * abs(h) <= event.noise:
-            slope = 0.0
-            if not hidden and side * value < -noise:  # it has stayed at zero, and goes on to the other side
-                passed_before, side = True, -side
-    if passed_before:
-        put_place(context, context.x)
-        if not write_event(context, watch, piece, k, -side, 0.0, event.value, event.rate):
-            return False
-    begin, steepness, mark, poles, close = 0.0, math.inf, watch.records[0].found, 0, 0
+    begin, poles = 0.0, 0
     while abs(begin) < abs(h):
-        run.sign, run.height, run.rate, run.leaving = side, height, slope, leaving
-        found = locate(context, watch, piece, begin, _HIDDEN if hidden else side * value, side * rate, noise)
-        lost = close > _CLOSE if found == FOUND else found == FAILED and run.adaptive == 1
-        if lost and poles < _MOST_POLES:
-            begin, poles, close, event.undefined, run.sign = run.hit + _BEYOND * h, poles + 1, 0, 1, 1
-            height = try_step(context, piece.t, begin) if abs(begin) < abs(h) else math.nan
-            if not abs(height) < math.inf:
+        run.sign = event.side
+        found = locate(context, watch, piece, event, begin)
+        again = found == FOUND and run.leaving == 1 and run.hit == begin
+        if (again and math.isnan(event.zero)) or (found == FAILED and run.adaptive == 1):
+            begin, poles = run.hit + _BEYOND * h, poles + 1
+            if poles > _MOST_POLES or not go_on_beyond(context, event, piece, begin):
                 break
-            side, leaving = 1 if height > 0.0 else -1, 0
-            height, slope = abs(height), side * rate_at_end(context)
             continue
-        if found != FOUND or lost:
+        if found != FOUND:
             break
-        if arrives and abs(h - run.hit) * abs(rate) <= 2.0 * noise:
-            break  # at the crossing
-        hit, rest, slope = run.hit, try_step(context, piece.t, run.hit), rate_at_end(context)
-        doubt = _EPS * (abs(piece.t) + abs(hit)) * abs(slope)
-        if not abs(rest) <= MARGIN * context.w[ROUNDING_OF_G] + 4.0 * doubt:
-            event.undefined = 1  # a pole
+        begin, height, rate = run.hit, try_step(context, piece.t, run.hit), event.side * rate_at_end(context)
+        noise = MARGIN * context.w[ROUNDING_OF_G] + 4.0 * _EPS * (abs(piece.t) + abs(begin)) * abs(rate)
+        if not abs(height) <= noise:
+            event.undefined, poles = 1, poles + 1
+            if run.adaptive == 0 or poles > _MOST_POLES:
+                event.zero = math.nan  # a pole
+                break
+            if height < 0.0:
+                correct_side(watch, event)
+            run.leaving, run.height, run.rate = 0, abs(height), event.side * rate
+            continue
+        if rounding_hides(event.end_value, h - begin, max(abs(rate), abs(event.end_rate)), event.end_noise):
             break
-        # At the same place the product may be nan.
-        if not max(steepness, abs(slope)) * abs(hit - begin) > MARGIN * context.w[ROUNDING_OF_G]:
-            watch.records[0].found, steepness, close = mark, math.inf, close + 1  # a touch, and no two zeros
-        else:
-            mark, steepness, close = watch.records[0].found, abs(slope), 0
-            if not write_event(context, watch, piece, k, side, hit, side * rest, side * slope):
-                return False
-        side, begin, leaving, height, slope = -side, hit, 1, 0.0, max(-slope, 0.0)
-    if arrives and side * rate < 0.0:
-        if not write_event(context, watch, piece, k, side, h, value, rate):
+        if not pass_zero(context, watch, piece, k, begin, event.side * height, rate, noise):
             return False
-        side = -side
-    known = sign_beyond(value, noise)
-    if known == -side:  # its sign has changed, and no zero was found
-        event.undefined, side = 1, known
-    event.side = side
+        run.leaving, run.height, run.rate = 1, 0.0, max(event.side * rate, 0.0)
+    return True
+
+
+@inlined
+def rounding_hides(value, length, rate, noise):
+    """Whether rounding hides what h does between a zero and another place, at this length and with this value."""
+    return abs(value) <= noise and rate * abs(length) <= 4.0 * noise  # 4: between two zeros of a parabola
+
+
+@internal
+def go_on_beyond(context, event, piece, begin):
+    """Go on at a length beyond a pole, or beyond zeros too close to be told apart; returns whether that is possible."""
+    run = context.run
+    event.undefined, run.sign = 1, 1
+    value = try_step(context, piece.t, begin) if abs(begin) < abs(piece.h) else math.nan
+    if not abs(value) < math.inf:
+        return False
+    event.side, event.zero = 1 if value > 0.0 else -1, math.nan
+    run.leaving, run.height, run.rate = 0, abs(value), event.side * rate_at_end(context)
     return True
 
 
 @internal
-def locate(context, watch, piece, begin, end, end_rate, noise):
+def correct_side(watch, event):
+    """Take the other sign, which the function has: the last zero in the piece was a touch, or one has been missed."""
+    event.undefined, event.side = 1, -event.side
+    if not math.isnan(event.zero):
+        watch.records[0].found, event.zero = event.mark, math.nan
+
+
+@internal
+def reach_end(context, watch, piece, k):
+    """Pass the zero at the end of a piece that is the last in its mode; returns as `find_events` does."""
+    event = watch.events[k]
+    known = sign_beyond(event.end_value, event.end_noise)
+    if known == -event.side:
+        correct_side(watch, event)
+    if known == 0 and piece.last and way_of(piece, event.end_rate, event.end_noise) == -event.side:
+        return pass_zero(context, watch, piece, k, piece.h, event.end_value, event.end_rate, event.end_noise)
+    return True
+
+
+@internal
+def pass_zero(context, watch, piece, k, length, value, rate, noise):
+    """Pass a zero, with the state in `place`, and write it as an event; returns whether there is room for that.
+
+    Two zeros between which rounding hides the sign are a touch, and no events.
+    """
+    main, event = watch.records[0], watch.events[k]
+    if rounding_hides(0.0, length - event.zero, max(abs(rate), event.steepness), max(noise, event.doubt)):
+        main.found, event.zero = event.mark, math.nan
+    else:
+        event.zero, event.steepness, event.doubt, event.mark = length, abs(rate), noise, main.found
+        if not write_event(context, watch, piece, k, event.side, length, value, rate):
+            return False
+    event.side = -event.side
+    return True
+
+
+@internal
+def locate(context, watch, piece, event, begin):
     """Locate the next zero after a length; it goes to run.hit. Returns FOUND, NONE, or FAILED, as at a pole."""
-    run, h = context.run, piece.h
+    run, h, noise = context.run, piece.h, event.end_noise
+    end = _HIDDEN if abs(event.end_value) <= noise else event.side * event.end_value
     if run.adaptive == 1:
         found = locate_by_series(context, watch.series, piece.t, begin, h)
     else:
         if run.leaving == 1 and begin == 0.0:  # the bounds on rounding are those of the start
             put_place(context, context.x)
             evaluate(context, run.row, piece.t, 0.0)
-        found = locate_crossing(context, piece.t, begin, h, end, end_rate)
+        found = locate_crossing(context, piece.t, begin, h, end, event.side * event.end_rate)
     if found != NONE or end < -noise:
         make_ready(context, piece.t)
     if found in (FOUND, TOUCH) or (found == FAILED and run.adaptive == 1):

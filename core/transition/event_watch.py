@@ -80,14 +80,15 @@ def watch_start(context, watch, x, carry):
 def evaluate_start(context, watch):
     """Evaluate the event functions at the start of a step."""
     main = watch.records[0]
+    stays = main.watching == 2  # in another mode, at the same state
     put_place(context, context.x)
     t, first = main.t + main.t_carry, row_in(watch, main.mode)
     span = 0.0 if main.crossings == 0 else abs(t) + abs(main.taken)  # an initial state is exact
     for k in range(watch.events.size):
         event = watch.events[k]
-        event.value, event.rate, event.noise = evaluate(context, first + k, t, span)
-        event.before = event.side if main.watching == 2 else 0
-        event.side = sign_beyond(event.value, event.noise)
+        event.value, event.rate, noise = evaluate(context, first + k, t, span)
+        event.noise = max(noise, event.noise) if stays else noise
+        event.side = event.side if stays else sign_beyond(event.value, event.noise)
     main.watching = 1
 
 

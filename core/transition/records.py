@@ -121,8 +121,7 @@ EVENT = np.dtype(
     [
         ("way", np.int64),  # 1: where h increases with time, −1: where it decreases, 0: both
         ("ends", np.int64),  # 1: the run ends there
-        ("side", np.int64),  # sign of h before its next zero; 0 where h is zero and has not taken a sign yet
-        ("before", np.int64),  # its sign before the current state, where another mode has been entered
+        ("side", np.int64),  # sign of h since its last zero; 0 where h is zero and has not taken a sign yet
         ("vanishes", np.int64),  # 1: it was zero along a whole step
         ("undefined", np.int64),  # 1: it had no finite value somewhere
         ("value", np.float64),  # h at the current state, its rate along the run, and a bound on the rounding of h
@@ -131,6 +130,10 @@ EVENT = np.dtype(
         ("end_value", np.float64),  # the same at the end of the step
         ("end_rate", np.float64),
         ("end_noise", np.float64),
+        ("zero", np.float64),  # length up to the last zero in the piece; nan if there is none
+        ("steepness", np.float64),  # size of the rate there, and a bound on the rounding of h
+        ("doubt", np.float64),
+        ("mark", np.int64),  # number of events written before
     ],
     align=True,
 )

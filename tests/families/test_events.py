@@ -61,3 +61,25 @@ def test_all_zeros_of_drawn_functions_are_found_and_no_others(method, draws):
         assert np.array_equal(run.events.direction, rises), (function, start, t_end)
         alone = core.integrate(CIRCLE, (0.0, t_end), start, method=method, **SETTINGS[method])
         assert np.array_equal(alone.x, run.x)
+
+
+@pytest.mark.parametrize("method", ["rk4", "gauss4", "dmm2", "taylor"])
+def test_a_zero_at_the_end_of_a_step_is_one_event_and_a_touch_there_is_none(method, draws):
+    line = core.PiecewiseSystem("line", ("x", "y"), g="y - 1e3", f_minus=("1", "0"), f_plus=("1", "0"))
+    odd = ("sin({w}*{s} + {a})", "cos({w}*{s} + {a} + pi/2)", "sin({w}*{s} + {a})*(2 + cos(x))")
+    even = ("sin({w}*{s} + {a})**2", "cos(2*({w}*{s} + {a})) - 1", "sin({w}*{s} + {a})**2*(2 + sin(t))")
+    for random in draws(40):
+        tau, every = round(float(random.choice([0.01, 0.02, 0.05, 0.1, 0.3])), 3), int(random.integers(8, 40))
+        period = tau * every
+        shape, off = str(random.choice(odd + even)), float(random.choice([0.0, 1e-16, -3e-16, 1e-15, 1e-14, 3e-9]))
+        function = shape.format(w=f"pi/{period!r}", s=random.choice(["t", "x"]), a=off)
+        start, sign = float(random.choice([0.0, -7.0 * period])) + period / 2, int(random.choice([-1, 1]))
+        start = round(start / tau) * tau
+        run = core.integrate(
+            line, (start, start + sign * 12.3 * period), (start, 0.0), tau=tau, method=method, events=function
+        )  # fmt: skip
+        zeros = np.arange(-30, 30) * period
+        wanted = zeros[(zeros - start) * (zeros - run.t[-1]) < 0.0][::sign] if shape in odd else []
+        assert len(run.events) == len(wanted), (function, tau, start, sign)
+        assert run.events.t == pytest.approx(wanted, abs=3e-9 * period), (function, tau, start, sign)
+        assert (run.events.direction[1:] == -run.events.direction[:-1]).all()

@@ -165,6 +165,32 @@ def test_an_event_at_the_start_counts_when_it_is_passed_later():
     assert run.events.t[0] == pytest.approx(sum(HALVES) / 2, abs=1e-10)
 
 
+@pytest.mark.parametrize("tau", [0.01, 0.1, 0.25])
+@pytest.mark.parametrize("method", ["rk4", "gauss4", "taylor"])
+def test_a_wall_met_at_the_end_of_a_step_is_one_event_and_so_is_a_terminal_zero(method, tau):
+    ball = core.PiecewiseSystem(
+        "ball", ("y", "v"), surfaces=("y",), regions={"+": core.Region(f=("v", "-1"))}, jumps={0: ("y", "-v")},
+    )  # fmt: skip
+    run = core.integrate(ball, (0.0, 10.0), (0.5, 0.0), tau=tau, method=method, events=("y", "v", "sin(pi*t)"))
+    assert run.events.of(0).t == pytest.approx(run.crossings.t)
+    assert run.events.of(1).t == pytest.approx([2.0, 4.0, 6.0, 8.0, 10.0][: len(run.events.of(1))])
+    assert len(run.crossings) == 5
+    assert len(run.events.of(1)) in (4, 5)
+    assert run.events.of(2).t == pytest.approx(range(1, 10 if run.events.of(2).t[-1] < 9.5 else 11))
+    ended = core.integrate(ball, (0.0, 10.0), (0.5, 0.0), tau=tau, method=method, events=Event("sin(pi*t)", 1, True))
+    assert (ended.status, ended.t[-1], ended.x[-1, 0]) == (Status.EVENT, pytest.approx(2.0), pytest.approx(0.5))
+    assert (np.diff(ended.t) > 0.0).all()
+
+
+def test_a_stroboscopic_section_whose_step_divides_the_period_has_every_point():
+    for n in (16, 50, 100):
+        found = core.section(
+            "harmonic_oscillator", (0.0, 100.0), (0.0, 1.0), of="sin(pi*t)", direction=1, points=40, tau=2.0 / n,
+            method="rk4",
+        )  # fmt: skip
+        assert found.t == pytest.approx(np.arange(2, 82, 2))
+
+
 @pytest.mark.parametrize("method", ["rk4", "taylor"])
 def test_a_function_that_vanishes_along_the_run_has_no_events_and_is_told_of(method):
     run = core.integrate(FREE, (0.0, 50.0), events=("v - 1", "x - t"), **settings_of(method))
