@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import core
 from core import Status
@@ -150,3 +151,41 @@ def test_a_field_that_stays_bounded_where_a_denominator_vanishes_ends_no_run(dra
         step = {} if method == "taylor" else {"tau": rng.uniform(0.01, 0.2)}
         run = core.integrate(system, (0.0, 2.0), method=method, record="end", **step)
         assert run.status is Status.COMPLETED, f"{f}: {run.message}"
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+def test_a_factor_common_to_numerator_and_denominator_is_cancelled(draws, method):
+    """The steps meet its zero to within rounding, where the quotient as it is written is 0/0 or noise."""
+    for rng in draws(12):
+        a, tau = float(np.round(rng.uniform(0.3, 2.5), 1)), float(rng.choice([0.05, 0.025, 0.02, 0.01]))
+        roots, c = rng.uniform(-3, 3, rng.integers(0, 3)), float(rng.uniform(0.3, 2.0))
+        polynomial = np.polynomial.Polynomial.fromroots(roots) if len(roots) else np.polynomial.Polynomial([1.0])
+        kept = "*".join(f"(t - ({r!r}))" for r in roots.tolist()) or "1"
+        above, below = [("t**2 - a**2", "(t + a)"), ("t**2 - 2*a*t + a**2", "(t - a)"), ("t - a", "1")][rng.integers(3)]
+        f, right = f"({above})*({kept})/(c*(t - a))", polynomial.integ()
+        if below != "1":
+            right = (polynomial * np.polynomial.Polynomial([a if "+" in below else -a, 1.0])).integ()
+        system = core.PiecewiseSystem("Common", ("x",), (f,), (f,), "x - 1e6", parameters={"a": a, "c": c}, x0=(0.0,))
+        step = {} if method == "taylor" else {"tau": tau}
+        run = core.integrate(system, (0.0, 3.0), method=method, record="end", **step)
+        off = abs(run.x[-1, 0] - (right(3.0) - right(0.0)) / c)
+        assert run.status is Status.COMPLETED, f"{f}, a = {a}: {run.message}"
+        assert off < (1e-3 if method == "rk2" else 1e-9), f"{f}, a = {a}, tau = {tau}: off by {off}"
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+@pytest.mark.parametrize("f", ["(1 - cos({u}))/({u})**2", "(exp({u}) - 1)/({u})", "({u})/(1 - exp({u}))"])
+def test_a_small_difference_over_a_small_one_keeps_its_digits_or_the_run_says_why_not(draws, f, method):
+    for rng in draws(6):
+        a, tau = float(np.round(rng.uniform(0.3, 2.5), 1)), float(rng.choice([0.05, 0.025, 0.02, 0.01]))
+        text = f.format(u="t - a")
+        system = core.PiecewiseSystem("Small", ("x",), (text,), (text,), "x - 1e6", parameters={"a": a}, x0=(0.0,))
+        value = {
+            "(1": lambda u: 0.5 * np.sinc(u / (2 * np.pi)) ** 2,
+            "(e": lambda u: np.expm1(u) / u if u else 1.0,
+            "(t": lambda u: -u / np.expm1(u) if u else -1.0,
+        }[text[:2]]
+        run = core.integrate(system, (0.0, 3.0), method=method, **({} if method == "taylor" else {"tau": tau}))
+        right = quad(value, -a, 3.0 - a, epsabs=1e-12)[0]
+        off = abs(run.x[-1, 0] - right)
+        assert not (run.status is Status.COMPLETED and off > (1e-3 if method == "rk2" else 1e-8)), f"{text}, {a}: {off}"
