@@ -94,6 +94,8 @@ def integrate(
         p and c: every crossing time is moved, t̂ ← t̂ + c·τᵖ, and the step to it solved anew. p = None: no perturbation.
     record
         "steps": every step; "crossings": first and last state, and the crossings; "end": first and last state only.
+        With "steps", `message` also warns of a single step that leads elsewhere than shorter ones; else some steps,
+        spread evenly, are examined.
     max_crossings, max_steps
         Numbers of crossings and of steps after which the run stops. Where not given: 5·10⁶ crossings, or 10⁹ with
         record="end"; 10⁷ steps where every step is recorded, else 10⁹.

@@ -10,6 +10,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from core.codegen import linear_solve_loops
+from core.codegen.beside import lines_beside
 from core.codegen.linear_solve import FEW, least_change, row_lines, size_line
 from core.codegen.printing import assignments, doubled_assignments, magnitude, named
 from core.codegen.rounding import rounding_bound
@@ -111,6 +112,7 @@ def evaluate_switching_text(laws: Laws, guard: Expr, modes: Sequence[Mode]) -> s
     """
     names = Names(laws)
     lines = [f"{v} = w[{names.frame.place + k}]" for k, v in enumerate(names.x)] + names.unpack_parameters
+    lines += lines_beside(names.symbols, names.temporaries, (modes[0], modes[-1]), Symbol("t"), names.x)
     slack = sympy.Add(*(magnitude(guard.diff(v) * v) for v in laws.x)) * sympy.Float(_EPS)
     doubt = rounding_bound(guard) * sympy.Float(_EPS)
     values = names.own([guard, modes[0].rate_of(guard), modes[-1].rate_of(guard), slack, doubt])

@@ -20,6 +20,13 @@ _BEYOND = Symbol("beyond")
 _ROUNDING = 2 * 2.0**-52
 
 
+def _counted(angle: str, but_zero: bool) -> str:
+    """Text of a number that changes where an angle passes an integer."""
+    if but_zero:
+        return f"math.floor(max({angle}, 0.0)) - math.floor(max(-{angle}, 0.0))"
+    return f"math.floor({angle})"
+
+
 class PassingCode:
     """Lines that compare a place in a step with its start: a singularity lies between if its expression changes sign.
 
@@ -37,7 +44,7 @@ class PassingCode:
         self.start = self._assign("start", self._names.symbols)
 
     def _assign(self, place: str, symbols: dict[Symbol, Expr]) -> list[str]:
-        values = [zero if angle is None else angle for zero, angle in self._found]
+        values = [found.zero if found.angle is None else found.angle for found in self._found]
         targets = [f"{place}_{k}" for k in range(len(values))]
         return assignments(targets, [u.xreplace(symbols) for u in values], self._names.temporaries)
 
@@ -54,7 +61,8 @@ class PassingCode:
             a, b = f"start_{k}", f"there_{k}"
             passed = f"{a} <= 0.0 <= {b} or {b} <= 0.0 <= {a}"
             if singularity.angle is not None:
-                passed = f"abs({b}) < math.inf and math.floor({a}) != math.floor({b})"
+                counts = [_counted(u, singularity.but_zero) for u in (a, b)]
+                passed = f"abs({b}) < math.inf and {counts[0]} != {counts[1]}"
             lines += [f"if {passed}:", f"    w[{abi.SINGULARITY}], w[{abi.SINGULAR_FROM}] = {float(k + 1)}, t"]
             lines += [f"    w[{abi.SINGULAR_LENGTH}] = h", f"    return {abi.NO_SOLUTION}"]
         return lines

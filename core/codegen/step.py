@@ -8,6 +8,7 @@ from functools import cached_property
 import sympy
 from sympy import Expr, Symbol
 
+from core.codegen.beside import lines_beside
 from core.codegen.derivatives import jacobian
 from core.codegen.functions import Names, function_text, level_residual_lines
 from core.codegen.linear_solve import (
@@ -22,6 +23,7 @@ from core.codegen.linear_solve import (
 )
 from core.codegen.passing import PassingCode
 from core.codegen.printing import assignments, named, printed
+from core.codegen.rounding import rounding_bound
 from core.kernels import abi
 from core.kernels.taylor_coefficients import STRIDE
 from core.symbolic.expressions import TIME
@@ -67,6 +69,8 @@ _NOTHING = 4 * 2.0**-52
 _ROUNDING = 1e-6
 #: Largest number of unknowns of linear systems that are solved by cofactors.
 _SMALL = 3
+#: A denominator is lost in round-off below this many times its terms and those of its state.
+_NOISE = 2.0**-46
 #: A field whose text has more characters is compiled as a separate function: the time of the call is negligible.
 _LONG = 2500
 
@@ -89,10 +93,20 @@ class StepCode:
         self._few = len(self._names.x) <= FEW
         self._called = ""
         self._passing = PassingCode(self._names, mode)
-        self._lines = [*self._names.unpack, *self._passing.start]
+        self._lines = [*self._names.unpack, *self._beside(Symbol("t"), self._names.x), *self._passing.start]
         self._evaluations: list[str] = []
         self.t, self.h = Symbol("t"), Symbol("h")
         self.x = self._names.x
+
+    def _beside(self, t: Symbol, x: Sequence[Symbol]) -> list[str]:
+        """Lines that move a place where the field is 0/0; the step ends where it would take round-off for the field."""
+        lines = lines_beside(self._names.symbols, self._temporaries, [self._mode], t, x)
+        place = {**self._names.symbols, **dict(zip(self._mode.variables, x, strict=True)), TIME: t}
+        for u in self._mode.zeros.noisy:
+            values = [u.xreplace(place), rounding_bound(u).xreplace(place) * sympy.Float(_NOISE)]
+            lines += self._assign(["zero", "noise"], values)
+            lines += ["if abs(zero) <= noise:", f"    return {abi.NO_SOLUTION}"]
+        return lines
 
     def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
         """Append lines that evaluate expressions; returns the names of their values."""
@@ -112,6 +126,9 @@ class StepCode:
             ends = zip(x, self.x, self._names.carry, strict=True)
             self._lines += moved + [f"{y} = {a} + ({c} + {y}_moved)" for y, a, c in ends]
             self._lines += self._passing.lines(t, x)
+            if self._mode.zeros.removable or self._mode.zeros.noisy:
+                (t,) = self.let([t])
+                self._lines += self._beside(t, x)
         self._evaluations.append("1")
         if self._apart:
             return self._field_apart(t, x)
@@ -351,7 +368,7 @@ class StepCode:
         ends = zip(self._mode.guards, self._mode.guard_rates, strict=True)
         values = [e.xreplace(at_end) for pair in ends for e in pair]
         targets = [f"w[{abi.G_END + k}]" for k in range(len(values))]
-        lines += ["t1 = t + h", *self._assign(targets, values)]
+        lines += ["t1 = t + h", *self._beside(Symbol("t1"), self.end), *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")
         return self._called + function_text("step", lines)
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.diagnostics.unlike_steps import unlike_steps
 from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
@@ -60,14 +62,25 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     if samples is None:
         return ()
     samples = samples[np.abs(samples[:, 2]) > _SHORTEST * np.abs(samples[:, 0])]
-    t, mode, h, x = samples[:, 0], samples[:, 1].astype(np.int64), samples[:, 2], samples[:, 3:]
-    kept = _Steps(run, t, x, mode, h)
+    kept = _Steps(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
     if run.status is Status.ESCAPED:  # no step is short enough for the field where the solution escapes
         return tuple(kept.too_long_for_g())
     first = _first_steps(run)
     of_g = (*kept.too_long_for_g(), *first.too_long_for_g())
     of_events = () if METHODS[run.method].adaptive else kept.too_long_for_events()
-    return (*of_g[:1], *of_events, *kept.too_long_for_the_field(), *first.too_long_for_the_field())
+    of_field = (warning for steps in (kept, _unlike(run), first) for warning in steps.too_long_for_the_field())
+    return (*of_g[:1], *of_events, *islice(of_field, 1))
+
+
+def _unlike(run: Trajectory) -> _Steps:
+    """Recorded steps that are least like the one before."""
+    k = unlike_steps(run) if not METHODS[run.method].adaptive else np.empty(0, dtype=np.intp)
+    h = np.sign(run.t[-1] - run.t[0]) * np.minimum(run.tau, np.abs(run.t[k + 1] - run.t[k]))
+    cut = run.segment[k + 1] != run.segment[k]
+    h[cut] = run.crossings.t[run.segment[k[cut]]] - run.t[k[cut]]
+    long = (np.abs(h) > _SHORTEST * np.abs(run.t[k])) & (run.mode[k] >= 0)
+    k, h = k[long], h[long]
+    return _Steps(run, run.t[k], run.x[k], run.mode[k], h)
 
 
 def _first_steps(run: Trajectory) -> _Steps:

@@ -16,6 +16,7 @@ from sympy import Expr, Symbol
 from core.symbolic.expressions import TIME, check_name, parse
 from core.symbolic.laws import Laws, RegionLaw, Way, derive
 from core.symbolic.mode import rate_along
+from core.symbolic.regular import regular
 from core.symbolic.source_text import quoted, to_text
 from core.symbolic.stream_function import stream_function
 from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, is_zero, tidied
@@ -162,7 +163,7 @@ class Declaration:
         names = [region.name for region in self.regions]
         signs = [() if self.transitions else tuple(_SIGNS[s] for s in name) for name in names]
         regions = tuple(
-            RegionLaw(name, sides, self._law(name, "f"), self._law(name, "psi"), tuple(ways[name]))
+            RegionLaw(name, sides, tuple(map(regular, self._law(name, "f"))), self._law(name, "psi"), tuple(ways[name]))
             for name, sides in zip(names, signs, strict=True)
         )
         return derive(self._x, tuple(map(Symbol, self.parameters)), surfaces, regions)

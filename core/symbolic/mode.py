@@ -11,7 +11,7 @@ from sympy import Expr, Symbol
 
 from core.symbolic.expressions import TIME
 from core.symbolic.multiplier import DiscreteField, Endpoints
-from core.symbolic.singularities import Singularity, singularities
+from core.symbolic.singularities import Singularity, Zeros, zeros_of_denominators
 
 __all__ = ["Mode", "rate_along"]
 
@@ -62,10 +62,15 @@ class Mode:
         return DiscreteField(self.field, self.conserved, Endpoints.of(self.variables, set(self.taken)))
 
     @cached_property
-    def singularities(self) -> tuple[Singularity, ...]:
-        """Where the field is not bounded within the mode; sliding has ended where the rates of both sides agree."""
+    def zeros(self) -> Zeros:
+        """Where denominators vanish within the mode; sliding has ended where the rates of both sides agree."""
         agreeing = (self.guards[0] - self.guards[1],) if self.slides else ()
-        return singularities(self.field, self.variables, (*self.guards, *agreeing))
+        return zeros_of_denominators(self.field, self.variables, (*self.guards, *agreeing))
+
+    @property
+    def singularities(self) -> tuple[Singularity, ...]:
+        """Where the field is not bounded within the mode."""
+        return self.zeros.singular
 
     @cached_property
     def _rates(self) -> dict[Expr, Expr]:

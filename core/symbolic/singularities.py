@@ -8,7 +8,7 @@ neither is one at which the mode ends anyway.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from sympy import Expr, Symbol
 from core.symbolic.expressions import TIME
 from core.symbolic.tape import Floats, Tape, digits
 
-__all__ = ["Singularity", "singularities"]
+__all__ = ["BESIDE", "Singularity", "Zeros", "zeros_of_denominators"]
 
 #: Digits in which zeros are found and the field is evaluated beside them, and the largest argument of exp there.
 _ARITHMETIC = 120, 1e3
@@ -29,6 +29,10 @@ _ZERO = 1e-100
 _NEAR, _NEARER = 1e-20, 1e-60
 #: … and their ratio beyond which it is unbounded; that of a logarithm is 3.
 _GROWN = 2.0
+#: Distance from a zero, relative to time and state, at which a field is evaluated in place of the zero, …
+BESIDE = 2.0**-44
+#: … and the error that is no loss of digits there: the zero of u is known to the 2⁻⁸th part of this distance.
+_RIGHT = 1e-6
 #: Number of lines along which zeros are sought, of points on each, and of zeros that are looked at.
 _LINES, _PLACES, _ZEROS = 24, 65, 6
 #: Half the length of these lines, in units of the direction.
@@ -46,10 +50,23 @@ class Singularity(NamedTuple):
     """An expression that vanishes there."""
     angle: Expr | None
     """Of a sine or cosine, an expression that passes an integer where it vanishes: a step may pass several."""
+    but_zero: bool = False
+    """Whether the field is bounded where the angle is 0, as that of x/sin(x)."""
 
 
-def singularities(field: Sequence[Expr], variables: Sequence[Symbol], ends: Sequence[Expr]) -> tuple[Singularity, ...]:
-    """Singularities of a field that a solution can pass: where an expression of time or state changes sign.
+class Zeros(NamedTuple):
+    """Where denominators of a field, and arguments of logarithms, vanish."""
+
+    singular: tuple[Singularity, ...]
+    """Where the field is not bounded."""
+    removable: tuple[Expr, ...]
+    """Expressions at whose zeros it is bounded, though it cannot be evaluated there, but beside them."""
+    noisy: tuple[Expr, ...]
+    """Expressions at whose zeros it is bounded, though beside them it loses its digits."""
+
+
+def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], ends: Sequence[Expr]) -> Zeros:
+    """Zeros that a solution can pass: where an expression of time or state changes sign.
 
     Parameters
     ----------
@@ -60,7 +77,19 @@ def singularities(field: Sequence[Expr], variables: Sequence[Symbol], ends: Sequ
     operations = dict.fromkeys(node for f in field for node in sympy.preorder_traversal(f))
     found = dict.fromkeys(u for node in operations for u in _vanishing(node) if u.free_symbols & moving)
     changing = [u for u in found if not (_is_nonnegative(u) or _is_nonnegative(-u))]
-    return tuple(Singularity(u, _angle(u)) for u in changing if _is_singular(u, field, ends))
+    singular, removable = [], []
+    for u in changing:
+        if not _is_singular(u, field, ends):
+            removable.append(u)
+            continue
+        origins = (
+            [v for v in _factors(u.args[0], signed=False) if v.free_symbols & moving] if u.func == sympy.sin else []
+        )
+        regular = bool(origins) and not any(_is_singular(v, field, ends) for v in origins)
+        singular.append(Singularity(u, _angle(u), regular))
+        removable += origins if regular else []
+    accurate = {u: _keeps_digits(u, field, moving) for u in removable}
+    return Zeros(tuple(singular), *(tuple(u for u in accurate if accurate[u] is wanted) for wanted in (True, False)))
 
 
 def _vanishing(node: Expr) -> Iterator[Expr]:
@@ -119,6 +148,24 @@ def _is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
     tape = Tape((*field, *ends))
     found = [_is_unbounded(line, tape, field, ends) for line in islice(_lines_through_zeros(u, tape), _ZEROS)]
     return not found or any(found)
+
+
+def _keeps_digits(u: Expr, field: Sequence[Expr], moving: Set[Symbol]) -> bool:
+    """Whether the field is right in floating point beside several zeros of u."""
+    tape, many = Tape((*field, u)), digits(*_ARITHMETIC)
+    for line in islice(_lines_through_zeros(u, tape), _ZEROS):
+        place = {s: float(v) * (1.0 + BESIDE * (s in moving & u.free_symbols)) for s, v in line.point.items()}
+        try:
+            exact = tape.run(many, {s: many.context.mpf(v) for s, v in place.items()})
+        except ArithmeticError:
+            return False
+        with np.errstate(all="ignore"):
+            found = tape.run(Floats(), {s: np.array([v]) for s, v in place.items()})
+        for f in field:
+            right = float(exact[tape.place[f]])
+            if not np.all(np.abs(found[tape.place[f]] - right) <= _RIGHT * (abs(right) + 1.0)):
+                return False
+    return True
 
 
 def _is_unbounded(line: _Line, tape: Tape, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:

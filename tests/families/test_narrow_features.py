@@ -1,7 +1,7 @@
 """Fields and surfaces with a feature that is narrow beside a step: seen, or warned of.
 
-The runs have up to a hundred steps. Of longer ones some steps alone are looked
-into, and what happens once may be missed.
+Of a run that does not record its steps some alone are looked into, and what
+happens once may be missed.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import core
 from tests.families.oracles import silent
+from tests.levels import QUICK_METHODS, deep_but
 
 _END = 5.0
 
@@ -70,6 +72,27 @@ def test_a_force_that_acts_within_a_step_is_felt_or_warned_of(draws, kind, metho
         spread = max(np.abs(other - right).max() for other in others)
         off, allowed = np.abs(run.x[-1] - right).max(), 1e-6 if method == "taylor" else 0.3 + 3 * spread
         assert off <= allowed * (1 + np.abs(right).max()) or not silent(run), f"off by {off}: {system.values}, {right}"
+
+
+@cache
+def _beside_a_pole(wall: float) -> core.PiecewiseSystem:
+    return core.PiecewiseSystem(
+        "beside a pole", ("x", "y"), ("1/((x - a)**2 + b**2)", "-100*y + s"), ("1", "0"), f"x - {wall}",
+        parameters={"a": 1.0, "b": 0.1, "s": 0.0}, x0=(0.0, 1.0),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("method", deep_but(QUICK_METHODS[1:3], ("rk2", "rk4", "rk8", "gauss4", "prk8")))
+def test_one_step_of_many_that_leaps_over_a_fast_stretch_is_warned_of(draws, method):
+    for rng in draws(12):
+        p = {"a": rng.uniform(0.5, 2.0), "b": 10 ** rng.uniform(-3, -0.5), "s": rng.uniform(-1, 1)}
+        system = _beside_a_pole(float(rng.choice([5.0, 50.0, 1e9]))).with_parameters(
+            **{n: float(v) for n, v in p.items()}
+        )
+        way, end = lambda x, p=p: (x - p["a"]) ** 3 / 3 + p["b"] ** 2 * (x - p["a"]), rng.uniform(3, 5)
+        right = brentq(lambda x, way=way, end=end: way(x) - way(0.0) - end, 0.0, 10.0, xtol=1e-13)
+        run = core.integrate(system, (0.0, end), method=method, tau=float(10 ** rng.uniform(-3.3, -1.7)))
+        assert abs(run.x[-1, 0] - right) < 0.1 * right or not silent(run), f"{run.x[-1]}, not {right}: {p}, {run.tau}"
 
 
 @pytest.mark.parametrize("method", ["taylor", "rk4"])

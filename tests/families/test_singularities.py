@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import core
 from core import Status
@@ -150,3 +151,66 @@ def test_a_field_that_stays_bounded_where_a_denominator_vanishes_ends_no_run(dra
         step = {} if method == "taylor" else {"tau": rng.uniform(0.01, 0.2)}
         run = core.integrate(system, (0.0, 2.0), method=method, record="end", **step)
         assert run.status is Status.COMPLETED, f"{f}: {run.message}"
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+def test_a_factor_common_to_numerator_and_denominator_is_cancelled(draws, method):
+    """The steps meet its zero to within rounding, where the quotient as it is written is 0/0 or noise."""
+    for rng in draws(12):
+        a, tau = float(np.round(rng.uniform(0.3, 2.5), 1)), float(rng.choice([0.05, 0.025, 0.02, 0.01]))
+        roots, c = rng.uniform(-3, 3, rng.integers(0, 3)), float(rng.uniform(0.3, 2.0))
+        polynomial = np.polynomial.Polynomial.fromroots(roots) if len(roots) else np.polynomial.Polynomial([1.0])
+        kept = "*".join(f"(t - ({r!r}))" for r in roots.tolist()) or "1"
+        above, below = [("t**2 - a**2", "(t + a)"), ("t**2 - 2*a*t + a**2", "(t - a)"), ("t - a", "1")][rng.integers(3)]
+        f, right = f"({above})*({kept})/(c*(t - a))", polynomial.integ()
+        if below != "1":
+            right = (polynomial * np.polynomial.Polynomial([a if "+" in below else -a, 1.0])).integ()
+        system = core.PiecewiseSystem("Common", ("x",), (f,), (f,), "x - 1e6", parameters={"a": a, "c": c}, x0=(0.0,))
+        step = {} if method == "taylor" else {"tau": tau}
+        run = core.integrate(system, (0.0, 3.0), method=method, record="end", **step)
+        off = abs(run.x[-1, 0] - (right(3.0) - right(0.0)) / c)
+        assert run.status is Status.COMPLETED, f"{f}, a = {a}: {run.message}"
+        assert off < (1e-3 if method == "rk2" else 1e-9), f"{f}, a = {a}, tau = {tau}: off by {off}"
+
+
+#: Quotients of two functions that vanish together, and the same in numpy beside that place, with the limit there.
+LIMITS = {
+    "(1 - cos({u}))/({u})**2": (lambda u: 0.5 * np.sinc(u / (2 * np.pi)) ** 2, 0.5),
+    "(exp({u}) - 1)/({u})": (lambda u: np.expm1(u) / u, 1.0),
+    "({u})/(1 - exp({u}))": (lambda u: -u / np.expm1(u), -1.0),
+    "sin({u})/({u})": (lambda u: np.sin(u) / u, 1.0),
+    "({u})/tan({u})": (lambda u: u / np.tan(u), 1.0),
+    "b*({u})/sin(b*({u}))": (lambda u: 0.8 * u / np.sin(0.8 * u), 1.0),
+    "sin(b*({u}))/sin({u})": (lambda u: np.sin(0.8 * u) / np.sin(u), 0.8),
+}
+#: The same of functions that lose their digits there.
+LOST = {
+    "log(4 + {u} - 3)/({u})": (lambda u: np.log1p(u) / u, 1.0),
+    "({u} - sin({u}))/({u})**3": (lambda u: (u - np.sin(u)) / u**3 if abs(u) > 0.01 else 1 / 6 - u**2 / 120, 1 / 6),
+    "(cosh({u}) - 1)/({u})**2": (lambda u: 2 * (np.sinh(u / 2) / u) ** 2, 0.5),
+}
+
+
+@pytest.mark.parametrize("method", _PLAIN)
+@pytest.mark.parametrize("f", LIMITS | LOST)
+def test_a_quotient_that_is_0_over_0_where_a_step_ends_has_its_limit_there_or_the_run_stops(draws, f, method):
+    value, limit = (LIMITS | LOST)[f]
+    speed = lambda u: value(u) if abs(u) > 1e-9 else limit  # noqa: E731
+    for rng in draws(6):
+        a, tau = float(np.round(rng.uniform(0.3, 0.9), 1)), float(rng.choice([0.05, 0.025, 0.02, 0.01]))
+        start, end, u = (a, 2.0, "x - a") if rng.integers(2) else (0.1, 1.7, "t - a")
+        text = f.format(u=u)
+        system = core.PiecewiseSystem(
+            "Limit", ("x",), (text,), (text,), "x - 1e6", parameters={"a": a, "b": 0.8}, x0=(start - 0.5,)
+        )
+        if u == "x - a":  # the time from place to place is the integral of 1/f
+            to = start + (0.3 if limit > 0 else -0.7)
+            end = quad(lambda x, a=a, speed=speed: 1.0 / speed(x - a), start - 0.5, to, epsabs=1e-12)[0]
+        else:
+            to = start - 0.5 + quad(lambda t, a=a, speed=speed: speed(t - a), 0.0, end, epsabs=1e-12)[0]
+        run = core.integrate(system, (0.0, end), method=method, **({} if method == "taylor" else {"tau": tau}))
+        assert run.status is Status.COMPLETED or f in LOST, f"{text}, a = {a}, tau = {tau}: {run.message}"
+        if run.status is Status.COMPLETED:
+            assert abs(run.x[-1, 0] - to) < (3e-3 if method == "rk2" else 1e-6), (
+                f"{text}, a = {a}: {run.x[-1]}, not {to}"
+            )

@@ -1,0 +1,40 @@
+"""Generate the lines that move a place where a field has a limit, but cannot be evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from sympy import Expr, Symbol
+
+from core.codegen.printing import assignments
+from core.symbolic.expressions import TIME
+from core.symbolic.mode import Mode
+from core.symbolic.singularities import BESIDE
+
+__all__ = ["lines_beside"]
+
+#: Distance from a zero at which a field is evaluated in place of it where time and state vanish: its powers do not
+#: underflow.
+_NEXT_TO_NOTHING = 2.0**-200
+
+
+def lines_beside(
+    symbols: Mapping[Symbol, Expr], temporaries: Iterable[Symbol], modes: Iterable[Mode], t: Symbol, x: Sequence[Symbol]
+) -> list[str]:
+    """Lines that move a place (t, x) to one beside it where the fields of some modes are 0/0 but have a limit.
+
+    The quotient of two small numbers that are right to the last digit is the limit, as that of sin(u)/u.
+
+    Parameters
+    ----------
+    symbols
+        Names of the symbols in the generated text.
+    """
+    lines = []
+    for mode in modes:
+        place = {**symbols, **dict(zip(mode.variables, x, strict=True)), TIME: t}
+        for u in mode.zeros.removable:
+            lines += [*assignments(["zero"], [u.xreplace(place)], temporaries), "if zero == 0.0:"]
+            moved = [place[v] for v in (TIME, *mode.variables) if v in u.free_symbols]
+            lines += [f"    {v} += abs({v}) * {BESIDE} + {_NEXT_TO_NOTHING}" for v in moved]
+    return lines
