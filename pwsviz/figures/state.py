@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -107,6 +108,10 @@ class Panel:
         plot.add_tools(hover, values)
         return marks, hover
 
+    def forget_range(self) -> None:
+        """Let the range follow the data where the panel is sent anew: the browser keeps ends that it is sent."""
+        self.up.update(start=math.nan, end=math.nan)
+
     def place(self, name: str, panels: int, lowest: bool) -> None:
         """Name the coordinate, and give the panel its part of the height; the lowest one has the legend."""
         self.figure.yaxis.axis_label = variable_name(name)
@@ -142,6 +147,7 @@ class StateView:
     def __init__(self) -> None:
         self.shared = Shared()
         self.panels: list[Panel] = []
+        self.drawn = 0  # of these, from the first on
 
     def panel(self, k: int) -> Panel:
         """Return the k-th panel."""
@@ -166,6 +172,9 @@ class StateView:
         drawn, t_end = names[:MOST_PANELS], max(run.t_end for run in runs) or 1.0
         if self.shared.t_end != t_end:  # else the user's zoom stays
             self.shared.look_at(t_end)
+        for panel in self.panels[self.drawn :]:
+            panel.forget_range()
+        self.drawn = len(drawn)
         for k, name in enumerate(drawn):
             self.panel(k).place(name, len(drawn), lowest=k + 1 == len(drawn))
             self.panel(k).show(k, runs)

@@ -45,6 +45,17 @@ def test_panels_are_used_again_for_a_system_with_fewer_coordinates():
     assert view.panels[1].figure.legend.visible
 
 
+def test_a_panel_that_comes_back_has_the_range_of_what_it_shows_then():
+    view, _, _ = shown("vibrating_table", methods=("rk2",))
+    for panel in view.panels:
+        panel.up.update(start=-2.8, end=3.2)  # as the browser reports them
+    shown("relay_feedback", methods=("rk2",), view=view)
+    shown("gene_switch", methods=("rk2",), view=view)
+    # The ends that a model is sent with stay; of a panel that was there all along the browser moves them.
+    assert np.isnan([view.panels[2].up.start, view.panels[2].up.end]).all()
+    assert view.panels[1].up.start == -2.8
+
+
 def test_a_run_that_leaves_does_not_flatten_the_first_one():
     view, curves, _ = shown("elliptic_curve", methods=("dmm2", "rk2"), tau=0.6, t_end=60.0)
     size = np.ptp(curves[0].bounds[0])
