@@ -194,7 +194,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     }
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
-        wheel.update(modifiers="ctrl", zoom_on_axis=False)
+        wheel.update(modifiers="ctrl", zoom_on_axis=False, description="Zoom with Ctrl and the wheel")
     print_ticks(plot)
     plot.js_on_change("inner_width", CustomJS(code=NO_TAB_STOP))
     plot.toolbar.logo = None
