@@ -60,6 +60,29 @@ def test_a_link_shows_the_level_sets_and_arrows_that_its_reader_saw_before(explo
     opened.close()
 
 
+@pytest.mark.parametrize("key", [key for key in VIEWS if key != "conserved"])
+def test_a_view_says_that_it_is_computed_before_it_is_made(explorer, key):
+    view = explorer.views[key]
+    assert not view.built
+    assert view._content.objects == [view.words], "the browser has the words before anybody asks for the view"
+    assert "Computing …" in view.words.object
+    assert explorer.scene.view == "conserved"
+
+
+def test_a_view_without_a_result_says_so_until_it_has_one(explorer):
+    view = explorer.views["scheme"]
+    explorer.scene.accept("view", "scheme")
+    assert explorer.settle(20)
+    assert "Computing" not in view.words.object
+    explorer.scene.accept("system", "coulomb_friction")
+    explorer.refresh()
+    assert view.mathematics.object == ""
+    assert "Computing …" in view.words.object
+    assert explorer.settle(60)
+    assert view.mathematics.object
+    assert "Computing" not in view.words.object
+
+
 def test_curves_of_a_moved_slider_bring_the_backdrop_on_which_they_lie(explorer):
     scheduler, panel, submitted = explorer.scheduler, explorer.portrait_panel, []
     scheduler.submit = lambda lane, *rest, **options: (
