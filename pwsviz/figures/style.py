@@ -178,7 +178,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     Parameters
     ----------
     summary : str
-        What the figure shows, for screen readers.
+        What the figure shows, for screen readers: the beginning of a sentence.
     **options
         Passed on to `bokeh.plotting.figure`.
     """
@@ -190,7 +190,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "active_drag": None,
         "output_backend": "canvas",
         "min_border_right": 12,
-        "html_attributes": {"role": "img", "aria-label": summary},
+        "html_attributes": {"role": "img", "aria-label": summary[:1].upper() + summary[1:]},
     }
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page

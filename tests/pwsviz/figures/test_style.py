@@ -116,3 +116,7 @@ def test_the_tool_that_zooms_says_that_it_needs_a_key():
     (tool,) = plain_figure("A figure").select(WheelZoomTool)
     assert tool.modifiers == {"ctrl": True}
     assert "Ctrl" in tool.description
+
+
+def test_the_description_of_a_figure_begins_as_a_sentence_does():
+    assert plain_figure("state error, ‖x‖").html_attributes["aria-label"] == "State error, ‖x‖"
