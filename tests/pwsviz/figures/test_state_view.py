@@ -79,3 +79,17 @@ def test_what_is_not_marked_of_a_long_run_is_told():
     told = state_text(run.system.variables, curves, count)
     assert f"the first 400 of {count:,} crossings" in told
     assert "Marked" not in state_text(run.system.variables, curves, 400)
+
+
+def test_what_is_round_off_of_the_size_of_a_coordinate_is_told_as_zero():
+    _, curves, run = shown("bouncing_ball")
+    assert 0.0 < abs(curves[0].bounds[0, 0]) < 1e-15, "a bounce takes the ball to the floor but for round-off"
+    assert "y from 0 to 1," in state_text(run.system.variables, curves)
+
+
+def test_dots_at_steps_do_not_hide_the_curve_of_another_integrator():
+    view, _, _ = shown(methods=("dmm2", "rk2"), t_end=0.5)
+    for panel in view.panels:
+        assert len(panel.steps.data["t"]) > 100
+        sources = [renderer.data_source for renderer in panel.figure.renderers]
+        assert sources.index(panel.steps) < sources.index(panel.curves)
