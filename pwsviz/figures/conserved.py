@@ -38,7 +38,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.animation import Landmarks
 from pwsviz.results.results import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import rounded_up
+from pwsviz.text.words import rounded_up, upper_bound
 
 FLOOR = MACHINE_EPSILON / 8
 """|Change of ψ| at which smaller ones and exact zeros are drawn, since a logarithmic axis has no place for them."""
@@ -281,7 +281,9 @@ def _relative(error: float, size: float) -> str:
     """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
-    return printed(f" ({rounded_up(error / size)} of the size of ψ, about {size:.0e})")
+    about = f"{size:.2g}"
+    share = rounded_up(upper_bound(error) / float(about))  # of the numbers that are printed, so that they agree
+    return printed(f" ({share} of the size of ψ, about {about})")
 
 
 def _largest(error: Floats) -> str:

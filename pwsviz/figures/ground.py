@@ -18,7 +18,7 @@ import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
 from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tips
-from pwsviz.geometry.phase_plane import Backdrop, Window
+from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, shows_regions, shows_surface, surface_name
 from pwsviz.geometry.shades import NO_LAW, regions_of, shade_names
@@ -40,8 +40,6 @@ class Ground:
     ----------
     legend : list of (label, renderer)
         What a legend says of it, for `legend_below`; its entries go to `follow`.
-    covered : Window or None
-        The part of the plane that the backdrop covers.
     clock : ColumnDataSource
         One row: the time t that is shown, and whether it is running; changed in the browser.
     readout : Div
@@ -50,7 +48,6 @@ class Ground:
 
     def __init__(self, plot: figure) -> None:
         self.figure = plot
-        self.covered: Window | None = None
         self._shown: Backdrop | None = None
         self.side = ColumnDataSource({"xs": [], "ys": []})
         tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SIDES[-1], fill_alpha=0.13, line_width=0))
@@ -146,7 +143,7 @@ class Ground:
         if backdrop is self._shown:
             return
         moved = self._shown is not None and self._shown.formulas["moving"]
-        self._shown, self.covered = backdrop, backdrop.window
+        self._shown = backdrop
         self._bare_entry.visible = bool(backdrop.bare_outer)
         for source, columns in (
             (self.side, _polygons(backdrop.minus_outer, backdrop.minus_holes)),

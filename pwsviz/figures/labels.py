@@ -56,7 +56,7 @@ const INSETS = [0.03, 0.1, 0.2, 0.3]  // of what is seen, between its edge and t
 const ALONG = 80    // points along an edge at which a surface is sought
 const CELLS = 36    // along the longer side of what is seen, by which regions are told apart
 const DEEP = 2      // cells around the label of a region, at least, that belong to it
-const CHARACTER = 7.2, LINE = 16  // pixels that a character of a label takes, and its line
+const CHARACTER = 7.2, LINE = 16, GAP = 6  // pixels that a character takes, its line, and beside a surface
 const [across, up] = ranges, width = across.end - across.start, height = up.end - up.start
 const cell = Math.max(width, height) / CELLS
 const frame = cb_context.index?.query_one(view => view.model.id == plot)?.frame.bbox
@@ -126,8 +126,9 @@ const nameSurfaces = () => {
       .reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
     if (best == null) { return }
     placed.push(best)
-    const { x, y, text, align, baseline, beside } = best
-    add(x, y, text, align, baseline, beside ? (align == "right" ? -6 : 6) : 0, beside ? 0 : -4)
+    const { x, y, text, align, baseline, beside } = best, [low, high] = extent(best), spare = GAP * pixel
+    const inside = x - Math.max(0, high + spare - across.end) + Math.max(0, across.start + spare - low)
+    add(inside, y, text, align, baseline, beside ? (align == "right" ? -GAP : GAP) : 0, beside ? 0 : -4)
   })
 }
 

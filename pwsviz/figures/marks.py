@@ -58,11 +58,11 @@ class EndLook(NamedTuple):
 
 ENDS = {
     Status.SLIDING: EndLook("sliding", "square_x", GREEN),
-    Status.REPELLING: EndLook("repelling", "triangle_dot", GREEN),
+    Status.REPELLING: EndLook("repelling", "y", GREEN),
     Status.GRAZING: EndLook("grazing", "diamond_cross", VERMILION),
     Status.CORNER: EndLook("corner", "asterisk", VERMILION),
     Status.UNDECLARED: EndLook("no law", "circle_cross", VERMILION),
-    Status.ZENO: EndLook("Zeno", "hex_dot", ORANGE),
+    Status.ZENO: EndLook("Zeno", "x", ORANGE),
     Status.ESCAPED: EndLook("blow-up", "circle_x", VERMILION),
     Status.UNSTABLE: EndLook("unstable", "circle_x", VERMILION),
     Status.SINGULAR: EndLook("singular field", "circle_x", GREY),
@@ -70,7 +70,10 @@ ENDS = {
     Status.STEP_LIMIT: EndLook("step limit", "circle_cross", GREY),
     Status.CONTRADICTION: EndLook("defect", "circle_cross", GREY),
 }
-"""Mark of an end by the status of the run; whatever stops a run has one."""
+"""Mark of an end by the status of the run; whatever stops a run has one.
+
+A dot within a mark would be lost in a legend, where marks are small.
+"""
 
 
 def star_labels(starts: Sequence[tuple[float, float]], view: Window | None) -> tuple[list[str], list[str]]:

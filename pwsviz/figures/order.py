@@ -219,12 +219,13 @@ class OrderView:
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         keys = legend_marks(plot, self.curves)
         entries = [({"field": "label"}, [lines, keys]), ({"field": "label"}, marks), ("fit", fits)]
-        _, self._marks, _ = legend_below(plot, 2, entries, usual=5)
+        _, self._marks, self._fit = legend_below(plot, 2, entries, usual=5)
 
     def show(self, shown: Sequence[Studied]) -> None:
         """Draw the studies of one integrator or of several."""
         several = len(shown) > 1
-        drawn = [_Drawn(one, k, several) for one in shown for k in range(len(one.rows))]
+        rows = [_Drawn(one, k, several) for one in shown for k in range(len(one.rows))]
+        drawn = [one for one in rows if one.there.any()] or rows  # a curve without a point has no key, either
         self.curves.data = {
             "xs": [one.taus for one in drawn],
             "ys": [np.where(one.there, one.row.error, np.nan) for one in drawn],  # NaN leaves a gap
@@ -250,17 +251,18 @@ class OrderView:
             "ys": [fit[1] for fit, _ in known],
             "colour": [colour for _, colour in known],
         }
+        self._fit.visible = bool(known)
         floor = max(one.floor for one in shown)
         self.floor.move(floor)
-        self._show_guides(drawn, floor, {one.order for one in shown})
+        self._show_guides(drawn, floor, {1, 2} | {one.order for one in shown} if known else set())
 
     def _show_guides(self, drawn: list[_Drawn], floor: float, orders: set[int]) -> None:
-        """Draw lines of integer slopes through one point above the curves, and end the axes where the data do."""
+        """Draw lines of these slopes through one point above the curves, and end the axes where the data do."""
         errors = np.concatenate([one.row.error[one.there] for one in drawn])
         top, bottom = ROOM * float(errors.max(initial=floor)), lowest(errors, floor)
         used = np.concatenate([one.taus[one.there] for one in drawn] if len(errors) else [one.taus for one in drawn])
         near, far = float(used.min()), float(used.max())
-        slopes = sorted({1, 2} | orders)
+        slopes = sorted(orders)
         starts = np.array([max(near, far * (bottom / top) ** (1 / slope)) for slope in slopes])
         heights = top * (starts / far) ** np.array(slopes)
         self.guides.data = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -30,6 +31,7 @@ from pwsviz.figures.style import (
     together,
     unseen,
 )
+from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.states import StateCurves
@@ -49,6 +51,9 @@ LEGEND_HEIGHT = 64
 
 LEFT = 64
 """Pixels left of each panel, so that their axes stand below one another."""
+
+ROUND_OFF = 4.0
+"""Units of round-off of the larger end of a range within which its other end is told as 0."""
 
 SUMMARY = "Coordinate against time"
 
@@ -86,8 +91,9 @@ class Panel:
         }
         self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash")})
         self.steps = ColumnDataSource({name: [] for name in ("t", "y", "colour")})
-        self.lines = self.figure.add_glyph(self.curves, run_lines())
+        # Below the curves: dots of one integrator would hide the curve of another.
         self.figure.add_glyph(self.steps, Scatter(x="t", line_color="colour", fill_color="colour", size=4))
+        self.lines = self.figure.add_glyph(self.curves, run_lines())
         self.corners = ColumnDataSource({"x": [0.0, 0.0], "y": [-1.0, 1.0]})
         self.up.renderers = [self.figure.add_glyph(self.corners, invisible(size=1))]
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
@@ -106,6 +112,10 @@ class Panel:
         values = tips(rows, renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False)
         plot.add_tools(hover, values)
         return marks, hover
+
+    def forget_range(self) -> None:
+        """Let the range follow the data where the panel is sent anew: the browser keeps ends that it is sent."""
+        self.up.update(start=math.nan, end=math.nan)
 
     def place(self, name: str, panels: int, lowest: bool) -> None:
         """Name the coordinate, and give the panel its part of the height; the lowest one has the legend."""
@@ -142,6 +152,7 @@ class StateView:
     def __init__(self) -> None:
         self.shared = Shared()
         self.panels: list[Panel] = []
+        self.drawn = 0  # of these, from the first on
 
     def panel(self, k: int) -> Panel:
         """Return the k-th panel."""
@@ -166,6 +177,9 @@ class StateView:
         drawn, t_end = names[:MOST_PANELS], max(run.t_end for run in runs) or 1.0
         if self.shared.t_end != t_end:  # else the user's zoom stays
             self.shared.look_at(t_end)
+        for panel in self.panels[self.drawn :]:
+            panel.forget_range()
+        self.drawn = len(drawn)
         for k, name in enumerate(drawn):
             self.panel(k).place(name, len(drawn), lowest=k + 1 == len(drawn))
             self.panel(k).show(k, runs)
@@ -222,11 +236,18 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int
         How many crossings the first one's run has.
     """
     first = runs[0]
-    ranges = [f"{name} from {low:.4g} to {high:.4g}" for name, (low, high) in zip(names, first.bounds, strict=True)]
+    ranges = [f"{name} from {_told(ends)}" for name, ends in zip(names, first.bounds, strict=True)]
     off = " Its last part runs off and is not drawn." if first.runs_off else ""
     more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
     marks = _whose(runs) + _how_many(crossings)
     return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges[:MOST_PANELS])}.{off}{more}{marks}"
+
+
+def _told(ends: Floats) -> str:
+    """Return the two ends of a range in words; what is only round-off of the other end is 0."""
+    size = np.abs(ends).max()
+    low, high = np.where(np.abs(ends) < ROUND_OFF * MACHINE_EPSILON * size, 0.0, ends)
+    return f"{low:.4g} to {high:.4g}"
 
 
 def _whose(runs: Sequence[StateCurves]) -> str:

@@ -176,7 +176,7 @@ def plain_figure(summary: str, **options: Any) -> figure:
     Parameters
     ----------
     summary : str
-        What the figure shows, for screen readers.
+        What the figure shows, for screen readers: the beginning of a sentence.
     **options
         Passed on to `bokeh.plotting.figure`.
     """
@@ -188,11 +188,11 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "active_drag": None,
         "output_backend": "canvas",
         "min_border_right": 12,
-        "html_attributes": {"role": "img", "aria-label": summary},
+        "html_attributes": {"role": "img", "aria-label": summary[:1].upper() + summary[1:]},
     }
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
-        wheel.update(modifiers="ctrl", zoom_on_axis=False)
+        wheel.update(modifiers="ctrl", zoom_on_axis=False, description="Zoom with Ctrl and the wheel")
     print_ticks(plot)
     plot.js_on_change("inner_width", CustomJS(code=NO_TAB_STOP))
     plot.toolbar.logo = None

@@ -202,6 +202,7 @@ class Explorer(pn.viewable.Viewer):
             return
         show, advance = partial(self._show, view, wanted), partial(self._advance, view)
         view.expect(self.scene.declaration)
+        view.announce()
         submitted = self.scheduler.submit(
             "view", (self.scene.view, wanted), partial(view.compute, wanted), show, advance, view.quiet, view.patience
         )

@@ -52,7 +52,8 @@ _KEYS = {
     "Ctrl+Z, Ctrl+Y": "undo, redo",
     "Tab, arrow keys, Enter": "go through the controls, choose, press",
     "Space": "play or pause the animation, while it is open",
-    "L": "lecture mode: full screen and large type, on and off",
+    "L": "lecture mode: full screen and large type, on and off; Esc leaves it",
+    "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",
     "Delete": "remove the selected start, with the pointer over the portrait",
     "Esc": "close a window such as this",
 }

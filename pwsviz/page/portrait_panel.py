@@ -76,6 +76,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self._placed: tuple[dict[str, Any], ...] = ({}, {})  # the starts before and after the last click
         scene.param.watch(lambda event: None if event.new == self._told else self._aim(), "window")
         self._visible: Window | None = None
+        self._covered: Window | None = None  # by the backdrop, since the view was last set
 
     def refresh(self) -> None:
         """Submit the computation of the portrait of the present scene."""
@@ -139,7 +140,7 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def _aim(self) -> None:
         """Let the view show the window of the scene; without one, what suits the trajectories."""
-        self._told, before = self.scene.window, self.portrait.frame
+        self._told, before, self._covered = self.scene.window, self.portrait.frame, None
         if self.scene.window is None:
             self.portrait.fit()
         else:
@@ -172,6 +173,7 @@ class PortraitPanel(pn.viewable.Viewer):
             return
         self.scene.window = self._told
         self.limits.sync()
+        self._cover()
 
     def _mark_starts(self) -> None:
         """Draw the present curves, with the starts of the scene."""
@@ -208,11 +210,19 @@ class PortraitPanel(pn.viewable.Viewer):
         self._cover()
 
     def _covering(self) -> Window | None:
-        """Return the window of a backdrop for the visible part of the plane; None if nothing is visible yet."""
-        visible, covered = self._visible or self.portrait.frame, self.portrait.ground.covered
-        if visible is None or (covered is not None and covered.shows_well(visible)):
-            return covered
-        return visible.surroundings()
+        """Return the window of a backdrop for the visible part of the plane; None if nothing is visible yet.
+
+        What is seen at rest, and so its level sets and arrows, follows from the window of the scene alone, not from the
+        way on which it was reached; while the user pans, the backdrop that is there serves as long as it suffices.
+        """
+        kept, frame = self.scene.window, self.portrait.frame
+        visible = self._visible or frame
+        if visible is None:
+            return None
+        at_rest = frame if kept is None else Window(*kept)
+        offered = [at_rest.surroundings()] if at_rest is not None else []
+        offered += [self._covered] if self._covered is not None else []
+        return next((one for one in offered if one.shows_well(visible)), visible.surroundings())
 
     def _cover(self) -> None:
         """Show a backdrop for the visible part of the plane if it has been computed, or submit its computation."""
@@ -236,6 +246,7 @@ class PortraitPanel(pn.viewable.Viewer):
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
         else:
+            self._covered = outcome.window
             self.portrait.show_backdrop(outcome)
 
     # What the user does in the portrait ------------------------------------------------------------------------------

@@ -14,8 +14,8 @@ from pwsviz.results.orbits import RUNS_OFF
 SAMPLES = 1200
 """Times at least at which a curve is drawn: about one a pixel. Runs of fewer steps are evaluated between them."""
 
-FEW_STEPS = 200
-"""Most steps that are marked by dots; more of them would hide the curve."""
+FEW_STEPS = 80
+"""Most steps that are marked by dots: on a narrow screen more of them would touch one another, and hide the curve."""
 
 OUTLIERS = 0.02
 """Part of the values at either end that the axis need not hold if the run may have run off."""

@@ -21,6 +21,9 @@ from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import FADED, PLAIN, empty, fade, is_seen, plot_pane, text_pane
 from pwsviz.widgets.progress import Progress
 
+_WAITING = "Computing …"
+"""Words of a view that shows nothing yet: the browser has them before the view is first opened."""
+
 Outcome = Any
 """What a tab computes; its type differs from tab to tab."""
 
@@ -52,7 +55,7 @@ class Tab(pn.viewable.Viewer):
     def __init__(self, scene: Scene, results: Results) -> None:
         super().__init__()
         self.scene, self.results = scene, results
-        self.words = text_pane("")
+        self.words = text_pane(_WAITING)
         self.outcome: Outcome | None = None
         self._system: core.PiecewiseSystem | None = None
         self._drawn: core.PiecewiseSystem | None = None  # of which the figures show something
@@ -60,7 +63,7 @@ class Tab(pn.viewable.Viewer):
         self.built = False
         self.plots: list[pn.pane.Bokeh] = []
         self._summaries: list[str] = []
-        self._content = pn.Column(margin=0, sizing_mode="stretch_width")
+        self._content = pn.Column(self.words, margin=0, sizing_mode="stretch_width")
 
     # For each tab to define ------------------------------------------------------------------------------------------
 
@@ -152,6 +155,11 @@ class Tab(pn.viewable.Viewer):
             self.await_system("")
         self._system = system
 
+    def announce(self) -> None:
+        """Say that the view is being computed, if it says nothing yet."""
+        if self.outcome is None and not self.words.object:
+            self._say(as_text(_WAITING))
+
     def await_system(self, words: str) -> None:
         """Fade the figures, which belong to another system, and show these words."""
         self.shown = self.outcome = None
@@ -172,6 +180,9 @@ class Tab(pn.viewable.Viewer):
         self._say("".join(map(table_markup, self.numbers(outcome))) + as_text(words))
         for pane, summary in zip(self.plots, self._summaries, strict=True):
             describe(pane.object, f"{summary}. {words}")
+
+    def _waits(self) -> bool:
+        return bool(self.words.object == as_text(_WAITING))
 
     def _say(self, markup: str) -> None:
         self.words.param.update(object=markup, styles=PLAIN)
@@ -204,7 +215,8 @@ class LongTab(Tab):
     def begin(self) -> None:
         """Show the progress bar, and fade figures and words: what they show is not what was asked for."""
         self.progress.begin(former=any(map(is_seen, self.plots)))
-        self.words.styles = FADED
+        if not self._waits():
+            self.words.styles = FADED
         self._fade(past=True)
 
     def advance(self, done: int, total: int, partial: Outcome) -> None:
@@ -220,6 +232,8 @@ class LongTab(Tab):
     def stop(self) -> None:
         """Show that the computation was cancelled; the partial result stays."""
         self.progress.stop()
+        if self._waits():
+            self._say("")
 
 
 def about_crossings(scene: Scene, locates: bool = False) -> str:

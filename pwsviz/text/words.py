@@ -33,13 +33,18 @@ def duration(seconds: float) -> str:
     return f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.3g} ms"
 
 
-def rounded_up(value: float) -> str:
-    """Return a value rounded up to one digit, as an upper bound."""
+def upper_bound(value: float) -> float:
+    """Return a value that is not negative, rounded up to one digit."""
     if value == 0:
-        return "0"
+        return 0.0
     power = 10.0 ** math.floor(math.log10(value))
-    bound = float(f"{math.ceil(value / power * (1 - 1e-12)) * power:.0e}")
-    return printed(f"{bound:g}" if 0.01 <= bound < 1000 else f"{bound:.0e}")
+    return float(f"{math.ceil(value / power * (1 - 1e-12)) * power:.0e}")
+
+
+def rounded_up(value: float) -> str:
+    """Return the same as it is printed."""
+    bound = upper_bound(value)
+    return printed(f"{bound:g}" if bound == 0 or 0.01 <= bound < 1000 else f"{bound:.0e}")
 
 
 def complaint(reason: Exception) -> str:

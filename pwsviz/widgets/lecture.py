@@ -53,6 +53,7 @@ export function render({ model }) {
   const typing = node => node.tagName == "SELECT" || node.tagName == "TEXTAREA" || node.isContentEditable
     || node.tagName == "INPUT" && !["range", "checkbox", "radio", "button"].includes(node.type)
   const press = event => {
+    if (event.key == "Escape") return turn(false)  // a dialog keeps the key to itself
     if (event.key.toLowerCase() != "KEY" || event.ctrlKey || event.altKey || event.metaKey) return
     if (event.composedPath().some(typing)) return
     turn(!model.large)

@@ -76,9 +76,12 @@ def test_a_key_turns_the_lecture_mode_on_and_off(visit):
     page.keyboard.press("l")
     page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
     assert page.evaluate(TYPE) == pytest.approx([1.5 * size for size in usual])
-    page.keyboard.press("l")
-    page.wait_for_function("() => document.documentElement.style.fontSize == ''")
-    assert page.evaluate(TYPE) == usual
+    for leave in ("l", "Escape"):
+        page.keyboard.press(leave)
+        page.wait_for_function("() => document.documentElement.style.fontSize == ''")
+        assert page.evaluate(TYPE) == usual
+        page.keyboard.press("l")
+        page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
 
 
 @pytest.fixture

@@ -73,7 +73,7 @@ def test_the_slider_moves_the_step_size(visit):
 @pytest.mark.deep
 def test_order_and_crossing_time_show_slopes_near_two(visit):
     page = visit()
-    for tab, figure, count in (("Order", "state error", 4), ("Crossing time", "crossing time error", 3)):
+    for tab, figure, count in (("Order", "State error", 4), ("Crossing time", "Crossing time error", 3)):
         page.get_by_role("tab", name=tab).click()
         # What there is of a study is shown as it comes; at first it has no slopes.
         whole = re.compile(r"(slope \d\.\d+.*)" * count + "Compared with", re.DOTALL)

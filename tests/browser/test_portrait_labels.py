@@ -5,6 +5,7 @@ import pytest
 
 import core
 from pwsviz.scene.permalink import query
+from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 from tests.browser.looking import await_painted
 from tests.browser.test_player import animate, at_time
@@ -93,7 +94,21 @@ def test_labels_have_room_on_a_phone(visit):
     frame = "[...Bokeh.index.query(view => view.model.match_aspect)][0].frame.bbox.width"
     boxes = await_that(page, BOXES.replace("FRAME", frame))
     assert [box["text"] for box in boxes].count("no law") == 2
-    width = page.evaluate(f"() => {frame}")
+    assert_room(boxes, page.evaluate(f"() => {frame}"))
+
+
+def test_a_label_longer_than_the_room_beside_its_surface_is_not_cut(visit):
+    scene = Scene()
+    scene.load(PRESETS["chua_sweep"].settings)
+    page = visit(420, 800, query=query(scene))
+    await_painted(page, "Phase portrait")
+    frame = "[...Bokeh.index.query(view => view.model.match_aspect)][0].frame.bbox.width"
+    boxes = await_that(page, BOXES.replace("FRAME", frame))
+    assert_room(boxes, page.evaluate(f"() => {frame}"))
+
+
+def assert_room(boxes, width):
+    """Neither does a label stand beyond the frame, nor over another."""
     for k, one in enumerate(boxes):
         assert one["start"] >= -1, one
         assert one["end"] <= width + 1, one

@@ -11,7 +11,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 WRONG = re.compile("crossings? .*instead of")
 POINTS = f"""() => {{
-    const figure = ({FIGURE})("error against run time")
+    const figure = ({FIGURE})("Error against run time")
     if (figure == null) {{ return null }}
     return figure.view.model.renderers.filter(one => "status" in one.data_source.data).flatMap(one =>
         Array.from(one.data_source.data.status, (status, k) => ({{status, label: one.data_source.data.label[k],
@@ -20,7 +20,7 @@ POINTS = f"""() => {{
 CURVES = f"""() => ({FIGURE})("Absolute change")?.rows.filter(row => "xs" in row && "method" in row).flatMap(row =>
     Array.from(row.method, (method, k) => ({{method, y: Array.from(row.ys[k]).filter(Number.isFinite)}})))"""
 CELLS = f"""() => {{
-    const figure = ({FIGURE})("outcome of runs")
+    const figure = ({FIGURE})("Outcome of runs")
     const cells = figure?.rows.find(row => "colour" in row && "left" in row)
     if (cells == null || cells.left.length == 0) {{ return null }}
     const legend = figure.view.model.below.find(part => part.type == "Legend")
@@ -79,7 +79,7 @@ def test_a_click_on_the_map_goes_there(visit):
     page = visit(query="v=1&view=stability&methods=rk2&t_end=2.0&tau=0.005")
     page.get_by_text(re.compile("Map of rk2, 625 runs$")).wait_for()
     await_built(page)
-    settled_picture(page, canvas(page, "outcome of runs"))  # its legend may grow once more, and move it
+    settled_picture(page, canvas(page, "Outcome of runs"))  # its legend may grow once more, and move it
     left, top, width, height = await_that(page, CELLS)["frame"]
     page.mouse.click(left + 0.25 * width, top + 0.5 * height)
     page.wait_for_function("() => /tau=0.00[0-4]/.test(location.href)")

@@ -88,3 +88,24 @@ def test_limits_can_be_typed(page):
     seen = await_that(page, PORTRAIT, lambda seen: seen["range"][1] >= 6)
     left, right, bottom, top = seen["range"]
     assert seen["frame"][2] / (right - left) == pytest.approx(seen["frame"][3] / (top - bottom), rel=0.01)
+
+
+def test_a_zoom_by_the_wheel_is_in_the_link_and_so_is_the_pan_after_it(page):
+    def linked(page):
+        ends = re.search("window=([^&]*)", page.url)
+        return [float(end) for end in ends[1].split(",")] if ends else None
+
+    page.mouse.move(*inside(page.evaluate(PORTRAIT), 0.7, 0.7))
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -240)
+    page.keyboard.up("Control")
+    page.wait_for_url(re.compile("window="))
+    zoomed = page.evaluate(PORTRAIT)["range"]
+    size = zoomed[1] - zoomed[0]
+    assert linked(page) == pytest.approx(zoomed, abs=0.002 * size)
+    before = page.url
+    drag(page, inside(page.evaluate(PORTRAIT), 0.9, 0.9), (-80, 40))
+    page.mouse.up()
+    page.wait_for_url(lambda url: url != before)
+    assert linked(page) == pytest.approx(page.evaluate(PORTRAIT)["range"], abs=0.002 * size)
+    assert page.evaluate(PORTRAIT)["range"][0] > zoomed[0]

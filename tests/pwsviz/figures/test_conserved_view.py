@@ -111,7 +111,7 @@ def test_round_off_that_grows_with_psi_is_a_curve_and_what_stays_below_it_is_rou
     assert run.status is core.Status.ESCAPED
     assert curves[0].error[-1] > 1e-7
     assert re.fullmatch(
-        r"dmm2 conserves ψ to round-off, \|Δψ\| ≤ .×10⁻. \(.×10⁻¹. of the size of ψ, about .×10..\)\.",
+        r"dmm2 conserves ψ to round-off, \|Δψ\| ≤ .×10⁻. \(.×10⁻¹. of the size of ψ, about [\d.]+×10..\)\.",
         conserved_text(curves[:1]),
     )
     drawn = view.round_off.data
@@ -174,6 +174,8 @@ def test_what_is_round_off_depends_on_the_size_of_psi():
     large, small = 4e-8 * np.arange(9), 1e-16 * np.arange(9)
     assert words(large, 1e9) == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4×10⁻⁷ (4×10⁻¹⁶ of the size of ψ, about 10⁹)."
     assert words(large / 1e8, 30.0).endswith("(2×10⁻¹⁶ of the size of ψ, about 30).")
+    # 7.5e-16 of 13.4 are 5.6e-17; but the numbers that are printed are 8×10⁻¹⁶ and 13.
+    assert words([0.0, 7.5e-16], 13.4).endswith("≤ 8×10⁻¹⁶ (7×10⁻¹⁷ of the size of ψ, about 13).")
     assert words(large, 1.0) == "dmm2 drifts to 4×10⁻⁷ by t = 20."
     assert words(small, 1e-9) == "dmm2 drifts to 8×10⁻¹⁶ (8×10⁻⁷ of the size of ψ, about 10⁻⁹) by t = 20."
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import core
-from pwsviz.figures.marks import ENDS, crossing_columns, end_columns, left_out, star_labels
+from pwsviz.figures.marks import ENDS, KIND_COLOURS, KIND_MARKERS, crossing_columns, end_columns, left_out, star_labels
 from pwsviz.figures.portrait_text import figures_of
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.results import orbits
@@ -74,3 +74,9 @@ def test_stars_that_cover_one_another_have_their_numbers_beside_them():
     assert star_labels(row, None) == (["1", "2", "3", "4", "5"], [""] * 5)
     assert star_labels([(2.0, 3.0)] * 2, view) == (["", ""], ["1, 2", ""])
     assert star_labels([], view) == ([], [])
+
+
+def test_no_end_differs_from_a_crossing_by_a_dot_alone():
+    # A legend draws marks of 8 pixels, in which a dot is not seen.
+    crossings = {(KIND_MARKERS[kind], KIND_COLOURS[kind]) for kind in KIND_MARKERS}
+    assert not crossings & {(look.marker.removesuffix("_dot"), look.colour) for look in ENDS.values()}

@@ -120,6 +120,20 @@ def test_missing_errors_leave_gaps_and_no_fit():
     assert view.curves.data["label"] == ["late: no slope"]
 
 
+def test_of_errors_that_are_round_off_no_slopes_are_drawn_and_of_none_no_key():
+    taus = np.array([0.1, 0.05, 0.025])
+    flat = Row("after", "after", np.array([3e-16, 4e-16, 3e-16]), np.nan, (np.nan, np.nan))
+    none = Row("before", "before", np.zeros(3), np.nan, (np.nan, np.nan))
+    view = OrderView("error")
+    view.show([Studied("rk2", 2, taus, [none, flat], 1e-14, "exact")])
+    assert view.curves.data["label"] == ["after: no slope"]
+    assert view.guides.data["xs"] == list(view.guide_names.data["text"]) == []
+    assert not view._fit.visible
+    view.show([one_curve(taus, Row("x", "x", taus**2, 2.0, (0.025, 0.1)), 1e-14)])
+    assert view._fit.visible
+    assert view.guide_names.data["text"] == ["slope 1", "slope 2"]
+
+
 def test_the_fitted_line_goes_through_a_power_law():
     taus = np.geomspace(1e-4, 1e-1, 10)
     ends, heights = fitted_line(taus, Row("x", "x", 5 * taus**3, 3.0, (1e-3, 1e-2)))

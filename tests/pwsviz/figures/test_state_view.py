@@ -45,6 +45,17 @@ def test_panels_are_used_again_for_a_system_with_fewer_coordinates():
     assert view.panels[1].figure.legend.visible
 
 
+def test_a_panel_that_comes_back_has_the_range_of_what_it_shows_then():
+    view, _, _ = shown("vibrating_table", methods=("rk2",))
+    for panel in view.panels:
+        panel.up.update(start=-2.8, end=3.2)  # as the browser reports them
+    shown("relay_feedback", methods=("rk2",), view=view)
+    shown("gene_switch", methods=("rk2",), view=view)
+    # The ends that a model is sent with stay; of a panel that was there all along the browser moves them.
+    assert np.isnan([view.panels[2].up.start, view.panels[2].up.end]).all()
+    assert view.panels[1].up.start == -2.8
+
+
 def test_a_run_that_leaves_does_not_flatten_the_first_one():
     view, curves, _ = shown("elliptic_curve", methods=("dmm2", "rk2"), tau=0.6, t_end=60.0)
     size = np.ptp(curves[0].bounds[0])
@@ -68,3 +79,17 @@ def test_what_is_not_marked_of_a_long_run_is_told():
     told = state_text(run.system.variables, curves, count)
     assert f"the first 400 of {count:,} crossings" in told
     assert "Marked" not in state_text(run.system.variables, curves, 400)
+
+
+def test_what_is_round_off_of_the_size_of_a_coordinate_is_told_as_zero():
+    _, curves, run = shown("bouncing_ball")
+    assert 0.0 < abs(curves[0].bounds[0, 0]) < 1e-15, "a bounce takes the ball to the floor but for round-off"
+    assert "y from 0 to 1," in state_text(run.system.variables, curves)
+
+
+def test_dots_at_steps_do_not_hide_the_curve_of_another_integrator():
+    view, _, _ = shown(methods=("dmm2", "rk2"), t_end=0.5)
+    for panel in view.panels:
+        assert len(panel.steps.data["t"]) > 100
+        sources = [renderer.data_source for renderer in panel.figure.renderers]
+        assert sources.index(panel.steps) < sources.index(panel.curves)

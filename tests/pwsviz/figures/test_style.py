@@ -4,11 +4,20 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from bokeh.models import ColumnDataSource
+from bokeh.models import ColumnDataSource, WheelZoomTool
 
 import core
 from pwsviz.figures.marks import KIND_COLOURS
-from pwsviz.figures.style import LEGEND_GLYPH, OCCUPIED, assign, line_of, show_methods, side_strips, together
+from pwsviz.figures.style import (
+    LEGEND_GLYPH,
+    OCCUPIED,
+    assign,
+    line_of,
+    plain_figure,
+    show_methods,
+    side_strips,
+    together,
+)
 from pwsviz.geometry.shades import REGION_SHADES
 
 #: Linear RGB as seen with one kind of cone missing: Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009).
@@ -101,3 +110,13 @@ def test_short_columns_of_numbers_are_sent_as_text_and_long_ones_as_they_are():
     assert source.data is sent, "the same again is not sent"
     assign(source, t=np.arange(1000.0), word=np.full(1000, "a"))
     assert isinstance(source.data["t"], np.ndarray)
+
+
+def test_the_tool_that_zooms_says_that_it_needs_a_key():
+    (tool,) = plain_figure("A figure").select(WheelZoomTool)
+    assert tool.modifiers == {"ctrl": True}
+    assert "Ctrl" in tool.description
+
+
+def test_the_description_of_a_figure_begins_as_a_sentence_does():
+    assert plain_figure("state error, ‖x‖").html_attributes["aria-label"] == "State error, ‖x‖"

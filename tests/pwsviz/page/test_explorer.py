@@ -43,6 +43,46 @@ def test_first_picture_computes_what_is_visible_and_no_more(explorer):
     assert counts(explorer) == {"run": 2, "orbit": 2, "error": 2, "summary": 2, "curve": 2, **once}
 
 
+def test_a_link_shows_the_level_sets_and_arrows_that_its_reader_saw_before(explorer):
+    panel = explorer.portrait_panel
+    for window in (Window(-3.0, 1.0, -2.0, 2.0), Window(-2.6, 1.4, -1.8, 2.2), Window(-1.9, 2.1, -1.7, 2.3)):
+        panel._look_at(window)  # as the browser tells of a pan, and then of its end
+        panel._keep_window(window)
+        explorer.settle(20)
+    opened = Explorer(Scene(), Results())
+    opened.scene.restore(read(query(explorer.scene))[0])
+    opened.refresh()
+    opened.settle(20)
+    ground, other = panel.portrait.ground, opened.portrait_panel.portrait.ground
+    for one, same in ((ground.levels, other.levels), (ground.arrows, other.arrows)):
+        for side in (-1, 1):
+            np.testing.assert_array_equal(one[side].data["x"], same[side].data["x"])
+    opened.close()
+
+
+@pytest.mark.parametrize("key", [key for key in VIEWS if key != "conserved"])
+def test_a_view_says_that_it_is_computed_before_it_is_made(explorer, key):
+    view = explorer.views[key]
+    assert not view.built
+    assert view._content.objects == [view.words], "the browser has the words before anybody asks for the view"
+    assert "Computing …" in view.words.object
+    assert explorer.scene.view == "conserved"
+
+
+def test_a_view_without_a_result_says_so_until_it_has_one(explorer):
+    view = explorer.views["scheme"]
+    explorer.scene.accept("view", "scheme")
+    assert explorer.settle(20)
+    assert "Computing" not in view.words.object
+    explorer.scene.accept("system", "coulomb_friction")
+    explorer.refresh()
+    assert view.mathematics.object == ""
+    assert "Computing …" in view.words.object
+    assert explorer.settle(60)
+    assert view.mathematics.object
+    assert "Computing" not in view.words.object
+
+
 def test_curves_of_a_moved_slider_bring_the_backdrop_on_which_they_lie(explorer):
     scheduler, panel, submitted = explorer.scheduler, explorer.portrait_panel, []
     scheduler.submit = lambda lane, *rest, **options: (
