@@ -36,10 +36,10 @@ from pwsviz.figures.style import (
 )
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.section_plane import TURN, angles, coordinate_names
+from pwsviz.geometry.section_plane import coordinate_label, in_first_turn
 from pwsviz.results.sections import SectionPoints, SectionPortion
 
-__all__ = ["START_COLOURS", "SectionView", "coordinate_label"]
+__all__ = ["START_COLOURS", "SectionView"]
 
 START_COLOURS = (
     BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, VIOLET, OCHRE, BROWN, BERRY, GREY, SAND,
@@ -180,16 +180,9 @@ def _labels(count: int) -> list[str]:
     return [f"start {k + 1 if k < count else 1}" for k in range(len(START_COLOURS))]
 
 
-def coordinate_label(system: core.PiecewiseSystem, k: int) -> str:
-    """Return the name of a coordinate of a section; of an angle, that full turns are left out."""
-    name = coordinate_names(system)[k]
-    return f"{name} mod 2π" if k in angles(system) else name
-
-
 def _coordinate(system: core.PiecewiseSystem, portion: SectionPortion, k: int) -> Floats:
-    """Return (n,) values of a coordinate; of an angle, those in the first turn."""
-    values = portion.t if k == system.dimension else portion.x[:, k]
-    return np.mod(values, TURN) if k in angles(system) else values
+    """Return (n,) values of a coordinate as they are shown."""
+    return in_first_turn(system, k, portion.t if k == system.dimension else portion.x[:, k])
 
 
 def _begins(portions: tuple[SectionPortion, ...], before: list[SectionPortion]) -> bool:

@@ -24,11 +24,10 @@ from pwsviz.figures.style import (
     ranges,
     tips,
 )
-from pwsviz.figures.sweep_text import SUMMARY, ending, parameter_name, stretches
+from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.results.sweeps import Diagram
-from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 
 __all__ = ["SweepView"]
@@ -86,7 +85,7 @@ class SweepView:
         """Draw a diagram, or what is computed of it."""
         inputs = found.inputs
         self.figure.xaxis[0].axis_label = parameter_name(inputs)
-        self.figure.yaxis[0].axis_label = variable_name(inputs.coordinate)
+        self.figure.yaxis[0].axis_label = coordinate_name(inputs)
         margin = MARGIN * (inputs.high - inputs.low)
         assign(self.ends, x=[inputs.low - margin, inputs.high + margin], y=[0.0, 0.0])
         self.cloud.show(found.portions)

@@ -5,13 +5,18 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
+import numpy as np
 import sympy
 
 import core
+from core.kernels import Floats
 from core.symbolic import parse, to_text
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["TURN", "angles", "coordinate_names", "own_surfaces", "surface_functions", "usual_plane"]
+__all__ = [
+    "TURN", "angles", "coordinate_label", "coordinate_names", "in_first_turn", "own_surfaces", "surface_functions",
+    "usual_plane",
+]  # fmt: skip
 
 TURN = 2 * math.pi
 """Period of an angle."""
@@ -20,6 +25,17 @@ TURN = 2 * math.pi
 def coordinate_names(system: core.PiecewiseSystem) -> tuple[str, ...]:
     """Return what may be an axis of a section, as it is printed: the variables, and time."""
     return (*map(variable_name, system.variables), "t")
+
+
+def coordinate_label(system: core.PiecewiseSystem, k: int) -> str:
+    """Return the name of a coordinate as it is shown; of an angle, that full turns are left out."""
+    name = coordinate_names(system)[k]
+    return f"{name} mod 2π" if k in angles(system) else name
+
+
+def in_first_turn(system: core.PiecewiseSystem, k: int, values: Floats) -> Floats:
+    """Return values of a coordinate as they are shown: those of an angle in the first turn."""
+    return np.mod(values, TURN) if k in angles(system) else values
 
 
 def own_surfaces(system: core.PiecewiseSystem) -> tuple[str, ...]:

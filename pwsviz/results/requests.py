@@ -181,6 +181,11 @@ class SweepInputs:
     discard: int
     t_end: float
 
+    @property
+    def column(self) -> int:
+        """Number of the coordinate."""
+        return self.problem.declaration.variables.index(self.coordinate)
+
     @classmethod
     def of_scene(cls, scene: Scene) -> SweepInputs:
         """Read it from a scene, leaving out settings that have no effect on a section."""

@@ -15,6 +15,7 @@ import core
 from core import Status
 from pwsviz.geometry.point_counts import Portion
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.section_plane import in_first_turn
 from pwsviz.results.requests import SweepInputs
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
@@ -46,7 +47,9 @@ class Diagram:
     counts: NDArray[np.int64]
     """(v,) points of each."""
     portions: tuple[Portion, ...] = ()
-    """Value and coordinate of the points, as they came; those of one value in the order of time."""
+    """Value and coordinate of the points, as they came; those of one value in the order of time.
+
+    Of an angle, full turns are left out."""
     refusal: str = ""
     """Why the first of the values at which no run can begin has none."""
 
@@ -175,13 +178,13 @@ class _Runs:
             self._after = done
         return done
 
-    @staticmethod
-    def _with(found: Diagram, numbers: NDArray[np.intp], part: core.Sweep) -> Diagram:
+    def _with(self, found: Diagram, numbers: NDArray[np.intp], part: core.Sweep) -> Diagram:
         outcomes, counts = found.outcomes.copy(), found.counts.copy()
         outcomes[numbers] = part.statuses
+        points = in_first_turn(self._system, self.inputs.column, part.points)
         at, each = np.unique(part.value, return_counts=True)
         counts[np.searchsorted(found.values, at)] = each
-        portions = (*found.portions, Portion(part.value, part.points, 0))
+        portions = (*found.portions, Portion(part.value, points, 0))
         return replace(found, outcomes=outcomes, counts=counts, portions=portions)
 
 

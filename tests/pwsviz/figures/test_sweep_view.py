@@ -105,6 +105,12 @@ def test_a_period_counts_if_it_is_seen_twice(points, period):
     assert period_of(np.array(points), 1.0) == period
 
 
+def test_points_a_full_turn_apart_are_the_same():
+    about_zero = np.array([1e-9, 2 * np.pi - 1e-9] * 4)
+    assert period_of(about_zero, 2 * np.pi, 2 * np.pi) == 1
+    assert period_of(about_zero, 2 * np.pi) == 2
+
+
 def test_how_names_all_that_repeats_the_diagram():
     inputs = SweepInputs.of_scene(
         Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
@@ -136,7 +142,7 @@ def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
 
 def test_points_are_said_to_be_states_after_the_reset_map_where_one_acts():
     ball = {"system": "vibrating_table", "methods": ["taylor"]}
-    assert "diagram of φ at crossings of S, just after the reset map, for" in sweep_how(
+    assert "diagram of φ mod 2π at crossings of S, just after the reset map, for" in sweep_how(
         SweepInputs.of_scene(Scene(**ball))
     )
     other = SweepInputs.of_scene(Scene(**ball, sweep_of="v"))
@@ -147,4 +153,4 @@ def test_axes_name_the_coordinate_as_formulas_do():
     scene = Scene(system="vibrating_table", methods=["taylor"], sweep_values=2)
     view, nothing = SweepView(print, print), np.zeros(2, dtype=np.int64)
     view.show(Diagram(SweepInputs.of_scene(scene), np.array([0.0, 2.0]), nothing + TO_COME, nothing))
-    assert view.figure.yaxis[0].axis_label == "φ"
+    assert view.figure.yaxis[0].axis_label == "φ mod 2π"
