@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomJS, LinearColorMapper
+from bokeh.models import ColumnDataSource, CustomJS, GlyphRenderer, LinearColorMapper
 from bokeh.models.glyphs import Image, Scatter
 from bokeh.plotting import figure
 
@@ -44,13 +44,22 @@ seen.timer_ ??= setTimeout(() => {
   seen.timer_ = null
   const length = name => plot.properties[name].is_unset ? 0 : plot[name]  // it is, until the figure is laid out
   const [x, y] = ranges, size = [length("inner_height"), length("inner_width")]
-  const now = [x.start, x.end, y.start, y.end, ...size]
+  const followed = sources.flatMap((source, k) => Array.from(source.data["xy"[k]]))
+  const away = (end, wanted, width) => Math.abs(end - wanted) > 1e-6 * Math.abs(width)
+  const late = (range, low, high) => away(range.start, low, high - low) || away(range.end, high, high - low)
+  const [left, right, bottom, top] = followed
+  if (!x.have_updated_interactively && late(x, left, right)) return  // it is about to follow, and to call this again
+  if (!y.have_updated_interactively && late(y, bottom, top)) return
+  const now = [x.start, x.end, y.start, y.end, ...size, ...followed, x.default_span]
   if (size[0] > 1 && now.every(Number.isFinite) && now.some((value, k) => value != seen.data.value[k])) {
     seen.data = { value: now }
   }
 }, wait)
 """
-"""JavaScript that tells the server what part of the plane the browser shows, and in how many pixels."""
+"""JavaScript that tells the server what part of the plane the browser shows, and in how many pixels.
+
+It adds what the ranges follow, by which the server knows of what was told before the browser had its last changes.
+"""
 
 
 class PointCloud:
@@ -64,6 +73,8 @@ class PointCloud:
         Colour of each kind as #RRGGBB, at most 15.
     on_window : callable, optional
         Called with the visible part of the plane, when the user has changed it.
+    across : GlyphRenderer, optional
+        What the range of x follows instead of the points: marks at two places.
 
     Attributes
     ----------
@@ -76,7 +87,11 @@ class PointCloud:
     """
 
     def __init__(
-        self, plot: figure, colours: Sequence[str], on_window: Callable[[Window], None] = lambda _window: None
+        self,
+        plot: figure,
+        colours: Sequence[str],
+        on_window: Callable[[Window], None] = lambda _window: None,
+        across: GlyphRenderer | None = None,
     ) -> None:
         self.figure, self.colours, self._on_window = plot, tuple(colours), on_window
         self._portions: list[Portion] = []
@@ -97,6 +112,9 @@ class PointCloud:
         looks = [Scatter(size=MARK, fill_color=colour, line_color=None) for colour in colours]
         self.marks = [plot.add_glyph(source, look) for source, look in zip(self._few, looks, strict=True)]
         self.corners = fit_to_corners(plot, [0.0, 1.0], [0.0, 1.0])
+        if across is not None:
+            ranges(plot)[0].renderers = [across]
+        self._sources = [self.corners if across is None else across.data_source, self.corners]
         self._watch()
 
     def _watch(self) -> None:
@@ -104,8 +122,11 @@ class PointCloud:
         plot, (across, up) = self.figure, ranges(self.figure)
         for axis in (across, up):
             axis.range_padding = 0.0
-        seen = ColumnDataSource({"value": [math.nan] * 6})
-        tell = CustomJS(args={"plot": plot, "ranges": [across, up], "seen": seen}, code=TELL)
+        seen = ColumnDataSource({"value": []})
+        given = {"plot": plot, "ranges": [across, up], "sources": self._sources, "seen": seen}
+        tell = CustomJS(args=given, code=TELL)
+        for source in {id(one): one for one in self._sources}.values():
+            source.js_on_change("data", tell)
         for model, name in ((across, "start"), (across, "end"), (up, "start"), (up, "end")):
             model.js_on_change(name, tell)
         for name in ("inner_width", "inner_height"):
@@ -113,9 +134,16 @@ class PointCloud:
         seen.on_change("data", lambda _attribute, _old, new: self._look_at(new["value"]))
         self._seen = seen
 
+    def _followed(self) -> list[float]:
+        """Return what the ranges follow, and the mark that `refit` changes, as the browser tells them."""
+        x, y = (source.data[name] for source, name in zip(self._sources, "xy", strict=True))
+        return [float(value) for value in (*x, *y, ranges(self.figure)[0].default_span)]
+
     def _look_at(self, told: Sequence[Any]) -> None:
-        """Paint what the browser says it shows."""
-        left, right, bottom, top, rows, columns = (float(value) for value in told)
+        """Paint what the browser says it shows, unless it said so before it had the last changes."""
+        left, right, bottom, top, rows, columns, *followed = (float(value) for value in told)
+        if followed != self._followed():
+            return
         if not (right > left and top > bottom and 1 <= rows * columns <= MOST_PIXELS):
             return
         window, shape = Window(left, right, bottom, top), (round(rows), round(columns))

@@ -21,7 +21,6 @@ from pwsviz.figures.style import (
     invisible,
     legend_below,
     plain_figure,
-    ranges,
     tips,
 )
 from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
@@ -66,12 +65,10 @@ class SweepView:
         strips = plot.add_glyph(
             self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.25, line_width=0)
         )
-        self.cloud = PointCloud(plot, [BLUE], on_window)
+        self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
+        self.cloud = PointCloud(plot, [BLUE], on_window, plot.add_glyph(self.ends, invisible(size=1)))
         self.present = ColumnDataSource({"x": [0.0]})
         line = plot.add_glyph(self.present, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[6, 4]))
-        self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
-        across, _ = ranges(plot)
-        across.renderers = [plot.add_glyph(self.ends, invisible(size=1))]
         plot.add_tools(
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=GREY, line_alpha=0.6, visible=False),
