@@ -24,7 +24,7 @@ def prospects(system: core.PiecewiseSystem) -> str:
             "Laws in the plane without t lead to closed curves or to rest: after a transient few points differ."
         )
     if _conserves(system):
-        words.append("Every region conserves ψ: other starts may have other points.")
+        words.append("ψ is conserved, so each start keeps to its own level: other starts show other points.")
     return " ".join(words)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pwsviz.figures.section_prospects import prospects, reset_words
+from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
 from pwsviz.scene.names import readable
@@ -24,7 +25,8 @@ def surface_words(inputs: SectionInputs) -> str:
     """Return where the points lie, as “S: g = 0, crossed either way”."""
     system = inputs.problem.declaration
     own = "S: g = 0" if system.two_sided else "all surfaces"
-    return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {_WAYS[inputs.direction]}"
+    way = "reached from one side" if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
+    return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {way}"
 
 
 _AT_REST = "the motion has come to rest, and goes on by round-off only"

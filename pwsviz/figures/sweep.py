@@ -92,6 +92,8 @@ class SweepView:
     def mark(self, present: float, name: str) -> None:
         """Put the line at the present value of the parameter."""
         assign(self.present, x=[present])
+        low, high = self.ends.data["x"]
+        self._present.visible = bool(low <= present <= high)
         self._present.label = value(printed(f"present value, {name} = {present:.6g}"))
 
 

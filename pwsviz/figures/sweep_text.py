@@ -135,13 +135,15 @@ def _refusal(found: Diagram) -> str:
 
 
 def _nothing_left(found: Diagram) -> str:
-    """Say why there is no point at all, if all were left out."""
-    if not found.done.any() or found.counts.any() or not found.inputs.discard:
+    """Say why most values have no point, if all were left out."""
+    none = found.done & (found.counts == 0) & (found.outcomes != NO_START)
+    if 2 * none.sum() <= found.done.sum() or not found.inputs.discard:
         return ""
     crossings = plural(found.inputs.discard, "crossing")
-    longer = (found.outcomes[found.done] == Status.COMPLETED).any()
-    do = "leave out fewer, or let runs last longer" if longer else "leave out fewer"
-    return f"No run has more than the {crossings} left out before: {do} (“more”)."
+    longer = (found.outcomes[none] == Status.COMPLETED).any()
+    do = "leave out fewer, or, unless they have come to rest, let runs last longer" if longer else "leave out fewer"
+    who = "No run has" if not found.counts.any() else f"For {none.sum():,} of the values no run has"
+    return f"{who} more than the {crossings} left out before: {do} (“more”)."
 
 
 def _where(inputs: SweepInputs) -> str:
@@ -154,7 +156,7 @@ def surface_words(inputs: SweepInputs) -> str:
     """Return the surface of the section, as “S (where g falls)”."""
     declared = inputs.problem.declaration
     if not inputs.of:
-        name, g = ("S", "g") if declared.two_sided else ("all surfaces", "its function")
+        name, g = ("S", "g") if declared.two_sided else ("all surfaces gₖ = 0", "gₖ")
     else:
         name, g = f"the surface {readable(inputs.of, declared)} = 0", "the function"
     return name + {0: "", 1: f", where {g} rises", -1: f", where {g} falls"}[inputs.direction]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import core
+from pwsviz.geometry.section_crossings import chosen_direction
 from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import END_TIME, Scene
 from pwsviz.scene.sweeping import swept_coordinate, swept_direction, swept_parameter, swept_range
@@ -223,7 +224,8 @@ class SectionInputs:
         scheme = Scheme(method, tolerance=tolerance, slide=scene.slides)
         return cls(
             InitialValueProblem.of(scene, ()), scene.starts, scheme, scene.tau, scene.section_of,
-            scene.section_direction, scene.section_points, scene.section_discard,
+            chosen_direction(scene.declaration, scene.section_of, scene.section_direction), scene.section_points,
+            scene.section_discard,
         )  # fmt: skip
 
 

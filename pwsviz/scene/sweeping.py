@@ -10,7 +10,7 @@ import sympy
 
 import core
 from core.symbolic import TIME
-from pwsviz.geometry.section_crossings import usual_direction
+from pwsviz.geometry.section_crossings import chosen_direction, usual_direction
 from pwsviz.geometry.section_plane import surface_functions
 from pwsviz.scene.names import SWEEP_CONTINUATIONS, SWEEP_DIRECTIONS, choice_name, short_name
 from pwsviz.scene.validation import number, one_of
@@ -83,7 +83,7 @@ def swept_direction(scene: Scene) -> int:
     """Return the chosen direction of crossing, or the one in which a simple loop has one point, where there is one."""
     if scene.sweep_direction == "auto":
         return usual_direction(scene.declaration, scene.sweep_of, scene.slides)
-    return int(scene.sweep_direction)
+    return chosen_direction(scene.declaration, scene.sweep_of, int(scene.sweep_direction))
 
 
 def _fixed_on(h: sympy.Expr, system: core.PiecewiseSystem) -> set[str]:

@@ -36,7 +36,10 @@ MIXED = diagram([LIMIT, LIMIT, TO_COME, BLOWS_UP, BLOWS_UP, DONE, NO_START])
 def test_the_figure_shows_points_and_the_whole_range_of_values():
     view = SweepView(print, print)
     view.show(MIXED)
+    view.mark(-3.5, "a₋")
+    assert not view._present.visible, "the legend names no line that is not there"
     view.mark(-2.5, "a₋")
+    assert view._present.visible
     assert view.cloud.count == 10
     assert view.figure.xaxis[0].axis_label == "a₋"
     assert view.figure.yaxis[0].axis_label == "x"
@@ -123,8 +126,8 @@ def test_how_names_all_that_repeats_the_diagram():
     ):  # fmt: skip
         assert words in how, words
     chua = {"system": "chua", "methods": ["taylor"]}
-    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "all surfaces, where its function rises"
-    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "all surfaces"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "all surfaces gₖ = 0, where gₖ rises"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "all surfaces gₖ = 0"
 
 
 def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():
@@ -137,6 +140,10 @@ def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
     nothing = "No run has more than the 100 crossings left out before"
     assert nothing in sweep_text(diagram([BLOWS_UP] * 7), 0.0)
     assert nothing not in sweep_text(MIXED, 0.0)
+    most = diagram([LIMIT, *[DONE] * 6])
+    most.counts[1:] = 0
+    words = "For 6 of the values no run has more than the 100 crossings left out before: leave out fewer, or, unless"
+    assert words in sweep_text(most, 0.0)
     assert nothing not in sweep_text(diagram([BLOWS_UP] * 7, sweep_discard=0), 0.0)
 
 
