@@ -37,6 +37,7 @@ from pwsviz.figures.style import (
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_plane import coordinate_label, in_first_turn
+from pwsviz.results.resting import ROUND_OFF
 from pwsviz.results.sections import SectionPoints, SectionPortion
 
 __all__ = ["START_COLOURS", "SectionView"]
@@ -137,11 +138,9 @@ class SectionView:
             self._made = []
             self.cloud.fit()
             self._name(system, axes, return_map)
-        before, self._key = self._key, key
+        self._key = key
         self._make(outcome, axes, return_map)
-        self.cloud.show([made for _, made in self._made])
-        if key != before:
-            self.cloud.fit()
+        self.cloud.show([made for _, made in self._made], ROUND_OFF * _size(outcome))
         self._number(outcome, return_map)
 
     def _name(self, system: core.PiecewiseSystem, axes: tuple[int, int], return_map: bool) -> None:
@@ -173,6 +172,12 @@ class SectionView:
         for source, portion in reversed([] if return_map else self._made):
             x[source.start], y[source.start] = float(portion.x[0]), float(portion.y[0])
         assign(self.firsts, **{**self.firsts.data, "x": x, "y": y})
+
+
+def _size(outcome: SectionPoints) -> float:
+    """Return the largest |number| of the starts and the points, by which round-off is told."""
+    parts = (np.array(outcome.inputs.starts), *(portion.x for portion in outcome.portions))
+    return max(float(np.abs(part).max(initial=0.0)) for part in parts)
 
 
 def _labels(count: int) -> list[str]:

@@ -18,7 +18,6 @@ from pwsviz.figures.style import (
     VERMILION,
     WITH_TABLE,
     assign,
-    invisible,
     legend_below,
     plain_figure,
     tips,
@@ -66,7 +65,7 @@ class SweepView:
             self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.25, line_width=0)
         )
         self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
-        self.cloud = PointCloud(plot, [BLUE], on_window, plot.add_glyph(self.ends, invisible(size=1)))
+        self.cloud = PointCloud(plot, [BLUE], on_window, self.ends)
         self.present = ColumnDataSource({"x": [0.0]})
         line = plot.add_glyph(self.present, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[6, 4]))
         plot.add_tools(
@@ -85,7 +84,7 @@ class SweepView:
         self.figure.yaxis[0].axis_label = coordinate_name(inputs)
         margin = MARGIN * (inputs.high - inputs.low)
         assign(self.ends, x=[inputs.low - margin, inputs.high + margin], y=[0.0, 0.0])
-        self.cloud.show(found.portions)
+        self.cloud.show(found.portions, found.round_off)
         assign(self.early, **_strips(found))
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
 

@@ -74,14 +74,14 @@ def stretches(found: Diagram) -> Iterator[tuple[int, int, int]]:
             yield int(code[piece[0]]), int(piece[0]), int(piece[-1])
 
 
-def period_of(points: Floats, height: float, turn: float = math.inf) -> int:
-    """Return after how many points they repeat, to `SAME` times a height; 0 if they do not.
+def period_of(points: Floats, height: float, turn: float = math.inf, least: float = 0.0) -> int:
+    """Return after how many points they repeat, to `SAME` times a height or `least`, which is more; 0 if they do not.
 
     A period counts if it is seen twice at least. Points a full turn apart are the same.
     """
     for period in range(1, min(LONGEST_PERIOD, len(points) // 2) + 1):
         away = np.abs(points[period:] - points[:-period])
-        if np.minimum(away, turn - away).max() <= SAME * height:
+        if np.minimum(away, turn - away).max() <= max(SAME * height, least):
             return period
     return 0
 
@@ -121,7 +121,7 @@ def _at_present(found: Diagram, present: float) -> str:
     if len(points) < 2:
         return ""
     turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
-    if (period := period_of(points, height, turn)) == 1:
+    if (period := period_of(points, height, turn, found.round_off)) == 1:
         return f"{at} all points are the same: {points[-1]:.6g}."
     if period:
         both = not inputs.direction and not is_one_way(inputs.problem.declaration, inputs.of)

@@ -17,6 +17,7 @@ from pwsviz.geometry.point_counts import Portion
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_plane import in_first_turn
 from pwsviz.results.requests import SweepInputs
+from pwsviz.results.resting import ROUND_OFF
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 
@@ -67,6 +68,12 @@ class Diagram:
     def spacing(self) -> float:
         """Distance of one value from the next."""
         return (self.inputs.high - self.inputs.low) / (len(self.values) - 1)
+
+    @property
+    def round_off(self) -> float:
+        """Difference of two points that is none, beside the start and the largest point."""
+        points = (np.abs(part.y).max(initial=0.0) for part in self.portions)
+        return ROUND_OFF * float(max([*map(abs, self.inputs.problem.x0), *points]))
 
     def points_at(self, value: float) -> Floats:
         """Return (n,) the coordinate at the points of one of the values, in the order of time."""

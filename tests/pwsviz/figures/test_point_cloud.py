@@ -122,6 +122,15 @@ def test_the_ranges_follow_the_points_with_some_room(cloud):
     assert bottom < 3.0 < top
 
 
+def test_round_off_is_drawn_on_a_line(cloud):
+    x = 1e-17 * np.arange(10.0)
+    cloud.show([Portion(x, np.arange(10.0), 0)], 1e-15)
+    left, right = cloud.corners.data["x"]
+    assert left < -0.01 < 0.01 < right
+    cloud.show([Portion(x, np.arange(10.0), 0)], 0.0)
+    assert cloud.corners.data["x"][1] < 1e-15
+
+
 def test_a_picture_for_print_has_finer_pixels_until_the_next_look(cloud):
     cloud.show([square(100_000)])
     looked_at(cloud, 0.2, 0.7, 0.1, 0.9)

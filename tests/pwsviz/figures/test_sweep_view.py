@@ -114,6 +114,12 @@ def test_points_a_full_turn_apart_are_the_same():
     assert period_of(about_zero, 2 * np.pi) == 2
 
 
+def test_points_that_differ_by_round_off_are_the_same():
+    assert period_of(1e-17 * np.random.default_rng(0).random(20), 1e-17, least=1e-15) == 1
+    found = diagram([LIMIT] * 7)
+    assert 0.0 < found.round_off < 1e-14
+
+
 def test_how_names_all_that_repeats_the_diagram():
     inputs = SweepInputs.of_scene(
         Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
