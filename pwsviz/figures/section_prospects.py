@@ -24,7 +24,9 @@ def prospects(system: core.PiecewiseSystem) -> str:
             "Laws in the plane without t lead to closed curves or to rest: after a transient few points differ."
         )
     if _conserves(system):
-        words.append("ψ is conserved, so each start keeps to its own level: other starts show other points.")
+        words.append(
+            "In each region ψ is constant, so points depend on its level at the start: other starts may have others."
+        )
     return " ".join(words)
 
 
