@@ -10,6 +10,7 @@ from textwrap import indent
 from typing import Any
 
 import core
+from pwsviz.geometry.section_plane import angles
 from pwsviz.results.requests import (
     CostInputs,
     Scheme,
@@ -239,8 +240,9 @@ def sweep_program(inputs: SweepInputs) -> str:
         ("system", f"(0.0, {inputs.t_end!r})", repr(inputs.parameter), values, repr(inputs.coordinate)),
         start | texts,
     )
+    turns = " % (2*np.pi)" if inputs.column in angles(declared) else ""
     return f"""\
-# The bifurcation diagram: found.points over found.value.
+# The bifurcation diagram: found.points{turns} over found.value.
 {call}
 print(found)
 {_WHOLE}

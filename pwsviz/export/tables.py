@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 import core
 from pwsviz.export.columns import by_name
 from pwsviz.export.files import Tables
+from pwsviz.geometry.section_plane import angles
 from pwsviz.results.requests import RunInputs
 from pwsviz.results.results import Pictures, PortraitInputs
 from pwsviz.results.sweeps import NO_START, Diagram
@@ -107,13 +108,15 @@ def sweep_tables(found: Diagram) -> Tables:
 
     Columns
     -------
-    points: value, the coordinate by name;
+    points: value, the coordinate by name (of an angle, without full turns);
     values: value, points (how many), ended.
     """
 
     def points() -> Columns:
         value, coordinate = found.sorted_points()
-        return {"value": value, **by_name([found.inputs.coordinate], [coordinate])}
+        inputs = found.inputs
+        turns = " mod 2*pi" if inputs.column in angles(inputs.problem.declaration) else ""
+        return {"value": value, **by_name([inputs.coordinate + turns], [coordinate])}
 
     def values() -> Columns:
         there = found.done

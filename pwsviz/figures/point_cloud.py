@@ -11,7 +11,7 @@ from bokeh.models import ColumnDataSource, CustomJS, LinearColorMapper
 from bokeh.models.glyphs import Image, Scatter
 from bokeh.plotting import figure
 
-from pwsviz.figures.style import assign, fit_to_corners, ranges, refit
+from pwsviz.figures.style import assign, fit_to_corners, invisible, ranges, refit
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.point_counts import LEVELS, PointCounts, Portion, extent_of, visible
 
@@ -44,13 +44,22 @@ seen.timer_ ??= setTimeout(() => {
   seen.timer_ = null
   const length = name => plot.properties[name].is_unset ? 0 : plot[name]  // it is, until the figure is laid out
   const [x, y] = ranges, size = [length("inner_height"), length("inner_width")]
-  const now = [x.start, x.end, y.start, y.end, ...size]
+  const followed = sources.flatMap((source, k) => Array.from(source.data["xy"[k]]))
+  const away = (end, wanted, width) => Math.abs(end - wanted) > 1e-6 * Math.abs(width)
+  const late = (range, low, high) => away(range.start, low, high - low) || away(range.end, high, high - low)
+  const [left, right, bottom, top] = followed
+  if (!x.have_updated_interactively && late(x, left, right)) return  // it is about to follow, and to call this again
+  if (!y.have_updated_interactively && late(y, bottom, top)) return
+  const now = [x.start, x.end, y.start, y.end, ...size, ...followed, x.default_span]
   if (size[0] > 1 && now.every(Number.isFinite) && now.some((value, k) => value != seen.data.value[k])) {
     seen.data = { value: now }
   }
 }, wait)
 """
-"""JavaScript that tells the server what part of the plane the browser shows, and in how many pixels."""
+"""JavaScript that tells the server what part of the plane the browser shows, and in how many pixels.
+
+It adds what the ranges follow, by which the server knows of what was told before the browser had its last changes.
+"""
 
 
 class PointCloud:
@@ -64,6 +73,8 @@ class PointCloud:
         Colour of each kind as #RRGGBB, at most 15.
     on_window : callable, optional
         Called with the visible part of the plane, when the user has changed it.
+    across : ColumnDataSource, optional
+        Two places, x and y, of which the range of x follows the x instead of the points.
 
     Attributes
     ----------
@@ -76,11 +87,16 @@ class PointCloud:
     """
 
     def __init__(
-        self, plot: figure, colours: Sequence[str], on_window: Callable[[Window], None] = lambda _window: None
+        self,
+        plot: figure,
+        colours: Sequence[str],
+        on_window: Callable[[Window], None] = lambda _window: None,
+        across: ColumnDataSource | None = None,
     ) -> None:
         self.figure, self.colours, self._on_window = plot, tuple(colours), on_window
         self._portions: list[Portion] = []
         self._extent: Window | None = None
+        self._least = 0.0
         self._counts: PointCounts | None = None
         self._in_sight = 0
         self._shape = USUAL_SHAPE
@@ -97,6 +113,9 @@ class PointCloud:
         looks = [Scatter(size=MARK, fill_color=colour, line_color=None) for colour in colours]
         self.marks = [plot.add_glyph(source, look) for source, look in zip(self._few, looks, strict=True)]
         self.corners = fit_to_corners(plot, [0.0, 1.0], [0.0, 1.0])
+        if across is not None:
+            ranges(plot)[0].renderers = [plot.add_glyph(across, invisible(size=1))]
+        self._sources = [across or self.corners, self.corners]
         self._watch()
 
     def _watch(self) -> None:
@@ -104,18 +123,29 @@ class PointCloud:
         plot, (across, up) = self.figure, ranges(self.figure)
         for axis in (across, up):
             axis.range_padding = 0.0
-        seen = ColumnDataSource({"value": [math.nan] * 6})
-        tell = CustomJS(args={"plot": plot, "ranges": [across, up], "seen": seen}, code=TELL)
+        seen = ColumnDataSource({"value": []})
+        given = {"plot": plot, "ranges": [across, up], "sources": self._sources, "seen": seen}
+        tell = CustomJS(args=given, code=TELL)
+        for source in {id(one): one for one in self._sources}.values():
+            source.js_on_change("data", tell)
         for model, name in ((across, "start"), (across, "end"), (up, "start"), (up, "end")):
             model.js_on_change(name, tell)
+        across.js_on_change("default_span", tell)
         for name in ("inner_width", "inner_height"):
             plot.js_on_change(name, tell)
         seen.on_change("data", lambda _attribute, _old, new: self._look_at(new["value"]))
         self._seen = seen
 
+    def _followed(self) -> list[float]:
+        """Return what the ranges follow, and the mark that `refit` changes, as the browser tells them."""
+        x, y = (source.data[name] for source, name in zip(self._sources, "xy", strict=True))
+        return [float(value) for value in (*x, *y, ranges(self.figure)[0].default_span)]
+
     def _look_at(self, told: Sequence[Any]) -> None:
-        """Paint what the browser says it shows."""
-        left, right, bottom, top, rows, columns = (float(value) for value in told)
+        """Paint what the browser says it shows, unless it said so before it had the last changes."""
+        left, right, bottom, top, rows, columns, *followed = (float(value) for value in told)
+        if followed != self._followed():
+            return
         if not (right > left and top > bottom and 1 <= rows * columns <= MOST_PIXELS):
             return
         window, shape = Window(left, right, bottom, top), (round(rows), round(columns))
@@ -134,14 +164,17 @@ class PointCloud:
         """Number of points."""
         return sum(len(portion.x) for portion in self._portions)
 
-    def show(self, portions: Sequence[Portion]) -> None:
+    def show(self, portions: Sequence[Portion], least: float = 0.0) -> None:
         """Draw these points, and no others; those that were drawn before and come first again are not counted anew.
 
         Parameters
         ----------
         portions
             The points. Of the same objects as before, and further ones, only the latter cost anything.
+        least
+            Extent of points, across or up, that is round-off: below it they are drawn on a line.
         """
+        self._least = least
         known = len(self._portions)
         if len(portions) < known or any(one is not old for one, old in zip(portions, self._portions, strict=False)):
             known, self._counts = 0, None
@@ -188,11 +221,11 @@ class PointCloud:
         if extent is None:
             return
         held = Window(*self.corners.data["x"], *self.corners.data["y"])
-        ample = held.width <= 1.5 * _roomy(extent).width and held.height <= 1.5 * _roomy(extent).height
+        room = _roomy(extent, self._least)
+        ample = held.width <= 1.5 * room.width and held.height <= 1.5 * room.height
         if not (held.covers(extent) and ample):
             if self.window == held:
                 self.window = None  # the browser is about to follow
-            room = _roomy(extent)
             assign(self.corners, x=[room.x_low, room.x_high], y=[room.y_low, room.y_high])
 
     def _target(self) -> Window:
@@ -244,10 +277,10 @@ def _alphas() -> list[int]:
     return [round(255 * (FAINTEST + (1 - FAINTEST) * k / (LEVELS - 1))) for k in range(LEVELS)]
 
 
-def _roomy(extent: Window) -> Window:
+def _roomy(extent: Window, least: float) -> Window:
     """Return a window with some margin; of points on a line, as wide as they are far from the origin."""
-    across = extent.width or max(abs(extent.x_low), 1.0)
-    up = extent.height or max(abs(extent.y_low), 1.0)
+    across = extent.width if extent.width > least else max(abs(extent.x_low), 1.0)
+    up = extent.height if extent.height > least else max(abs(extent.y_low), 1.0)
     return Window(
         extent.x_low - MARGIN * across, extent.x_high + MARGIN * across,
         extent.y_low - MARGIN * up, extent.y_high + MARGIN * up,

@@ -36,10 +36,11 @@ from pwsviz.figures.style import (
 )
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.section_plane import TURN, angles, coordinate_names
+from pwsviz.geometry.section_plane import coordinate_label, in_first_turn
+from pwsviz.results.resting import ROUND_OFF
 from pwsviz.results.sections import SectionPoints, SectionPortion
 
-__all__ = ["START_COLOURS", "SectionView", "coordinate_label"]
+__all__ = ["START_COLOURS", "SectionView"]
 
 START_COLOURS = (
     BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, VIOLET, OCHRE, BROWN, BERRY, GREY, SAND,
@@ -137,11 +138,9 @@ class SectionView:
             self._made = []
             self.cloud.fit()
             self._name(system, axes, return_map)
-        before, self._key = self._key, key
+        self._key = key
         self._make(outcome, axes, return_map)
-        self.cloud.show([made for _, made in self._made])
-        if key != before:
-            self.cloud.fit()
+        self.cloud.show([made for _, made in self._made], ROUND_OFF * _size(outcome))
         self._number(outcome, return_map)
 
     def _name(self, system: core.PiecewiseSystem, axes: tuple[int, int], return_map: bool) -> None:
@@ -175,21 +174,20 @@ class SectionView:
         assign(self.firsts, **{**self.firsts.data, "x": x, "y": y})
 
 
+def _size(outcome: SectionPoints) -> float:
+    """Return the largest |number| of the starts and the points, by which round-off is told."""
+    parts = (np.array(outcome.inputs.starts), *(portion.x for portion in outcome.portions))
+    return max(float(np.abs(part).max(initial=0.0)) for part in parts)
+
+
 def _labels(count: int) -> list[str]:
     """Return the label of each start there may be; of those there are not, that of the first."""
     return [f"start {k + 1 if k < count else 1}" for k in range(len(START_COLOURS))]
 
 
-def coordinate_label(system: core.PiecewiseSystem, k: int) -> str:
-    """Return the name of a coordinate of a section; of an angle, that full turns are left out."""
-    name = coordinate_names(system)[k]
-    return f"{name} mod 2π" if k in angles(system) else name
-
-
 def _coordinate(system: core.PiecewiseSystem, portion: SectionPortion, k: int) -> Floats:
-    """Return (n,) values of a coordinate; of an angle, those in the first turn."""
-    values = portion.t if k == system.dimension else portion.x[:, k]
-    return np.mod(values, TURN) if k in angles(system) else values
+    """Return (n,) values of a coordinate as they are shown."""
+    return in_first_turn(system, k, portion.t if k == system.dimension else portion.x[:, k])
 
 
 def _begins(portions: tuple[SectionPortion, ...], before: list[SectionPortion]) -> bool:

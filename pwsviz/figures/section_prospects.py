@@ -24,7 +24,9 @@ def prospects(system: core.PiecewiseSystem) -> str:
             "Laws in the plane without t lead to closed curves or to rest: after a transient few points differ."
         )
     if _conserves(system):
-        words.append("Every region conserves ψ: other starts may have other points.")
+        words.append(
+            "In each region ψ is constant, so points depend on its level at the start: other starts may have others."
+        )
     return " ".join(words)
 
 

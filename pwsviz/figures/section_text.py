@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import core
 from pwsviz.figures.section_prospects import prospects, reset_words
+from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
 from pwsviz.scene.names import readable
@@ -18,13 +18,19 @@ from pwsviz.text.words import listed, plural
 __all__ = ["section_how", "section_rows", "section_text", "surface_words"]
 
 _WAYS = {0: "crossed either way", 1: "crossed upwards", -1: "crossed downwards"}
+_NO_ZERO = {0: "change sign", 1: "rise through zero", -1: "fall through zero"}
 
 
 def surface_words(inputs: SectionInputs) -> str:
     """Return where the points lie, as “S: g = 0, crossed either way”."""
     system = inputs.problem.declaration
     own = "S: g = 0" if system.two_sided else "all surfaces"
-    return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {_WAYS[inputs.direction]}"
+    way = "reached from one side" if is_one_way(system, inputs.of) else _WAYS[inputs.direction]
+    return f"{f'{readable(inputs.of, system)} = 0' if inputs.of else own}, {way}"
+
+
+_AT_REST = "the motion has come to rest, and goes on by round-off only"
+"""Of a start of which later points are left out."""
 
 
 def section_text(outcome: SectionPoints) -> str:
@@ -32,14 +38,15 @@ def section_text(outcome: SectionPoints) -> str:
     counts, inputs = outcome.counts, outcome.inputs
     after = reset_words(inputs.problem.declaration, inputs.of)
     words = [f"{plural(sum(counts), 'point')} of {plural(len(counts), 'start')} on {surface_words(inputs)}{after}."]
-    short: dict[core.Status, list[int]] = {}
+    short: dict[tuple[str, bool], list[int]] = {}
     for k in outcome.short:
         if (status := outcome.statuses[k]) is not None:
-            short.setdefault(status, []).append(k)
+            reason = _AT_REST if k in outcome.at_rest else on_page(status.reason)
+            short.setdefault((reason, counts[k] > 0), []).append(k)
     whole = sum(count == inputs.points for count in counts)
     if short and whole:
         words.append(f"{_number(whole)} all {inputs.points:,}.")
-    words += [_ended(outcome, status, which) for status, which in short.items()]
+    words += [_ended(outcome, reason, which) for (reason, _), which in short.items()]
     words.append(prospects(inputs.problem.declaration))
     return " ".join(filter(None, words))
 
@@ -48,16 +55,16 @@ def _number(count: int) -> str:
     return "One start has" if count == 1 else f"{count} starts have"
 
 
-def _ended(outcome: SectionPoints, status: core.Status, which: list[int]) -> str:
-    """Say of some starts that their runs ended early, and why."""
-    counts = [outcome.counts[k] for k in which]
-    names = listed([str(k + 1) for k in which])
-    if status is core.Status.STEP_LIMIT and not any(counts):
-        return f"{_named(which, names)} not come back to this surface."
-    found = f"{plural(counts[0], 'point')} by t = {outcome.ends[which[0]]:.6g}" if len(which) == 1 else (
-        f"{', '.join(f'{count:,}' for count in counts)} points"
-    )  # fmt: skip
-    return f"{_named(which, names)} ended with {found}: {on_page(status.reason)}."
+def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
+    """Say of some starts, all with points or all without, that their runs ended early, and why."""
+    inputs, counts = outcome.inputs, [outcome.counts[k] for k in which]
+    names, by = listed([str(k + 1) for k in which]), f" by t = {outcome.ends[which[0]]:.6g}" * (len(which) == 1)
+    found = f"{', '.join(f'{count:,}' for count in counts)} point{'s' * (counts != [1])}{by}"
+    if not any(counts):
+        found = f"no point{by}"
+        if not inputs.discard:
+            reason = f"{'h' if inputs.of else 'g'} does not {_NO_ZERO[inputs.direction]} on the way; {reason}"
+    return f"{_named(which, names)} ended with {found}: {reason}."
 
 
 def _named(which: list[int], names: str) -> str:

@@ -18,17 +18,14 @@ from pwsviz.figures.style import (
     VERMILION,
     WITH_TABLE,
     assign,
-    invisible,
     legend_below,
     plain_figure,
-    ranges,
     tips,
 )
-from pwsviz.figures.sweep_text import SUMMARY, ending, parameter_name, stretches
+from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.results.sweeps import Diagram
-from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 
 __all__ = ["SweepView"]
@@ -67,12 +64,10 @@ class SweepView:
         strips = plot.add_glyph(
             self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.25, line_width=0)
         )
-        self.cloud = PointCloud(plot, [BLUE], on_window)
+        self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
+        self.cloud = PointCloud(plot, [BLUE], on_window, self.ends)
         self.present = ColumnDataSource({"x": [0.0]})
         line = plot.add_glyph(self.present, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[6, 4]))
-        self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
-        across, _ = ranges(plot)
-        across.renderers = [plot.add_glyph(self.ends, invisible(size=1))]
         plot.add_tools(
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=GREY, line_alpha=0.6, visible=False),
@@ -86,16 +81,18 @@ class SweepView:
         """Draw a diagram, or what is computed of it."""
         inputs = found.inputs
         self.figure.xaxis[0].axis_label = parameter_name(inputs)
-        self.figure.yaxis[0].axis_label = variable_name(inputs.coordinate)
+        self.figure.yaxis[0].axis_label = coordinate_name(inputs)
         margin = MARGIN * (inputs.high - inputs.low)
         assign(self.ends, x=[inputs.low - margin, inputs.high + margin], y=[0.0, 0.0])
-        self.cloud.show(found.portions)
+        self.cloud.show(found.portions, found.round_off)
         assign(self.early, **_strips(found))
         self._early.visible = self.early.data["words"] != NO_STRIP["words"]
 
     def mark(self, present: float, name: str) -> None:
         """Put the line at the present value of the parameter."""
         assign(self.present, x=[present])
+        low, high = self.ends.data["x"]
+        self._present.visible = bool(low <= present <= high)
         self._present.label = value(printed(f"present value, {name} = {present:.6g}"))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,17 +14,17 @@ from pwsviz.figures.stability_outcomes import OUTCOMES, Outcome
 from pwsviz.figures.style import GREY
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_crossings import is_one_way
+from pwsviz.geometry.section_plane import TURN, angles, coordinate_label
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import NO_START, Diagram
 from pwsviz.scene.names import readable, short_name
-from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import plural
 
 __all__ = [
-    "SUMMARY", "ending", "parameter_name", "period_of", "stretches", "surface_words", "sweep_how", "sweep_numbers",
-    "sweep_text",
+    "SUMMARY", "coordinate_name", "ending", "parameter_name", "period_of", "stretches", "surface_words", "sweep_how",
+    "sweep_numbers", "sweep_text",
 ]  # fmt: skip
 
 SUMMARY = "Bifurcation diagram: points that runs leave on a surface, against a parameter"
@@ -48,6 +49,11 @@ def parameter_name(inputs: SweepInputs) -> str:
     return next(names, inputs.parameter)
 
 
+def coordinate_name(inputs: SweepInputs) -> str:
+    """Return the name of the coordinate as it is shown."""
+    return coordinate_label(inputs.problem.declaration, inputs.column)
+
+
 def ending(code: int) -> Outcome:
     """Return words and colour for how a run ends before it has all its points; `NO_START` if it cannot begin."""
     if code == NO_START:
@@ -68,13 +74,14 @@ def stretches(found: Diagram) -> Iterator[tuple[int, int, int]]:
             yield int(code[piece[0]]), int(piece[0]), int(piece[-1])
 
 
-def period_of(points: Floats, height: float) -> int:
-    """Return after how many points they repeat, to `SAME` times a height; 0 if they do not.
+def period_of(points: Floats, height: float, turn: float = math.inf, least: float = 0.0) -> int:
+    """Return after how many points they repeat, to `SAME` times a height or `least`, which is more; 0 if they do not.
 
-    A period counts if it is seen twice at least.
+    A period counts if it is seen twice at least. Points a full turn apart are the same.
     """
     for period in range(1, min(LONGEST_PERIOD, len(points) // 2) + 1):
-        if np.abs(points[period:] - points[:-period]).max() <= SAME * height:
+        away = np.abs(points[period:] - points[:-period])
+        if np.minimum(away, turn - away).max() <= max(SAME * height, least):
             return period
     return 0
 
@@ -85,7 +92,7 @@ def sweep_text(found: Diagram, present: float) -> str:
     declared = inputs.problem.declaration
     done, whole = int(found.done.sum()), int(found.whole.sum())
     words = (
-        f"{plural(int(found.counts.sum()), 'point')}: {variable_name(inputs.coordinate)} on {_where(inputs)} "
+        f"{plural(int(found.counts.sum()), 'point')}: {coordinate_name(inputs)} on {_where(inputs)} "
         f"for {plural(done, 'value')} of {parameter_name(inputs)} from {inputs.low:.6g} to {inputs.high:.6g}."
     )
     if done and whole == done:
@@ -109,13 +116,14 @@ def _at_present(found: Diagram, present: float) -> str:
     spread = [(part.y.min(), part.y.max()) for part in found.portions if len(part.y)]
     height = max(high for _, high in spread) - min(low for low, _ in spread) or 1.0
     points = found.points_at(float(nearest))
-    at = f"At {parameter_name(found.inputs)} = {nearest:.6g}, next to the present value,"
+    inputs = found.inputs
+    at = f"At {parameter_name(inputs)} = {nearest:.6g}, next to the present value,"
     if len(points) < 2:
         return ""
-    if (period := period_of(points, height)) == 1:
+    turn = TURN if inputs.column in angles(inputs.problem.declaration) else math.inf
+    if (period := period_of(points, height, turn, found.round_off)) == 1:
         return f"{at} all points are the same: {points[-1]:.6g}."
     if period:
-        inputs = found.inputs
         both = not inputs.direction and not is_one_way(inputs.problem.declaration, inputs.of)
         return f"{at} the points repeat after {period}{both * ', of crossings in both directions'}."
     least = min(LONGEST_PERIOD, len(points) // 2)
@@ -127,13 +135,15 @@ def _refusal(found: Diagram) -> str:
 
 
 def _nothing_left(found: Diagram) -> str:
-    """Say why there is no point at all, if all were left out."""
-    if not found.done.any() or found.counts.any() or not found.inputs.discard:
+    """Say why most values have no point, if all were left out."""
+    none = found.done & (found.counts == 0) & (found.outcomes != NO_START)
+    if 2 * none.sum() <= found.done.sum() or not found.inputs.discard:
         return ""
     crossings = plural(found.inputs.discard, "crossing")
-    longer = (found.outcomes[found.done] == Status.COMPLETED).any()
-    do = "leave out fewer, or let runs last longer" if longer else "leave out fewer"
-    return f"No run has more than the {crossings} left out before: {do} (“more”)."
+    longer = (found.outcomes[none] == Status.COMPLETED).any()
+    do = "leave out fewer, or, unless they have come to rest, let runs last longer" if longer else "leave out fewer"
+    who = "No run has" if not found.counts.any() else f"For {none.sum():,} of the values no run has"
+    return f"{who} more than the {crossings} left out before: {do} (“more”)."
 
 
 def _where(inputs: SweepInputs) -> str:
@@ -146,7 +156,7 @@ def surface_words(inputs: SweepInputs) -> str:
     """Return the surface of the section, as “S (where g falls)”."""
     declared = inputs.problem.declaration
     if not inputs.of:
-        name, g = ("S", "g") if declared.two_sided else ("all surfaces", "its function")
+        name, g = ("S", "g") if declared.two_sided else ("all surfaces gₖ = 0", "gₖ")
     else:
         name, g = f"the surface {readable(inputs.of, declared)} = 0", "the function"
     return name + {0: "", 1: f", where {g} rises", -1: f", where {g} falls"}[inputs.direction]
@@ -164,7 +174,7 @@ def sweep_how(inputs: SweepInputs) -> str:
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
     slides = "; where the surface attracts, sliding along it (Filippov)" if scheme.slide else ""
     return printed(
-        f"diagram of {variable_name(inputs.coordinate)} at crossings of "
+        f"diagram of {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
         f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {left}{plural(inputs.points, 'point')} of each, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}{slides}"

@@ -11,7 +11,7 @@ import core
 from core.maps import own_surface
 from core.symbolic import TIME, Mode, Way, eliminated, is_larger
 
-__all__ = ["has_reset", "is_one_way", "usual_direction"]
+__all__ = ["chosen_direction", "has_reset", "is_one_way", "usual_direction"]
 
 _NODES = 200
 """Most nodes of the tree of a quotient of rates that is simplified, as sympy takes long for more."""
@@ -30,6 +30,11 @@ def is_one_way(system: core.PiecewiseSystem, of: str) -> bool:
     So it is with a reset map or a wall, and where a region with a name ends.
     """
     return any(way.jump is not None or way.back is None for _, way in _ways(system, of))
+
+
+def chosen_direction(system: core.PiecewiseSystem, of: str, direction: int) -> int:
+    """Return a direction as it is counted: 0, for both, where runs meet the surface in one direction only."""
+    return 0 if is_one_way(system, of) else direction
 
 
 @lru_cache(maxsize=256)

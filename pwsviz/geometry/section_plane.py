@@ -5,13 +5,18 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
+import numpy as np
 import sympy
 
 import core
-from core.symbolic import parse, to_text
+from core.kernels import Floats
+from core.symbolic import TIME, parse, to_text
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["TURN", "angles", "coordinate_names", "own_surfaces", "surface_functions", "usual_plane"]
+__all__ = [
+    "TURN", "angles", "coordinate_label", "coordinate_names", "fixed_variables", "in_first_turn", "own_surfaces",
+    "surface_functions", "usual_plane",
+]  # fmt: skip
 
 TURN = 2 * math.pi
 """Period of an angle."""
@@ -20,6 +25,17 @@ TURN = 2 * math.pi
 def coordinate_names(system: core.PiecewiseSystem) -> tuple[str, ...]:
     """Return what may be an axis of a section, as it is printed: the variables, and time."""
     return (*map(variable_name, system.variables), "t")
+
+
+def coordinate_label(system: core.PiecewiseSystem, k: int) -> str:
+    """Return the name of a coordinate as it is shown; of an angle, that full turns are left out."""
+    name = coordinate_names(system)[k]
+    return f"{name} mod 2π" if k in angles(system) else name
+
+
+def in_first_turn(system: core.PiecewiseSystem, k: int, values: Floats) -> Floats:
+    """Return values of a coordinate as they are shown: those of an angle in the first turn."""
+    return np.mod(values, TURN) if k in angles(system) else values
 
 
 def own_surfaces(system: core.PiecewiseSystem) -> tuple[str, ...]:
@@ -51,14 +67,19 @@ def _read(of: str, names: tuple[str, ...]) -> sympy.Expr:
 def usual_plane(system: core.PiecewiseSystem, of: str) -> tuple[int, int]:
     """Return the numbers of the two coordinates that show most of a section.
 
-    A variable that h = 0 determines is left out: one in which h is linear, of which the factor does not change. Of the
-    others, a coordinate and its rate are preferred. In a plane, both variables are shown.
+    A variable that h = 0 determines is left out: one that is constant there, or in which h is linear, of which the
+    factor does not change. Of the others, a coordinate and its rate are preferred. In a plane, both variables are
+    shown, unless one is constant; a variable that is left alone is shown over time.
     """
-    count = system.dimension
+    count, functions = system.dimension, surface_functions(system, of)
+    constant = fixed_variables(system, of)
     if count <= 2:
-        return (0, 1) if count == 2 else (0, count)
-    functions = surface_functions(system, of)
-    given = next((k for k, x in enumerate(system.laws.x) if all(_determines(h, x) for h in functions)), None)
+        free = [k for k, name in enumerate(system.variables) if name not in constant] or [0]
+        return (free[0], free[1]) if len(free) == 2 else (free[0], count)
+    given = next(
+        (k for k, x in enumerate(system.laws.x) if x.name in constant or all(_determines(h, x) for h in functions)),
+        None,
+    )
     left = [k for k in range(count) if k != given]
     fields = [mode.field for mode in system.laws.regions]
     for a in left:
@@ -66,6 +87,17 @@ def usual_plane(system: core.PiecewiseSystem, of: str) -> tuple[int, int]:
             if a != b and all(field[a] == system.laws.x[b] for field in fields):
                 return a, b
     return left[0], left[1]
+
+
+def fixed_variables(system: core.PiecewiseSystem, of: str) -> set[str]:
+    """Return the variables that are constant on the surface of a section; of several surfaces, on each."""
+    return set.intersection(*(_fixed_on(h, system) for h in surface_functions(system, of)))
+
+
+def _fixed_on(h: sympy.Expr, system: core.PiecewiseSystem) -> set[str]:
+    """Return the variable that is constant where h = 0: the only one of h, if the surface does not move."""
+    within = {symbol.name for symbol in h.free_symbols} & {TIME.name, *system.variables}
+    return within if len(within) == 1 and TIME.name not in within else set()
 
 
 def _determines(h: sympy.Expr, x: sympy.Symbol) -> bool:

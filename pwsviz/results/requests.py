@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import core
+from pwsviz.geometry.section_crossings import chosen_direction
 from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import END_TIME, Scene
 from pwsviz.scene.sweeping import swept_coordinate, swept_direction, swept_parameter, swept_range
@@ -181,6 +182,11 @@ class SweepInputs:
     discard: int
     t_end: float
 
+    @property
+    def column(self) -> int:
+        """Number of the coordinate."""
+        return self.problem.declaration.variables.index(self.coordinate)
+
     @classmethod
     def of_scene(cls, scene: Scene) -> SweepInputs:
         """Read it from a scene, leaving out settings that have no effect on a section."""
@@ -218,7 +224,8 @@ class SectionInputs:
         scheme = Scheme(method, tolerance=tolerance, slide=scene.slides)
         return cls(
             InitialValueProblem.of(scene, ()), scene.starts, scheme, scene.tau, scene.section_of,
-            scene.section_direction, scene.section_points, scene.section_discard,
+            chosen_direction(scene.declaration, scene.section_of, scene.section_direction), scene.section_points,
+            scene.section_discard,
         )  # fmt: skip
 
 

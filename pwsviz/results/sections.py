@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import core
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.requests import SectionInputs
+from pwsviz.results.resting import ROUND_OFF, first_at_rest
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 
 __all__ = ["HORIZON", "SectionPoints", "SectionPortion", "section_arguments", "studied_section"]
@@ -60,7 +61,9 @@ class SectionPoints:
     statuses: tuple[core.Status | None, ...]
     """How the run of each start ended; None while it is under way."""
     ends: tuple[float, ...]
-    """Time that the run of each start has reached."""
+    """Time that the run of each start has reached, or at which it has come to rest."""
+    at_rest: frozenset[int] = frozenset()
+    """Indices of the starts whose motion has come to rest; points from then on are left out."""
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -88,12 +91,13 @@ class SectionPoints:
         )
 
 
-def section_arguments(inputs: SectionInputs) -> dict[str, Any]:
-    """Return the arguments of `core.section` beside system, end time and starts."""
-    given: dict[str, Any] = {"points": inputs.points, "of": inputs.of or None, "direction": inputs.direction}
+def section_arguments(inputs: SectionInputs, points: int | None = None) -> dict[str, Any]:
+    """Return the arguments of `core.section` beside system, end time and starts, for so many points or for all."""
+    wanted = inputs.points if points is None else points
+    given: dict[str, Any] = {"points": wanted, "of": inputs.of or None, "direction": inputs.direction}
     given |= {"discard": inputs.discard, "method": inputs.scheme.method, "tau": inputs.tau}
     given |= {} if inputs.scheme.tolerance is None else {"tolerance": inputs.scheme.tolerance}
-    most = LEAST_STEPS + STEPS_A_POINT * (inputs.points + inputs.discard)
+    most = LEAST_STEPS + STEPS_A_POINT * (wanted + inputs.discard)
     return {**given, "max_steps": most, "sliding": inputs.scheme.sliding}
 
 
@@ -112,7 +116,7 @@ def studied_section(inputs: SectionInputs, pool: Executor, cancel: Cancel, repor
     def run(start: int, points: int) -> core.Section:
         if cancel():
             raise Cancelled
-        arguments = section_arguments(inputs) | {"points": points}
+        arguments = section_arguments(inputs, points)
         return core.section(system, (0.0, HORIZON), inputs.starts[start], cancel=cancel, **arguments)
 
     for points in _rounds(inputs.points, inputs.discard):
@@ -142,13 +146,29 @@ def _extended(found: SectionPoints, start: int, section: core.Section, wanted: i
     """Add those points of a start that were not there before; so many were wanted."""
     crossings, events, before = section.ensemble.crossings, section.ensemble.events, found.counts[start]
     statuses, ends = list(found.statuses), list(found.ends)
-    goes_on = len(section) == wanted < found.inputs.points
-    statuses[start] = None if goes_on else core.Status(int(section.ensemble.status[0]))
-    ends[start] = float(section.ensemble.t[0])
-    mode = crossings.mode if len(crossings) else events.mode
-    fresh = SectionPortion(start, section.t[before:].copy(), section.points[before:].copy(), mode[before:].copy())
+    status, times = core.Status(int(section.ensemble.status[0])), [*section.t, section.ensemble.t[0]]
+    first = _first_at_rest(found.inputs, start, section, status)
+    at_rest = found.at_rest | {start} if first < len(times) else found.at_rest
+    goes_on = wanted < found.inputs.points and (len(section) == wanted or status is core.Status.STEP_LIMIT)
+    statuses[start] = None if goes_on and start not in at_rest else status
+    ends[start] = float(times[min(first, len(section))])
+    mode, kept = crossings.mode if len(crossings) else events.mode, slice(before, first + 1)
+    fresh = SectionPortion(start, section.t[kept].copy(), section.points[kept].copy(), mode[kept].copy())
     portions = (*found.portions, fresh) if len(fresh.t) else found.portions
-    return replace(found, portions=portions, statuses=tuple(statuses), ends=tuple(ends))
+    return replace(found, portions=portions, statuses=tuple(statuses), ends=tuple(ends), at_rest=at_rest)
+
+
+def _first_at_rest(inputs: SectionInputs, start: int, section: core.Section, status: core.Status) -> int:
+    """Return the number of the first state at rest, of the points and the end of a run; that of states if none is."""
+    states = np.vstack([section.points, section.ensemble.x])
+    size = float(np.abs([*states, inputs.starts[start]]).max())
+    if status in (core.Status.CROSSING_LIMIT, core.Status.EVENT_LIMIT):  # it goes on: does it from point to point?
+        may_rest = float(np.abs(np.diff(section.points[-2:], axis=0)).max(initial=0.0)) <= ROUND_OFF * size
+    else:
+        may_rest = status in (core.Status.STEP_LIMIT, core.Status.COMPLETED, core.Status.NO_CONVERGENCE)
+    if not may_rest:
+        return len(states)
+    return first_at_rest(inputs.problem.build(), states, size, inputs.scheme.sliding)
 
 
 def _require_room(inputs: SectionInputs) -> None:

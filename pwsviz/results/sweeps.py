@@ -15,7 +15,9 @@ import core
 from core import Status
 from pwsviz.geometry.point_counts import Portion
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.section_plane import in_first_turn
 from pwsviz.results.requests import SweepInputs
+from pwsviz.results.resting import ROUND_OFF
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report
 
@@ -46,7 +48,9 @@ class Diagram:
     counts: NDArray[np.int64]
     """(v,) points of each."""
     portions: tuple[Portion, ...] = ()
-    """Value and coordinate of the points, as they came; those of one value in the order of time."""
+    """Value and coordinate of the points, as they came; those of one value in the order of time.
+
+    Of an angle, full turns are left out."""
     refusal: str = ""
     """Why the first of the values at which no run can begin has none."""
 
@@ -64,6 +68,12 @@ class Diagram:
     def spacing(self) -> float:
         """Distance of one value from the next."""
         return (self.inputs.high - self.inputs.low) / (len(self.values) - 1)
+
+    @property
+    def round_off(self) -> float:
+        """Difference of two points that is none, beside the start and the largest point."""
+        points = (np.abs(part.y).max(initial=0.0) for part in self.portions)
+        return ROUND_OFF * float(max([*map(abs, self.inputs.problem.x0), *points]))
 
     def points_at(self, value: float) -> Floats:
         """Return (n,) the coordinate at the points of one of the values, in the order of time."""
@@ -175,13 +185,13 @@ class _Runs:
             self._after = done
         return done
 
-    @staticmethod
-    def _with(found: Diagram, numbers: NDArray[np.intp], part: core.Sweep) -> Diagram:
+    def _with(self, found: Diagram, numbers: NDArray[np.intp], part: core.Sweep) -> Diagram:
         outcomes, counts = found.outcomes.copy(), found.counts.copy()
         outcomes[numbers] = part.statuses
+        points = in_first_turn(self._system, self.inputs.column, part.points)
         at, each = np.unique(part.value, return_counts=True)
         counts[np.searchsorted(found.values, at)] = each
-        portions = (*found.portions, Portion(part.value, part.points, 0))
+        portions = (*found.portions, Portion(part.value, points, 0))
         return replace(found, outcomes=outcomes, counts=counts, portions=portions)
 
 

@@ -6,12 +6,9 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import sympy
-
 import core
-from core.symbolic import TIME
-from pwsviz.geometry.section_crossings import usual_direction
-from pwsviz.geometry.section_plane import surface_functions
+from pwsviz.geometry.section_crossings import chosen_direction, usual_direction
+from pwsviz.geometry.section_plane import fixed_variables
 from pwsviz.scene.names import SWEEP_CONTINUATIONS, SWEEP_DIRECTIONS, choice_name, short_name
 from pwsviz.scene.validation import number, one_of
 
@@ -75,7 +72,7 @@ def swept_coordinate(scene: Scene) -> str:
     system = scene.declaration
     if scene.sweep_coordinate in system.variables:
         return str(scene.sweep_coordinate)
-    fixed = set.intersection(*(_fixed_on(h, system) for h in surface_functions(system, scene.sweep_of)))
+    fixed = fixed_variables(system, scene.sweep_of)
     return next(name for name in system.variables if name not in fixed)
 
 
@@ -83,13 +80,7 @@ def swept_direction(scene: Scene) -> int:
     """Return the chosen direction of crossing, or the one in which a simple loop has one point, where there is one."""
     if scene.sweep_direction == "auto":
         return usual_direction(scene.declaration, scene.sweep_of, scene.slides)
-    return int(scene.sweep_direction)
-
-
-def _fixed_on(h: sympy.Expr, system: core.PiecewiseSystem) -> set[str]:
-    """Return the variable that is constant where h = 0: the only one of h, if the surface does not move."""
-    within = {symbol.name for symbol in h.free_symbols} & {TIME.name, *system.variables}
-    return within if len(within) == 1 and TIME.name not in within else set()
+    return chosen_direction(scene.declaration, scene.sweep_of, int(scene.sweep_direction))
 
 
 # Their checks --------------------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from pwsviz.export.files import Table
 from pwsviz.export.script import section_program
 from pwsviz.figures.section import SectionView
 from pwsviz.figures.section_text import section_how, section_rows, section_text
+from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.geometry.section_plane import angles, coordinate_names, own_surfaces, usual_plane
 from pwsviz.geometry.section_state import state_at
 from pwsviz.results.requests import SectionInputs
@@ -96,10 +97,12 @@ class SectionTab(LongTab):
         fields = [NumberField(LABELS[n], partial(getattr, scene, n), partial(scene.accept, n)) for n in names]
 
         def sync(*_: Any) -> None:
+            ways.visible = not is_one_way(scene.declaration, scene.section_of)
             for field in fields:
                 field.sync()
 
-        scene.param.watch(sync, list(names))
+        sync()
+        scene.param.watch(sync, ["system", "own", "section_of", *names])
         return [ways, methods, *(_wide(field, 170) for field in fields)]
 
     def _toggle(self, _event: Any) -> None:
@@ -170,8 +173,10 @@ class SectionTab(LongTab):
         if self.scene.section_map or system.dimension in self.plane:
             return ""
         turns = [coordinate_names(system)[k] for k in self.plane if k in angles(system)]
+        several = len(own_surfaces(system)) > 1 and not self.scene.section_of
+        on = ", on the surface of the nearest point" if several else ""
         note = f" Full turns of {listed(turns)} are left out." if turns else ""
-        return f"A click starts a trajectory there. A number marks the first point of each start.{note}"
+        return f"A click starts a trajectory there{on}. A number marks the first point of each start.{note}"
 
     def table(self) -> Table | None:
         """Return a row for each point."""

@@ -8,6 +8,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.geometry.section_plane import own_surfaces
 from pwsviz.scene.names import LABELS, SWEEP_CONTINUATIONS, SWEEP_DIRECTIONS, readable, short_name
 from pwsviz.scene.scene import Scene
@@ -105,14 +106,16 @@ class SweepControls(pn.viewable.Viewer):
             key: NumberField(LABELS[key], partial(getattr, scene, key), partial(scene.accept, key), description=about)
             for key, about in ABOUT.items()
         }
-        direction = choice(scene, "sweep_direction", lambda: {words: key for key, words in SWEEP_DIRECTIONS.items()})
+        self._direction = choice(
+            scene, "sweep_direction", lambda: {words: key for key, words in SWEEP_DIRECTIONS.items()}
+        )
         continuation = choice(
             scene, "sweep_continuation", lambda: {words: key for key, words in SWEEP_CONTINUATIONS.items()}
         )
         row = {"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [ROW_CSS]}
         self.box.objects = [
             pn.Row(self.surface, self.function, **row),
-            pn.FlexBox(direction, continuation, margin=0, sizing_mode="stretch_width"),
+            pn.FlexBox(self._direction, continuation, margin=0, sizing_mode="stretch_width"),
             pn.Row(*self.numbers.values(), **row),
         ]
         self._sync()
@@ -164,6 +167,7 @@ class SweepControls(pn.viewable.Viewer):
         own = of in offered.values()
         other = self._asked or not own
         self.surface.offer(offered, OTHER if other else of)
+        self._direction.visible = not is_one_way(self.scene.declaration, of)
         self.function.visible = other
         if not own:
             self.function.param.update(value=as_typed(of), error_state=False, helper_text="")

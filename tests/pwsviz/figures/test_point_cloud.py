@@ -27,7 +27,7 @@ def marks(cloud):
 
 def looked_at(cloud, left, right, bottom, top, rows=100, columns=200):
     """Tell what a browser tells."""
-    cloud._seen.data = {"value": [left, right, bottom, top, rows, columns]}
+    cloud._seen.data = {"value": [left, right, bottom, top, rows, columns, *cloud._followed()]}
 
 
 def test_few_points_are_marks_of_their_colour_and_many_an_image(cloud):
@@ -41,6 +41,27 @@ def test_few_points_are_marks_of_their_colour_and_many_an_image(cloud):
     (image,) = cloud.image.data_source.data["image"]
     assert image.any()
     assert len(marks(cloud)) == 0
+
+
+def test_what_a_browser_told_before_it_had_the_points_paints_nothing(cloud):
+    told = [0.0, 1.0, 0.0, 1.0, 100, 200, *cloud._followed()]  # of the figure without points
+    x, y = np.random.default_rng(1).uniform(-2.0, 2.0, (2, 3 * FEW))
+    cloud.show([Portion(x, y, 0)])
+    before = cloud.image.data_source.data["image"][0]
+    cloud._seen.data = {"value": told}
+    data = cloud.image.data_source.data
+    assert data["image"][0] is before
+    assert data["x"][0] < x.min()
+    assert data["x"][0] + data["dw"][0] > x.max()
+    assert cloud.window is None
+
+
+def test_what_a_browser_told_before_it_showed_all_points_again_paints_nothing(cloud):
+    cloud.show([square(100_000)])
+    told = [0.2, 0.3, 0.1, 0.2, 100, 200, *cloud._followed()]
+    cloud.fit()
+    cloud._seen.data = {"value": told}
+    assert cloud.window is None
 
 
 def test_further_points_are_counted_without_counting_those_before_anew(cloud, monkeypatch):
@@ -99,6 +120,15 @@ def test_the_ranges_follow_the_points_with_some_room(cloud):
     (left, right), (bottom, top) = cloud.corners.data["x"], cloud.corners.data["y"]
     assert left < 7.0 < right
     assert bottom < 3.0 < top
+
+
+def test_round_off_is_drawn_on_a_line(cloud):
+    x = 1e-17 * np.arange(10.0)
+    cloud.show([Portion(x, np.arange(10.0), 0)], 1e-15)
+    left, right = cloud.corners.data["x"]
+    assert left < -0.01 < 0.01 < right
+    cloud.show([Portion(x, np.arange(10.0), 0)], 0.0)
+    assert cloud.corners.data["x"][1] < 1e-15
 
 
 def test_a_picture_for_print_has_finer_pixels_until_the_next_look(cloud):

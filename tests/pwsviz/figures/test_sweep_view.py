@@ -36,7 +36,10 @@ MIXED = diagram([LIMIT, LIMIT, TO_COME, BLOWS_UP, BLOWS_UP, DONE, NO_START])
 def test_the_figure_shows_points_and_the_whole_range_of_values():
     view = SweepView(print, print)
     view.show(MIXED)
+    view.mark(-3.5, "a₋")
+    assert not view._present.visible, "the legend names no line that is not there"
     view.mark(-2.5, "a₋")
+    assert view._present.visible
     assert view.cloud.count == 10
     assert view.figure.xaxis[0].axis_label == "a₋"
     assert view.figure.yaxis[0].axis_label == "x"
@@ -105,6 +108,18 @@ def test_a_period_counts_if_it_is_seen_twice(points, period):
     assert period_of(np.array(points), 1.0) == period
 
 
+def test_points_a_full_turn_apart_are_the_same():
+    about_zero = np.array([1e-9, 2 * np.pi - 1e-9] * 4)
+    assert period_of(about_zero, 2 * np.pi, 2 * np.pi) == 1
+    assert period_of(about_zero, 2 * np.pi) == 2
+
+
+def test_points_that_differ_by_round_off_are_the_same():
+    assert period_of(1e-17 * np.random.default_rng(0).random(20), 1e-17, least=1e-15) == 1
+    found = diagram([LIMIT] * 7)
+    assert 0.0 < found.round_off < 1e-14
+
+
 def test_how_names_all_that_repeats_the_diagram():
     inputs = SweepInputs.of_scene(
         Scene(sweep_of="x - 1", sweep_direction=-1, sweep_continuation="up", methods=["taylor"], study_method="taylor")
@@ -117,8 +132,8 @@ def test_how_names_all_that_repeats_the_diagram():
     ):  # fmt: skip
         assert words in how, words
     chua = {"system": "chua", "methods": ["taylor"]}
-    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "all surfaces, where its function rises"
-    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "all surfaces"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua))) == "all surfaces gₖ = 0, where gₖ rises"
+    assert surface_words(SweepInputs.of_scene(Scene(**chua, sweep_direction=0))) == "all surfaces gₖ = 0"
 
 
 def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it():
@@ -131,12 +146,16 @@ def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
     nothing = "No run has more than the 100 crossings left out before"
     assert nothing in sweep_text(diagram([BLOWS_UP] * 7), 0.0)
     assert nothing not in sweep_text(MIXED, 0.0)
+    most = diagram([LIMIT, *[DONE] * 6])
+    most.counts[1:] = 0
+    words = "For 6 of the values no run has more than the 100 crossings left out before: leave out fewer, or, unless"
+    assert words in sweep_text(most, 0.0)
     assert nothing not in sweep_text(diagram([BLOWS_UP] * 7, sweep_discard=0), 0.0)
 
 
 def test_points_are_said_to_be_states_after_the_reset_map_where_one_acts():
     ball = {"system": "vibrating_table", "methods": ["taylor"]}
-    assert "diagram of φ at crossings of S, just after the reset map, for" in sweep_how(
+    assert "diagram of φ mod 2π at crossings of S, just after the reset map, for" in sweep_how(
         SweepInputs.of_scene(Scene(**ball))
     )
     other = SweepInputs.of_scene(Scene(**ball, sweep_of="v"))
@@ -147,4 +166,4 @@ def test_axes_name_the_coordinate_as_formulas_do():
     scene = Scene(system="vibrating_table", methods=["taylor"], sweep_values=2)
     view, nothing = SweepView(print, print), np.zeros(2, dtype=np.int64)
     view.show(Diagram(SweepInputs.of_scene(scene), np.array([0.0, 2.0]), nothing + TO_COME, nothing))
-    assert view.figure.yaxis[0].axis_label == "φ"
+    assert view.figure.yaxis[0].axis_label == "φ mod 2π"

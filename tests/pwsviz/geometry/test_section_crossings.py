@@ -3,7 +3,7 @@
 import pytest
 
 import core
-from pwsviz.geometry.section_crossings import has_reset, is_one_way, usual_direction
+from pwsviz.geometry.section_crossings import chosen_direction, has_reset, is_one_way, usual_direction
 
 
 @pytest.mark.parametrize(
@@ -28,3 +28,10 @@ def test_a_reset_map_acts_at_its_own_surface_alone():
     assert [has_reset(walls, of) for of in ("", "x - 1", "2*x + 2", "v")] == [True, True, True, False]
     assert is_one_way(core.CATALOGUE["thermostat"], "")
     assert not is_one_way(core.CATALOGUE["chua"], "")
+
+
+@pytest.mark.parametrize(
+    ("key", "of", "counted"), [("bouncing_ball", "", 0), ("bouncing_ball", "v", 1), ("chua", "", 1)]
+)
+def test_no_direction_is_chosen_at_a_wall(key, of, counted):
+    assert chosen_direction(core.CATALOGUE[key], of, 1) == counted

@@ -19,7 +19,8 @@ CHUA = core.CATALOGUE["chua"]
     [
         ("elliptic_curve", "", "x y"), ("henon_heiles", "", "y v"), ("henon_heiles", "y - 1/10", "x u"),
         ("vibrating_table", "", "φ v"), ("vibrating_table", "sin(phi)", "y v"), ("chua", "", "y z"),
-        ("chua", "y + z", "x z"), ("pendulum", "sin(t)", "q p"),
+        ("chua", "y + z", "x z"), ("pendulum", "sin(t)", "q p"), ("bouncing_ball", "", "v t"),
+        ("damped_oscillator", "", "v t"), ("coulomb_friction", "", "y t"), ("chua", "x**2 - 1", "y z"),
     ],
 )  # fmt: skip
 def test_the_coordinate_that_the_surface_gives_is_left_out(name, of, wanted):

@@ -125,6 +125,26 @@ def test_files_and_captions_tell_the_surface(islands):
     _, tab = islands
     assert list(tab.table())[:3] == ["start", "point", "t"]
     how = tab.how(tab.outcome)
-    assert "points on S: g = 0, crossed either way, just after the reset map: at most 200 points of each start" in how
+    assert (
+        "points on S: g = 0, reached from one side, just after the reset map: at most 200 points of each start" in how
+    )
     assert tab.pictures() == [tab.view.figure]
     assert "A number marks the first point of each start." in tab.note.object
+
+
+def test_directions_are_offered_where_the_surface_may_be_met_in_both():
+    page, tab = opened(system="bouncing_ball", methods=["rk4"], view="section", section_points=20)
+    ways = tab._more.objects[0]
+    assert not ways.visible
+    page.scene.accept("section_of", "v")
+    assert ways.visible
+    page.close()
+
+
+def test_of_several_surfaces_a_click_says_which_it_takes():
+    page, tab = opened(system="chua", methods=["rk4"], view="section", section_points=20)
+    assert "A click starts a trajectory there, on the surface of the nearest point." in tab.note.object
+    page.scene.accept("section_of", "x - 1")
+    assert page.settle(60)
+    assert "nearest point" not in tab.note.object
+    page.close()

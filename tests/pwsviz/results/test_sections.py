@@ -7,6 +7,7 @@ import pytest
 
 import core
 from core import Status
+from pwsviz.figures.section_text import section_text
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.results import Results
 from pwsviz.results.sections import FIRST, section_arguments, studied_section
@@ -94,3 +95,33 @@ def test_rounds_grow_by_what_is_computed_and_not_by_what_is_left_out_alone(point
     made = scene("elliptic_curve", methods=["dmm2"], tau=0.1, section_points=points, section_discard=discard)
     studied_section(SectionInputs.of_scene(made), pool, never, silent)
     assert asked == rounds
+
+
+def test_points_of_a_motion_that_has_decayed_to_round_off_are_left_out_and_the_run_goes_no_further(pool):
+    made = scene("damped_oscillator", methods=["rk4"])
+    found = studied_section(SectionInputs.of_scene(made), pool, never, silent)
+    (count,), one = found.counts, found.of_start(0)
+    assert found.at_rest == {0}
+    assert 150 < count < 300
+    assert found.ends == (one.t[-1],)
+    size = np.abs(one.x).max(axis=1)
+    assert 1e-16 < size[-1] < 8 * np.finfo(float).eps
+
+
+def test_a_block_that_sticks_is_at_rest(pool):
+    found = studied_section(SectionInputs.of_scene(scene("coulomb_friction", methods=["rk4"])), pool, never, silent)
+    assert (found.at_rest, found.counts) == ({0}, (4,))
+    assert found.ends == pytest.approx((4 * np.pi,), abs=1e-3)
+
+
+def test_a_motion_that_comes_to_rest_before_it_meets_the_surface_says_so(pool):
+    made = scene("coulomb_friction", methods=["rk4"], section_of="y**2 + 1")
+    found = studied_section(SectionInputs.of_scene(made), pool, never, silent)
+    assert (found.at_rest, found.counts) == ({0}, (0,))
+    assert "h does not change sign on the way; the motion has come to rest" in section_text(found)
+
+
+def test_a_cycle_and_a_forced_motion_never_rest(pool):
+    for system in ("stick_slip", "moving_interface"):
+        made = scene(system, methods=["rk4"], section_points=300)
+        assert not studied_section(SectionInputs.of_scene(made), pool, never, silent).at_rest

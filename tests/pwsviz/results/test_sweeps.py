@@ -175,3 +175,14 @@ def test_loops_of_the_circuit_double_as_an_external_solver_finds_them(alpha, per
     points = diagram(scene).points_at(alpha)
     assert period_of(points, 1.0) == period
     assert np.sort(points[:period]) == pytest.approx(np.sort(expected), abs=1e-4)
+
+
+def test_an_angle_loses_full_turns_so_that_a_periodic_bounce_has_one_phase():
+    scene = Scene()
+    scene.load(PRESETS["vibrating_table_sweep"].settings)
+    for name, value in {"sweep_coordinate": "phi", "sweep_range": (1.2, 1.3), "sweep_values": 2}.items():
+        scene.accept(name, value)
+    phases = diagram(scene).points_at(1.3)
+    assert len(phases) > 1
+    assert 0.0 <= phases.min() <= phases.max() < 2 * np.pi
+    assert period_of(phases, 1.0) == 1
