@@ -375,8 +375,10 @@ def assign(source: ColumnDataSource, **columns: Any) -> None:
 
 def _differ(old: Any, new: Any) -> bool:
     """Whether two columns differ; NaN, which ends a piece of a line, equals NaN."""
+    if len(old) != len(new):
+        return True
     if len(new) and isinstance(new[0], list | np.ndarray):  # cells may differ in length
-        return len(old) != len(new) or any(map(_differ, old, new))
+        return any(map(_differ, old, new))
     old, new = np.asarray(old), np.asarray(new)
     numbers = old.dtype.kind == new.dtype.kind == "f"
     return not np.array_equal(old, new, equal_nan=numbers)

@@ -32,3 +32,9 @@ def test_lines_and_outlines_of_a_source_are_sent_within_the_message():
     assert source.data is before
     assign(source, xs=[LINE, LINE[:6]], rings=[[[LINE, LINE[:9]]]], t=LINE)
     assert source.data is not before
+
+
+def test_lines_of_several_lengths_may_all_go():
+    source = ColumnDataSource({"xs": [LINE, LINE[:7]]})
+    assign(source, xs=[])
+    assert source.data["xs"] == []
