@@ -44,8 +44,8 @@ _BEHIND = 2.0**-40
 _SHORTEST = 2.0**-46
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
 _SLIGHT = 1e-9
-#: Size of an event function, as part of its largest in a step, above which it has the sign of its cubic if resolved.
-_SMALL = 0.1
+#: Size of an event function, as part of its largest in a step, above which rounding does not give it its sign.
+_SMALL = 2.0**-30
 #: Most steps from entries into a mode that are examined, besides the steps kept by the loop.
 _MOST_ENTRIES = 64
 
@@ -67,7 +67,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
         return tuple(kept.too_long_for_g())
     first = _first_steps(run)
     of_g = (*kept.too_long_for_g(), *first.too_long_for_g())
-    of_events = () if METHODS[run.method].adaptive else kept.too_long_for_events()
+    of_events = kept.too_long_for_events()
     of_field = (warning for steps in (kept, _unlike(run), first) for warning in steps.too_long_for_the_field())
     return (*of_g[:1], *of_events, *islice(of_field, 1))
 
@@ -149,34 +149,47 @@ class _Steps:
         return np.asarray(hidden & ~behind)
 
     def too_long_for_events(self) -> Iterator[str]:
-        """Warn of a step in which events may have been missed, as an event function has not the sign of its cubic.
-
-        The cubic has the same values and rates at both ends. Where a function is resolved, their signs differ next to
-        its zeros alone, where it is small.
-        """
+        """Warn of a step in which an event function changes its sign between two places, and no event lies there."""
         system, places = self.run.system, _places(len(self.t))
         names = (*system.variables, *system.values)
         times = self.t[:, None] + self.h[:, None] * places
         states = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
-        for text in self.run.events.functions:
-            function, hidden = parse(text, names), np.zeros(len(self.t), dtype=bool)
+        for k, text in enumerate(self.run.events.functions):
+            function, values = parse(text, names), np.empty_like(times)
             for number in np.unique(self.mode).tolist():
                 rows = self.mode == number
-                wanted = (function, system.laws.mode(number).rate_of(function))
-                values = system.laws.evaluate(
-                    ("event", text, number), wanted, times[rows], states[rows], system.parameter_array
-                )
-                h, rate = values[..., 0], self.h[rows, None] * values[..., 1]
-                with np.errstate(all="ignore"):
-                    cubic = _hermite(places, h[:, :1], h[:, -1:], rate[:, :1], rate[:, -1:])
-                    large = np.abs(h) > _SMALL * np.abs(h).max(axis=1, keepdims=True)
-                    hidden[rows] = (large & (h * cubic < 0.0)).any(axis=1)
-            if hidden.any():
+                values[rows] = system.laws.evaluate(
+                    ("event", text), (function,), times[rows], states[rows], system.parameter_array
+                )[..., 0]
+            missed = self._has_missed(k, times, values)
+            if missed.any():
                 yield (
-                    f"A step of {abs(self.h[hidden][0]):.3g} is too long for the event function {text!r}: from t = "
-                    f"{self.t[hidden][0]:.6g} on it varies by more than its values and rates at both ends show, so "
-                    f"events may have been missed; {self._advice}"
+                    f"A step of {abs(self.h[missed][0]):.3g} is too long for the event function {text!r}: from t = "
+                    f"{self.t[missed][0]:.6g} on its sign changes more often than events were found, so events may "
+                    f"have been missed; {self._advice}"
                 )
+
+    def _has_missed(self, k: int, times: Floats, values: Floats) -> NDArray[np.bool_]:
+        """Whether, in each step, event function k has a change of sign between places (steps, places) without event.
+
+        Places where it is so small that rounding may give it its sign are passed over, and those beyond the end of a
+        run that an event has ended.
+        """
+        events, way, end = self.run.events.of(k), self.run.events.directions[k], self.run.t[-1]
+        missed = np.zeros(len(values), dtype=bool)
+        with np.errstate(all="ignore"):
+            told = np.abs(values) > _SMALL * np.nanmax(np.abs(values), axis=1, keepdims=True, initial=0.0)
+        told &= (times - end) * self.h[:, None] < 0.0
+        for row in np.flatnonzero((told & (values > 0.0)).any(axis=1) & (told & (values < 0.0)).any(axis=1)):
+            order = slice(None) if self.h[row] > 0.0 else slice(None, None, -1)
+            t, sign = times[row, told[row]][order], np.sign(values[row, told[row]])[order]
+            at = np.flatnonzero(sign[1:] != sign[:-1])
+            for direction in (1, -1):
+                wanted = at[sign[at + 1] == direction] if way * direction >= 0 else at[:0]
+                found = np.sort(events.t[events.direction == direction])
+                within = np.searchsorted(found, t[wanted + 1], "right") - np.searchsorted(found, t[wanted])
+                missed[row] |= bool((within == 0).any())
+        return missed
 
     def too_long_for_the_field(self) -> Iterator[str]:
         """Warn of a step that leads elsewhere than shorter ones do, one after the other.

@@ -82,7 +82,7 @@ class EventLog:
 
     def events(self) -> Events:
         """All events so far."""
-        return events_of(self.watched.texts, *self.kept()) if self.watched.functions else _NO_EVENTS
+        return events_of(self.watched, *self.kept()) if self.watched.functions else _NO_EVENTS
 
     @property
     def last(self) -> str:

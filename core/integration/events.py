@@ -64,6 +64,8 @@ class Events:
 
     functions: tuple[str, ...] = ()
     """The event functions, as given."""
+    directions: tuple[int, ...] = ()
+    """The direction in which each is looked for: see `Event.direction`."""
     t: Floats = field(default_factory=lambda: np.empty(0))
     """(k,) times."""
     x: Floats = field(default_factory=lambda: np.empty((0, 0)))
@@ -97,7 +99,7 @@ class Events:
 
     def __getitem__(self, which: Any) -> Events:
         rows = [which] if isinstance(which, (int, np.integer)) else which
-        return Events(self.functions, *(getattr(self, f.name)[rows] for f in fields(self)[1:]))
+        return Events(self.functions, self.directions, *(getattr(self, f.name)[rows] for f in fields(self)[2:]))
 
     @cached_property
     def counts(self) -> Integers:
@@ -115,11 +117,13 @@ class Events:
         return with_columns(columns, {n: getattr(self, n) for n in ("number", "direction", "mode", "rate", "residual")})
 
 
-def events_of(functions: tuple[str, ...], found: NDArray[Any], places: Floats) -> Events:
+def events_of(watched: Watched, found: NDArray[Any], places: Floats) -> Events:
     """Events from records `HIT` and their states (k, 1, d)."""
     names = ("surface", "kind", "mode", "rate_before", "g")
     columns = [np.ascontiguousarray(found[name]) for name in names]
-    return Events(functions, np.ascontiguousarray(found["t"]), np.ascontiguousarray(places[:, 0]), *columns)
+    return Events(
+        watched.texts, watched.ways, np.ascontiguousarray(found["t"]), np.ascontiguousarray(places[:, 0]), *columns
+    )
 
 
 def checked_events(system: PiecewiseSystem, events: Any) -> Watched:

@@ -50,6 +50,7 @@ class Lane:
         self._waiting: Job | None = None
         self._running: Job | None = None
         self._draining = False
+        self._failure: Exception | None = None
 
     @property
     def busy(self) -> bool:
@@ -82,9 +83,13 @@ class Lane:
             self._changed.notify_all()
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait at most `timeout` seconds; return whether all jobs are done."""
+        """Wait at most `timeout` seconds; return whether all jobs are done. What a delivery has raised is raised anew."""
         with self._changed:
-            return self._changed.wait_for(lambda: not self._draining, timeout)
+            done = self._changed.wait_for(lambda: not self._draining, timeout)
+            failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+        return done
 
     def _drain(self) -> None:
         while (job := self._next()) is not None:
@@ -97,7 +102,11 @@ class Lane:
                     logger.exception("A computation failed")
                 outcome = reason
             job.computed.set()
-            job.deliver(outcome)
+            try:
+                job.deliver(outcome)
+            except Exception as reason:
+                logger.exception("A result could not be shown")
+                self._failure = reason
 
     def _given_up(self, job: Job, started: float) -> bool:
         return job.given_up.is_set() or (self._waiting is not None and monotonic() - started > job.patience)

@@ -304,6 +304,20 @@ def test_steps_too_long_for_an_event_function_are_warned_of_and_others_not():
         assert ("too long for the event function" in run.message) == warned
 
 
+@pytest.mark.parametrize("t_span", [(0.0, 3.0), (3.0, 0.0)])
+@pytest.mark.parametrize("direction", [-1, 0, 1])
+@pytest.mark.parametrize(
+    ("h", "passed_over"),
+    [("exp(-100*(t - 1.3)**2) - 0.5", True), ("tanh(100*(t - 1.3)) - tanh(100*(t - 1.31)) - 0.02", True),
+     ("exp(-10*(t - 1.3)**2) - 0.5", False), ("sin(20*t + 0.1)", False)],
+)  # fmt: skip
+def test_events_that_a_taylor_step_passes_over_are_told(h, passed_over, direction, t_span):
+    line = core.PiecewiseSystem("Line", ("x", "y"), ("1", "0"), ("1", "0"), "y - 100", x0=(0.0, 0.0))
+    run = core.integrate(line, t_span, method="taylor", events=core.Event(h, direction=direction))
+    assert (len(run.events) == 0) == passed_over
+    assert ("too long for the event function" in run.message) == passed_over
+
+
 def test_an_event_function_with_zeros_that_rounding_does_not_separate_does_not_hold_up_a_run():
     system = core.PiecewiseSystem(
         "Two frequencies", ("x", "y"), g="y", f_minus=("y", "-2.4127856825988854**2*x"),

@@ -2,6 +2,8 @@
 
 from threading import Event
 
+import pytest
+
 from pwsviz.tasks.cancellation import Cancelled
 from pwsviz.tasks.latest_wins import Job, Lane
 
@@ -46,6 +48,20 @@ def test_exceptions_are_delivered():
     lane.submit(Job(lambda _: int("x"), seen.append))
     assert lane.join(5)
     assert isinstance(seen[0], ValueError)
+
+
+def test_a_result_that_cannot_be_shown_is_told_and_does_not_stop_later_ones():
+    lane, seen = Lane(), []
+
+    def refuse(_):
+        raise TypeError("no place for it")
+
+    lane.submit(Job(lambda _: 1, refuse))
+    with pytest.raises(TypeError, match="no place"):
+        lane.join(5)
+    lane.submit(Job(lambda _: 2, seen.append))
+    assert lane.join(5)
+    assert seen == [2]
 
 
 def test_cancel_drops_what_waits():
