@@ -83,7 +83,7 @@ class Lane:
             self._changed.notify_all()
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait at most `timeout` seconds; return whether all jobs are done. What a delivery has raised is raised anew."""
+        """Wait at most `timeout` seconds; return whether all jobs are done. What a delivery raised is raised again."""
         with self._changed:
             done = self._changed.wait_for(lambda: not self._draining, timeout)
             failure, self._failure = self._failure, None
