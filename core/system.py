@@ -268,7 +268,9 @@ class PiecewiseSystem:
         ValueError
             On an unknown name, or a value that is not finite or out of bounds.
         """
-        return replace(self, values={**self.values, **self._check_values(values)})
+        other = replace(self, values={**self.values, **self._check_values(values)})
+        other.__dict__["laws"] = self.laws  # which depend on no value
+        return other
 
     # Values at states ------------------------------------------------------------------------------------------------
 
