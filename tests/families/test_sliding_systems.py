@@ -122,7 +122,7 @@ def test_a_start_where_one_field_is_tangent_and_both_lead_to_the_surface_slides(
         a, b, d = rng.uniform(0.3, 2.0, 3).tolist()
         c, sign = float(rng.uniform(-0.2, 2.0)), float(rng.choice([-1.0, 1.0]))
         run = core.integrate(
-            system.with_parameters(a=a, b=b, c=c, d=d, s=sign), (0.0, 0.5 * sign), tau=0.02, method="rk4",
+            system.with_parameters(a=a, b=b, c=c, d=d, s=sign), (0.0, 0.5 * sign), tau=0.005, method="rk4",
             sliding="continue",
         )  # fmt: skip
         case = (a, b, c, d, sign, run.message)
