@@ -244,7 +244,8 @@ def test_paths_cross_the_lines_of_an_arrangement_as_in_ratios(method, sliding, d
 #: What a reference solution says where a path ends.
 #: What a reference says of an end. A corner that it misses by its last digit only, it may meet again without end.
 WORDS = {
-    "SLIDING": "slides along", "GRAZING": "tangent", "CORNER": "surface|accumulate", "ZENO": "accumulate|surfaces at once",
+    "SLIDING": "slides along", "GRAZING": "tangent", "CORNER": "surface|accumulate",
+    "ZENO": "accumulate|surfaces at once",
 }  # fmt: skip
 
 
