@@ -170,7 +170,7 @@ def test_a_factor_common_to_numerator_and_denominator_is_cancelled(draws, method
         run = core.integrate(system, (0.0, 3.0), method=method, record="end", **step)
         off = abs(run.x[-1, 0] - (right(3.0) - right(0.0)) / c)
         assert run.status is Status.COMPLETED, f"{f}, a = {a}: {run.message}"
-        assert off < (1e-3 if method == "rk2" else 1e-9), f"{f}, a = {a}, tau = {tau}: off by {off}"
+        assert off < (1e-2 if method == "rk2" else 1e-9), f"{f}, a = {a}, tau = {tau}: off by {off}"
 
 
 #: Quotients of two functions that vanish together, and the same in numpy beside that place, with the limit there.
