@@ -137,7 +137,6 @@ def test_members_of_an_ensemble_end_as_runs_do_with_and_without_events(draws):
             for k, x0 in enumerate(starts):
                 run = core.integrate(case.system, (0.0, 50.0), tuple(x0), tau=0.02, method="rk4", record="end", **more)
                 assert (run.status, run.t[-1]) == (found.status[k], found.t[k])
-                assert run.status in _STOPS, run.message
 
 
 @pytest.mark.parametrize("method", ["rk4", "dmm2", "taylor"])
