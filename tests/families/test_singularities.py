@@ -38,7 +38,12 @@ def in_time(rng: np.random.Generator) -> tuple[str, float, str]:
 
 def in_state(rng: np.random.Generator) -> Case:
     """x' = −k/xⁿ."""
-    k, n, x = rng.uniform(0.3, 3.0), int(rng.integers(1, 6)), rng.uniform(0.5, 2.0)
+    return root(rng, rng.uniform(0.5, 2.0))
+
+
+def root(rng: np.random.Generator, x: float) -> Case:
+    """The same from a start x; it is at 0 at the time xⁿ⁺¹/(k (n + 1))."""
+    k, n = rng.uniform(0.3, 3.0), int(rng.integers(1, 6))
     f = (f"-({k})/x**{n}",)
     return Case(core.PiecewiseSystem("Root", ("x",), f, f, "x + 100", x0=(x,)), x ** (n + 1) / (k * (n + 1)), "x")
 
@@ -130,13 +135,15 @@ def test_a_singularity_of_a_law_that_has_ended_before_stops_no_run(draws, method
 
 def test_members_of_an_ensemble_end_as_runs_do_with_and_without_events(draws):
     for rng in draws(3):
-        case = in_state(rng)
         starts = rng.uniform(0.3, 3.0, (5, 1))
+        case = root(rng, float(starts.max()))  # the last that comes to 0
+        end = 1.5 * case.end
         for more in ({}, {"events": ("x - 0.2", "sin(9*x)")}):
-            found = core.ensemble(case.system, (0.0, 50.0), starts, tau=0.02, method="rk4", **more)
+            found = core.ensemble(case.system, (0.0, end), starts, tau=0.02, method="rk4", **more)
             for k, x0 in enumerate(starts):
-                run = core.integrate(case.system, (0.0, 50.0), tuple(x0), tau=0.02, method="rk4", record="end", **more)
+                run = core.integrate(case.system, (0.0, end), tuple(x0), tau=0.02, method="rk4", record="end", **more)
                 assert (run.status, run.t[-1]) == (found.status[k], found.t[k])
+                assert run.status in _STOPS, run.message
 
 
 @pytest.mark.parametrize("method", ["rk4", "dmm2", "taylor"])
