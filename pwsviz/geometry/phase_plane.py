@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple, TypeAlias
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import core
 from pwsviz.geometry.formulas import formulas
+from pwsviz.geometry.line_pieces import cut, joined, pieces, resampled, with_value
 from pwsviz.geometry.polyline_reduction import Floats, simplify
 from pwsviz.geometry.projection import (
     Axes,
@@ -184,10 +185,10 @@ def backdrop(
         minus_holes=[ring[1:] for ring in rings],
         bare_outer=[ring[0] for ring in bare],
         bare_holes=[ring[1:] for ring in bare],
-        arrows={side: np.concatenate([*map(plane.arrows, modes), _joined([])]) for side, modes in shades.items()},
-        levels={side: _joined(map(plane.usual_level_sets, modes), 3) for side, modes in shades.items()},
+        arrows={side: np.concatenate([*map(plane.arrows, modes), joined([])]) for side, modes in shades.items()},
+        levels={side: joined(map(plane.usual_level_sets, modes), 3) for side, modes in shades.items()},
         orbit_levels={
-            side: _joined((plane.level_sets(mode, orbits.get(mode, ())) for mode in modes), 3)
+            side: joined((plane.level_sets(mode, orbits.get(mode, ())) for mode in modes), 3)
             for side, modes in shades.items()
         },
         whole={
@@ -201,7 +202,7 @@ def backdrop(
 
 def closed_surface(system: core.PiecewiseSystem, window: Window, axes: Axes = (0, 1)) -> Floats:
     """Return the points (k, 2) of the pieces of the surface that are closed curves within a window."""
-    lines = _pieces(_Plane(system, window, axes).surface())
+    lines = pieces(_Plane(system, window, axes).surface())
     loops = [line for line in lines if len(line) > 3 and np.array_equal(line[0], line[-1])]
     return np.concatenate([*loops, np.empty((0, 2))])
 
@@ -281,7 +282,7 @@ class _Plane:
 
     def surface(self) -> Floats:
         """Return the curves g = 0; none of a surface that is no curve in the plane."""
-        return _joined(map(self._surface, self.shown))
+        return joined(map(self._surface, self.shown))
 
     def _traced_surface(self, k: int) -> Floats:
         return self._simplified(self._contours(self._switching(k))(0.0))
@@ -292,20 +293,20 @@ class _Plane:
         None where this changes with time, or depends on variables that are not shown, or where the state jumps.
         """
         if not shows_sliding(self.system):
-            return _joined([])
+            return joined([])
         parts = []
         for mode, (_, _, k) in enumerate(self.system.laws.pairs, start=len(self.system.laws.regions)):
             if k in self.shown:
                 fine = self._finely(self._surface(k))
                 heights = np.asarray(self.system.heights(mode, 0.0, self._states(*fine.T)), dtype=float)
                 heights[:, :2] *= way  # the rates; then the other surfaces between which the part lies
-                parts.append(_cut(fine, heights.min(axis=1)))
-        return _joined(parts)
+                parts.append(cut(fine, heights.min(axis=1)))
+        return joined(parts)
 
     def _finely(self, lines: Floats) -> Floats:
         """Return lines with vertices as close as those of a line that a moving surface hides in part."""
         spacing = max(self.window.width, self.window.height) / FINE
-        return _joined((_resampled(line, spacing) for line in _pieces(lines)), lines.shape[1])
+        return joined((resampled(line, spacing) for line in pieces(lines)), lines.shape[1])
 
     def minus_rings(self) -> list[list[Floats]]:
         """Return the outlines of the regions of the first shade, where g < 0, each followed by those of its holes."""
@@ -324,8 +325,8 @@ class _Plane:
         """Return the outlines of where values on the grid are negative, each followed by those of its holes."""
         inside = contour_generator(self.x, self.y, values, fill_type=FillType.OuterOffset)
         filled: Any = inside.filled(-np.inf, 0.0)
-        pieces, offsets = filled
-        return [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(pieces, offsets, strict=True)]
+        outlines, offsets = filled
+        return [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(outlines, offsets, strict=True)]
 
     def usual_level_sets(self, mode: int) -> Floats:
         """Return the usual level sets of a region."""
@@ -342,7 +343,7 @@ class _Plane:
     def level_sets(self, mode: int, levels: tuple[float, ...]) -> Floats:
         """Return level sets of ψ in one region, cut off at its surfaces."""
         lines = self._lines(mode, levels)
-        return self._simplified(_cut(lines, self._height(mode, self._states(*lines[:, :2].T))))
+        return self._simplified(cut(lines, self._height(mode, self._states(*lines[:, :2].T))))
 
     def _lines(self, mode: int, levels: tuple[float, ...]) -> Floats:
         """Return level sets, beyond the surfaces, too, with the value of ψ in a third column.
@@ -350,7 +351,7 @@ class _Plane:
         They have a vertex wherever they leave a cell of the grid, so that a region between two ends is met.
         """
         trace = self._levels(mode)
-        return _joined((_with_value(trace(level), level) for level in levels if trace is not None), 3)
+        return joined((with_value(trace(level), level) for level in levels if trace is not None), 3)
 
     def whole(self, mode: int, orbits: tuple[float, ...]) -> list[Columns]:
         """Return level sets, those of the orbits, and arrows, of which a moving surface hides the part beyond it."""
@@ -395,43 +396,3 @@ def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> F
     tip, neck = middle + forward, middle + 0.4 * forward
     gap = np.full_like(middle, np.nan)
     return np.stack([middle - forward, tip, neck + sideways, tip, neck - sideways, gap], axis=1).reshape(-1, 2)
-
-
-def _cut(lines: Floats, g: Floats) -> Floats:
-    """Return the parts of lines where g > 0, cut where g, interpolated linearly, vanishes."""
-    change = np.flatnonzero(g[:-1] * g[1:] < 0)
-    share = g[change] / (g[change] - g[change + 1])
-    ends = lines[change] + share[:, None] * (lines[change + 1] - lines[change])
-    lines, g = np.insert(lines, change + 1, ends, axis=0), np.insert(g, change + 1, 0.0)
-    gap = np.isnan(lines[:, 0])
-    inside = ((g[:-1] > 0) | (g[1:] > 0)) & ~gap[:-1] & ~gap[1:]  # of each piece of a line between two vertices
-    met = np.zeros(len(lines), dtype=bool)
-    met[:-1] |= inside
-    met[1:] |= inside
-    kept = np.flatnonzero(met)
-    return np.insert(lines[kept], 1 + np.flatnonzero(~inside[kept[:-1]]), np.nan, axis=0)
-
-
-def _with_value(lines: Floats, value: float) -> Floats:
-    """Return lines with a third column that holds a value."""
-    return np.column_stack([lines, np.full(len(lines), value)])
-
-
-def _resampled(line: Floats, spacing: float) -> Floats:
-    """Return a line with vertices at this spacing or less, and its ends."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line[:, :2], axis=0).T))])
-    at = np.linspace(0.0, along[-1], 2 + int(along[-1] / spacing))
-    return np.column_stack([np.interp(at, along, column) for column in line.T])
-
-
-def _pieces(lines: Floats) -> list[Floats]:
-    """Return the lines between the gaps of one array."""
-    there = np.flatnonzero(~np.isnan(lines[:, 0]))
-    starts = 1 + np.flatnonzero(np.diff(there) > 1)
-    return [lines[part] for part in np.split(there, starts) if len(part)]
-
-
-def _joined(lines: Iterable[Floats], width: int = 2) -> Floats:
-    """Return one array of all lines, each followed by a gap."""
-    gap = np.full((1, width), np.nan)
-    return np.concatenate([part for line in lines for part in (line, gap)] or [gap])
