@@ -18,10 +18,10 @@ import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
 from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tips
-from pwsviz.geometry.phase_plane import Backdrop
+from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import Axes, shows_regions, shows_surface, surface_name
-from pwsviz.geometry.shades import NO_LAW, regions_of, shade_names
+from pwsviz.geometry.projection import Axes, surface_name
+from pwsviz.geometry.shades import shade_names
 
 __all__ = ["Ground"]
 
@@ -71,7 +71,7 @@ class Ground:
         self._arrow_lines = field
         self._shaded = [dict(zip(SIDES, lines, strict=True)) for lines in (field, usual, own)]
         self.legend: list[tuple[str, Any]] = [
-            ("S: g = 0", line), ("g < 0", tint), (NO_LAW, bare), ("field f", field[-1]), ("ψ = const.", usual[-1]),
+            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field[-1]), ("ψ = const.", usual[-1]),
             ("ψ of run", own[-1]), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
@@ -123,14 +123,21 @@ class Ground:
         self._surface_entry.label = value(surface_name(system))
         self._surface_labels = surface_labels(system)
         self._tint_entry.label = value(shade_names(system).get(-1, ""))
-        self._surface_entry.visible = shows_surface(system, axes)
-        self._tint_entry.visible = shows_regions(system, axes) and bool(regions_of(system, -1))
+
+    def _show_entries(self, backdrop: Backdrop, seen: Window) -> None:
+        """Let a key stand in the legend for what is painted alone; of what moves, for what may be at another time."""
+        moving = bool(backdrop.formulas["moving"] and backdrop.formulas["regions"])
+        self._surface_entry.visible = moving or bool(np.isfinite(backdrop.surface).any())
+        self._tint_entry.visible = moving or _any_seen(backdrop.minus_outer, seen)
+        name = backdrop.formulas["bare"]
+        self._bare_entry.visible = bool(name) and (moving or _any_seen(backdrop.bare_outer, seen))
+        self._bare_entry.label = value(name)
 
     def keep_clear(self) -> None:
         """Let the browser place the labels anew: there are other marks."""
         self._marked.data = {"count": [self._marked.data["count"][0] + 1]}
 
-    def show(self, backdrop: Backdrop, names: tuple[str, str]) -> None:
+    def show(self, backdrop: Backdrop, names: tuple[str, str], seen: Window) -> None:
         """Draw a backdrop.
 
         Parameters
@@ -139,12 +146,14 @@ class Ground:
             What to draw.
         names : (str, str)
             Of the two variables that span the plane.
+        seen : Window
+            The part of the plane that is seen.
         """
+        self._show_entries(backdrop, seen)
         if backdrop is self._shown:
             return
         moved = self._shown is not None and self._shown.formulas["moving"]
         self._shown = backdrop
-        self._bare_entry.visible = bool(backdrop.bare_outer)
         for source, columns in (
             (self.side, _polygons(backdrop.minus_outer, backdrop.minus_holes)),
             (self.bare, _polygons(backdrop.bare_outer, backdrop.bare_holes)),
@@ -170,6 +179,21 @@ class Ground:
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
+
+
+def _any_seen(outlines: list[Floats], seen: Window) -> bool:
+    """Whether a region is seen, of outlines with a vertex in each cell of the grid: a border of it, or nothing else."""
+    within = [(outline, seen.holds(outline)) for outline in outlines]
+    return any(holds.any() or _surrounds(outline, seen) for outline, holds in within)
+
+
+def _surrounds(outline: Floats, seen: Window) -> bool:
+    """Whether an outline with no vertex in a window surrounds it."""
+    x, y = 0.5 * (seen.x_low + seen.x_high), 0.5 * (seen.y_low + seen.y_high)
+    (ax, ay), (bx, by) = outline[:-1].T, outline[1:].T
+    rises = (ay > y) != (by > y)
+    right = x < ax[rises] + (y - ay[rises]) / (by[rises] - ay[rises]) * (bx[rises] - ax[rises])
+    return bool(np.count_nonzero(right) % 2)
 
 
 def _polygons(outer: list[Floats], holes: list[list[Floats]]) -> dict[str, Any]:

@@ -15,7 +15,6 @@ import core
 from core.symbolic import to_text
 from pwsviz.figures.moving import FORMULAS
 from pwsviz.figures.style import GREY
-from pwsviz.geometry.shades import NO_LAW
 from pwsviz.scene.names import readable
 
 __all__ = ["PLACE_LABELS", "label_glyph", "surface_labels"]
@@ -133,7 +132,7 @@ const nameSurfaces = () => {
 }
 
 // Toward the edge of what is seen, where few trajectories are, and away from other regions, labels of surfaces and
-// marks. Regions without a law are told from one another by their signs, and have the same name.
+// marks. Regions without a state are told from one another by their signs, and have the same name.
 const nameRegions = () => {
   const columns = Math.max(2, Math.round(width / cell)), rows = Math.max(2, Math.round(height / cell))
   const place = (i, j) => at((i + 0.5) / columns, (j + 0.5) / rows)
@@ -141,7 +140,7 @@ const nameRegions = () => {
   const region = Array.from({ length: rows }, (_r, j) => Array.from({ length: columns }, (_c, i) => {
     const [x, y] = place(i, j), signs = heights.map(g => Math.sign(g(x, y, t)))
     const known = regions.findIndex(([sides]) => sides.every((sign, k) => sign == signs[k]))
-    return known < 0 && signs.every(sign => sign != 0) ? regions.push([signs, "NO_LAW"]) - 1 : known
+    return known < 0 && signs.every(sign => sign != 0) ? regions.push([signs, given.bare]) - 1 : known
   }))
   const depth = region.map(row => row.map(() => 0))  // cells from there to another region
   let inside = region.flatMap((row, j) => row.map((_, i) => [i, j]))
@@ -185,9 +184,9 @@ const nameRegions = () => {
 if (given?.surfaces != null && Number.isFinite(width) && Number.isFinite(height)) {
   const several = given.surfaces.length > 1, count = given.regions.length
   if (several) { nameSurfaces() }
-  if (count > 0 && (several || count < 2 ** heights.length)) { nameRegions() }
+  if (count > 0 && (several || given.bare != "")) { nameRegions() }
 }
 if (shown.x.length > 0 || labels.data.x.length > 0) { labels.setv({ data: shown }, { sync: false }) }
-""".replace("NO_LAW", NO_LAW)
+"""
 )
 """JavaScript run when another part of the plane is seen, or another time: it puts each label where there is room."""

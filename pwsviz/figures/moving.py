@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pwsviz.geometry.formulas import FUNCTIONS
-from pwsviz.geometry.shades import NO_LAW
 from pwsviz.text.numbers import PRINTED
 
 __all__ = ["REPAINT", "TELL_PLACE"]
@@ -80,7 +79,7 @@ if (given?.moving && given.regions.length > 0) {
   const nothing = () => {}
   const line = (a, b) => { sx.push(a[0], b[0], NaN); sy.push(a[1], b[1], NaN) }
   for (const g of nodes) { trace(xs, ys, g, nothing, line) }
-  // Of regions of the first shade, an odd number of signs is −. A region that is not declared has no tint.
+  // Of regions of the first shade, an odd number of signs is −. A region that that is left out has no tint.
   const tinted = given.regions.map(([sides]) => sides).filter(sides => sides.reduce((a, b) => a * b, 1) < 0)
   const highest = (regions, i, j) =>
     Math.max(...regions.map(sides => Math.min(...sides.map((s, k) => s * nodes[k][j][i]))))
@@ -91,7 +90,7 @@ if (given?.moving && given.regions.length > 0) {
     source.setv({ data: px.length > 0 ? { xs: [px], ys: [py] } : { xs: [], ys: [] } }, { sync: false })
   }
   filled(side, tinted, -1)
-  if (given.regions.length < 2 ** heights.length) { filled(bare, given.regions.map(([sides]) => sides), 1) }
+  if (given.bare != "") { filled(bare, given.regions.map(([sides]) => sides), 1) }
   surface.setv({ data: { x: sx, y: sy } }, { sync: false })
   const name = heights.length == 1 ? "S: g = 0" : "surfaces"
   const label = { value: running ? name : `${name} at t = 0` }
@@ -130,10 +129,10 @@ if (inside && cb_obj.event_name != "mouseleave") {
     const psi = formula(region[3])?.(x, y, t)
     if (Number.isFinite(psi)) { words.push(`${region[2]} = ${printed(psi.toPrecision(4))}`) }
   } else if (given?.regions?.length > 0 && signs.every(sign => sign != 0)) {
-    words.push("NO_LAW")
+    words.push(given.bare)
   }
 }
 readout.setv({ text: words.join(" \\u00b7 ") }, { sync: false })
-""".replace("NO_LAW", NO_LAW)
+"""
 )
 """JavaScript run when the pointer moves over the portrait: place, side, and ψ of that side there."""

@@ -368,7 +368,7 @@ class PortraitView:
 
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
-        self.ground.show(backdrop, self._names)
+        self.ground.show(backdrop, self._names, self._visible or self.frame or backdrop.window)
 
 
 def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, TypeAlias
 
 import sympy
@@ -11,6 +11,7 @@ import core
 from core.symbolic import TIME, Mode
 from pwsviz.geometry.projection import PLANE, Axes, forced, moves, shows_regions, surfaces_shown
 from pwsviz.geometry.shades import region_name
+from pwsviz.geometry.walls import bare_name
 
 __all__ = ["FUNCTIONS", "Tree", "formulas", "tree"]
 
@@ -44,15 +45,25 @@ def tree(expression: sympy.Expr, names: Mapping[sympy.Expr, Tree]) -> Tree | Non
     return None if name is None or None in parts or not parts else [name, *parts]
 
 
-def formulas(system: core.PiecewiseSystem, axes: Axes) -> dict[str, Any]:
+def formulas(system: core.PiecewiseSystem, axes: Axes, there: Collection[int]) -> dict[str, Any]:
     """Return what can be evaluated at a point of the plane (x, y) and a time t.
+
+    Parameters
+    ----------
+    system : core.PiecewiseSystem
+        The system.
+    axes : (int, int)
+        The variables that span the plane.
+    there : collection of int
+        Numbers of the regions in which a state may be.
 
     Returns
     -------
     dict
         "g": for each surface, a tree in the names x, y and t, or None where its value is not known from the two shown
-        variables; "regions": for each the signs of the surfaces in it, its name, the name of its first ψ, and a tree of
-        that or None; "moving" and "forced": whether a g, and whether a field depends on time.
+        variables; "regions": for each of these the signs of the surfaces in it, its name, the name of its first ψ, and
+        a tree of that or None; "bare": the name of the rest of the plane, "" for none; "moving" and "forced": whether a
+        g, and whether a field depends on time.
     """
     laws = system.laws
     across, up = (laws.x[k] for k in axes)
@@ -65,8 +76,9 @@ def formulas(system: core.PiecewiseSystem, axes: Axes) -> dict[str, Any]:
         "g": [tree(g, names) if k in known else None for k, g in enumerate(laws.surfaces)],
         "regions": [
             [list(mode.sides), *_names(system, mode), tree(part[0], names) if part else None]
-            for mode, part in zip(laws.regions, psi, strict=True) if told
+            for k, (mode, part) in enumerate(zip(laws.regions, psi, strict=True)) if told and k in there
         ],
+        "bare": bare_name(system, there),
         "moving": moves(system),
         "forced": forced(system),
     }  # fmt: skip

@@ -25,7 +25,8 @@ from pwsviz.geometry.projection import (
     shows_sliding,
     surfaces_shown,
 )
-from pwsviz.geometry.shades import has_bare_regions, regions_of
+from pwsviz.geometry.shades import regions_of
+from pwsviz.geometry.walls import bare_name, inhabited
 
 GRID = 120
 """Cells along the longer side of the grid on which surfaces and level sets are traced: 6 to 10 pixels each."""
@@ -42,6 +43,8 @@ ROWS = 6
 LEVELS = 7
 """Level sets drawn on each side, besides those through the orbits."""
 
+LEAST_AREA = 1e-9
+"""Area of a region, relative to the window, below which it is a line of the grid on which g = 0."""
 
 FINE = 300
 """Vertices along the longer side, at least, of a line of which a moving surface hides a part."""
@@ -131,7 +134,7 @@ class Backdrop:
     minus_outer, minus_holes : list
         Outlines of the regions of the first shade, where g < 0, and those of their holes.
     bare_outer, bare_holes : list
-        The same of the regions for which no law is declared.
+        The same of where no state can be: no law is declared, or a wall is in the way.
     arrows : dict
         For each shade, which is a side of one surface, (k, 2): the field as arrows.
     levels, orbit_levels : dict
@@ -170,12 +173,14 @@ def backdrop(
     window : Window
         The part of the plane to cover.
     orbits : dict
-        Values of ψ of the visible orbits in each region, by its number.
+        Values of ψ of the visible orbits in each region where these are, by its number.
     axes : (int, int)
         The variables that span the plane.
     """
-    plane, shades = _Plane(system, window, axes), {shade: regions_of(system, shade) for shade in (-1, 1)}
-    rings, bare = plane.minus_rings(), plane.bare_rings()
+    plane, there = _Plane(system, window, axes), inhabited(system, orbits)
+    shades = {shade: [mode for mode in regions_of(system, shade) if mode in there] for shade in (-1, 1)}
+    rings = plane.rings(shades[-1])
+    bare = plane.rings(sorted(there), outside=True) if bare_name(system, there) else []
     return Backdrop(
         window=window,
         surface=plane.surface(),
@@ -194,9 +199,9 @@ def backdrop(
         whole={
             side: plane.whole(modes[0], orbits.get(modes[0], ()))
             for side, modes in shades.items()
-            if moves(system) and system.two_sided
+            if moves(system) and system.two_sided and modes
         },
-        formulas=formulas(system, axes),
+        formulas=formulas(system, axes, there),
     )
 
 
@@ -308,25 +313,17 @@ class _Plane:
         spacing = max(self.window.width, self.window.height) / FINE
         return joined((resampled(line, spacing) for line in pieces(lines)), lines.shape[1])
 
-    def minus_rings(self) -> list[list[Floats]]:
-        """Return the outlines of the regions of the first shade, where g < 0, each followed by those of its holes."""
-        modes = regions_of(self.system, -1)
+    def rings(self, modes: list[int], outside: bool = False) -> list[list[Floats]]:
+        """Return the outlines of regions, or of the plane outside them, each followed by those of its holes."""
         if not modes or not shows_regions(self.system, self.axes):
             return []
-        return self._rings(-np.max([self._inside(mode) for mode in modes], axis=0))
-
-    def bare_rings(self) -> list[list[Floats]]:
-        """Return the outlines of the regions for which no law is declared, each followed by those of its holes."""
-        if not has_bare_regions(self.system) or not shows_regions(self.system, self.axes):
-            return []
-        return self._rings(np.max([self._inside(mode) for mode in range(len(self.system.laws.regions))], axis=0))
-
-    def _rings(self, values: Floats) -> list[list[Floats]]:
-        """Return the outlines of where values on the grid are negative, each followed by those of its holes."""
+        height = np.max([self._inside(mode) for mode in modes], axis=0)
+        values = height if outside else -height
         inside = contour_generator(self.x, self.y, values, fill_type=FillType.OuterOffset)
         filled: Any = inside.filled(-np.inf, 0.0)
         outlines, offsets = filled
-        return [np.split(points, offset[1:-1].astype(int)) for points, offset in zip(outlines, offsets, strict=True)]
+        found = (np.split(points, offset[1:-1].astype(int)) for points, offset in zip(outlines, offsets, strict=True))
+        return [rings for rings in found if _area(rings[0]) > LEAST_AREA * self.window.width * self.window.height]
 
     def usual_level_sets(self, mode: int) -> Floats:
         """Return the usual level sets of a region."""
@@ -386,6 +383,12 @@ class _Plane:
 
     def _arrow_length(self) -> float:
         return 0.5 * max(self.window.width, self.window.height) / ARROWS
+
+
+def _area(ring: Floats) -> float:
+    """Return the area within a closed ring."""
+    (x, y), (across, up) = ring[:-1].T, np.diff(ring, axis=0).T
+    return 0.5 * abs(float((x * up - y * across).sum()))
 
 
 def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> Floats:

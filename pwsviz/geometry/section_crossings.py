@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache
 
-import sympy
-
 import core
 from core.maps import own_surface
-from core.symbolic import TIME, Mode, Way, eliminated, is_larger
+from core.symbolic import Mode, Way
+from pwsviz.geometry.crossing_rates import constant_sign, rate_on_surface, ratio
 
 __all__ = ["chosen_direction", "has_reset", "is_one_way", "usual_direction"]
-
-_NODES = 200
-"""Most nodes of the tree of a quotient of rates that is simplified, as sympy takes long for more."""
 
 
 @lru_cache(maxsize=256)
@@ -67,17 +63,11 @@ def _ways(system: core.PiecewiseSystem, of: str) -> Iterator[tuple[Mode, Way]]:
                 yield mode, way
 
 
-def _rate(system: core.PiecewiseSystem, mode: Mode, way: Way) -> sympy.Expr:
-    """Return the rate of the switching function in a region, where that function vanishes."""
-    g = system.laws.surfaces[way.surface]
-    return eliminated(mode.rate_of(g), g, system.laws.x)
-
-
 def _signs(system: core.PiecewiseSystem, ways: list[tuple[Mode, Way]]) -> set[int]:
     """Return the signs that the rates of a switching function may have on its surface."""
     found: set[int] = set()
     for mode, way in ways:
-        sign = _constant_sign(system, _rate(system, mode, way))
+        sign = constant_sign(system, rate_on_surface(system.laws, mode, way))
         found |= {-1, 1} if sign is None else {sign}
     return found
 
@@ -86,16 +76,5 @@ def _may_slide(system: core.PiecewiseSystem, mode: Mode, way: Way) -> bool:
     """Whether the rates on both sides of a way may differ in sign."""
     if way.to is None:
         return False
-    before, after = (_rate(system, one, way) for one in (mode, system.laws.regions[way.to]))
-    if before == after:
-        return False
-    quotient = before / after if after != 0 else sympy.nan
-    return _constant_sign(system, quotient if is_larger(quotient, _NODES) else sympy.cancel(quotient)) != 1
-
-
-def _constant_sign(system: core.PiecewiseSystem, value: sympy.Expr) -> int | None:
-    """Return the sign of an expression at the declared values of the parameters; None if it depends on the state."""
-    if value.free_symbols & {*system.laws.x, TIME}:
-        return None
-    number = value.subs({symbol: system.values[symbol.name] for symbol in value.free_symbols})
-    return int(bool(number.is_positive)) - int(bool(number.is_negative))
+    before, after = (rate_on_surface(system.laws, one, way) for one in (mode, system.laws.regions[way.to]))
+    return before != after and constant_sign(system, ratio(before, after)) != 1

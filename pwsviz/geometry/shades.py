@@ -11,8 +11,7 @@ import core
 from core.symbolic import Laws, Mode
 
 __all__ = [
-    "NO_LAW", "REGION_SHADES", "SHADES", "SLIDING", "coloured", "has_bare_regions", "region_name", "regions_of",
-    "shade_names", "shades_of",
+    "REGION_SHADES", "SHADES", "SLIDING", "coloured", "region_name", "regions_of", "shade_names", "shades_of",
 ]  # fmt: skip
 
 SLIDING = 0
@@ -23,9 +22,6 @@ REGION_SHADES = (-1, 1, 2, 3)
 
 SHADES = (*REGION_SHADES, SLIDING)
 """All shades."""
-
-NO_LAW = "no law"
-"""What the page calls a region for which no law is declared."""
 
 MOST_NAMES = 2
 """Most regions told by their signs that a name lists; more are told by the sign that the product of all g has there."""
@@ -72,12 +68,6 @@ def coloured(around: Sequence[set[int]]) -> list[int]:
 def regions_of(system: core.PiecewiseSystem, shade: int) -> list[int]:
     """Return the numbers of the regions that have a shade."""
     return np.flatnonzero(_shades(system.laws)[: len(system.laws.regions)] == shade).tolist()
-
-
-def has_bare_regions(system: core.PiecewiseSystem) -> bool:
-    """Whether there is a combination of signs for which no law is declared; not where regions have names."""
-    count = system.laws.sides.shape[1]
-    return bool(count) and len(system.laws.regions) < 2**count
 
 
 def region_name(region: Mode) -> str:

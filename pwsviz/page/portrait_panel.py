@@ -317,7 +317,8 @@ def at_point(x: float, y: float, view: Window, others: Start, axes: tuple[int, i
 def _ground_of(shown: Pictures, window: Window) -> tuple[InitialValueProblem, Window, Levels, Axes]:
     """Return the arguments of `Results.backdrop` for these curves."""
     levels = shown.orbits[0].levels  # of one integrator only: one that drifts has a new level each turn
-    return shown.inputs.selected[0].problem, window, levels, shown.axes
+    met = {mode for orbit in shown.others for mode, _ in orbit.levels} - dict(levels).keys()
+    return shown.inputs.selected[0].problem, window, (*levels, *((mode, ()) for mode in sorted(met))), shown.axes
 
 
 def _digits(view: Window) -> int:

@@ -162,18 +162,16 @@ def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
 
 
 def _levels(run: core.Trajectory) -> Levels:
-    """Return the values of ψ where the first few segments in each region began; none if level sets are not drawn.
+    """Return the regions of the first few segments, and the values of ψ where these began, if level sets are drawn.
 
     They are rounded to what a screen can resolve, so that a change by round-off finds the same backdrop in the cache.
     """
-    if not shows_levels(run.system):
-        return ()
     modes = np.concatenate([run.mode[:1], run.crossings.mode])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
-    values = {}
-    for mode, law in enumerate(run.system.laws.regions):
+    values, drawn = {}, shows_levels(run.system)
+    for mode in sorted({*modes.tolist()} & {*range(len(run.system.laws.regions))}):
         number = np.flatnonzero(modes == mode)
-        psi = run.system.conserved(law.name, run.entered_t[number], run.entered_x[number])
-        values[mode] = psi[:, 0] if psi.shape[1] else np.zeros(0)
-    scale = float(np.abs(np.concatenate(list(values.values()))).max(initial=0.0)) or 1.0
+        psi = run.system.conserved(run.system.laws.name(mode), run.entered_t[number], run.entered_x[number])
+        values[mode] = psi[:, 0] if drawn and psi.shape[1] else np.zeros(0)
+    scale = float(np.abs(np.concatenate([*values.values(), [0.0]])).max()) or 1.0
     digits = 4 - math.floor(math.log10(scale))
     return tuple((mode, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for mode, psi in values.items())

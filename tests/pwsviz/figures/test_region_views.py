@@ -87,13 +87,24 @@ def test_the_legend_of_the_portrait_names_what_is_tinted_and_nothing_if_nothing_
 
 
 @every_system
-def test_the_legend_of_the_portrait_tells_that_a_region_has_no_law(system):
+def test_the_legend_of_the_portrait_tells_where_no_state_can_be(system):
     view = PortraitView(*[lambda *_: None] * 5)
     ground = backdrop(system, WINDOW, {})
     view.show_backdrop(ground)
-    assert view.ground._bare_entry.label == value("no law")
+    assert view.ground._bare_entry.label == value(ground.formulas["bare"])
     assert view.ground._bare_entry.visible == bool(ground.bare_outer)
     assert len(view.ground.bare.data["xs"]) == len(ground.bare_outer)
+
+
+def test_a_key_stands_for_what_is_seen_alone():
+    """The backdrop of a view is larger than the view."""
+    view, entry = PortraitView(*[lambda *_: None] * 5), lambda: view.ground._bare_entry.visible
+    walls = core.CATALOGUE["two_walls"]
+    seen = {(-3.0, 3.0): True, (-0.9, 0.9): False, (1.5, 2.5): True, (-0.5, 1.2): True}
+    for ends, hatched in seen.items():
+        view.look_at(Window(*ends, *ends))
+        view.show_backdrop(backdrop(walls, Window(-4.0, 4.0, -4.0, 4.0), {}))
+        assert entry() == hatched
 
 
 def headings(text):

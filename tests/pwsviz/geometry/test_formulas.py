@@ -17,6 +17,10 @@ every_system = pytest.mark.parametrize("system", SYSTEMS.values(), ids=list(SYST
 in_both_orders = pytest.mark.parametrize("axes", [(0, 1), (1, 0)])
 
 
+def of_all_regions(system, axes):
+    return formulas(system, axes, range(len(system.regions)))
+
+
 def value(tree, x, y, t):
     """What the browser works out."""
     if isinstance(tree, float):
@@ -49,7 +53,7 @@ def states(system, axes, low, high, count):
 @every_system
 @in_both_orders
 def test_trees_have_the_values_of_the_formulas(system, axes):
-    known = formulas(system, axes)
+    known = of_all_regions(system, axes)
     assert [tree is not None for tree in known["g"]] == [
         k in surfaces_shown(system, axes) for k in range(len(system.laws.surfaces))
     ]
@@ -68,7 +72,7 @@ def test_trees_have_the_values_of_the_formulas(system, axes):
 @every_system
 @in_both_orders
 def test_there_is_a_formula_of_psi_for_each_region_of_a_plane_that_has_one(system, axes):
-    known = formulas(system, axes)
+    known = of_all_regions(system, axes)
     assert bool(known["regions"]) == shows_regions(system, axes)
     for law, (*_, tree) in zip(system.regions.values(), known["regions"], strict=False):
         assert (tree is not None) == (system.dimension == 2 and bool(law.psi))
@@ -77,27 +81,33 @@ def test_there_is_a_formula_of_psi_for_each_region_of_a_plane_that_has_one(syste
 @every_system
 @in_both_orders
 def test_the_readout_tells_the_region_that_a_point_lies_in_and_none_where_no_law_is_declared(system, axes):
-    known = formulas(system, axes)
+    known = of_all_regions(system, axes)
     for x, y, state in states(system, axes, -2.0, 2.0, 40) if known["regions"] else ():
         inside = [k for k in range(len(system.regions)) if (system.heights(k, T, state) > 0).all()]
         told = told_region(known, x, y)
         assert ([] if told is None else [known["regions"].index(told)]) == inside
 
 
+def test_of_a_region_in_which_no_state_is_the_readout_knows_nothing():
+    for there, names, bare in (((0, 1), ["g < 0", "g > 0"], ""), ((1,), ["g > 0"], "beyond the wall")):
+        known = formulas(SYSTEMS["bouncing_ball"], (0, 1), there)
+        assert ([one[1] for one in known["regions"]], known["bare"]) == (names, bare)
+
+
 def test_regions_and_quantities_are_named_by_their_signs():
-    assert [tuple(one[:3]) for one in formulas(SYSTEMS["chua"], (0, 1))["regions"]] == [
+    assert [tuple(one[:3]) for one in of_all_regions(SYSTEMS["chua"], (0, 1))["regions"]] == [
         ([-1, -1], "region −−", "ψ"), ([1, -1], "region +−", "ψ"), ([1, 1], "region ++", "ψ"),
     ]  # fmt: skip
-    assert [tuple(one[:3]) for one in formulas(SYSTEMS["elliptic_curve"], (0, 1))["regions"]] == [
+    assert [tuple(one[:3]) for one in of_all_regions(SYSTEMS["elliptic_curve"], (0, 1))["regions"]] == [
         ([-1], "g < 0", "ψ₋"), ([1], "g > 0", "ψ₊"),
     ]  # fmt: skip
 
 
 def test_a_name_that_is_not_shown_leaves_no_formula():
-    gene = formulas(core.CATALOGUE["gene_switch"], (0, 1))
+    gene = of_all_regions(core.CATALOGUE["gene_switch"], (0, 1))
     assert (gene["g"], gene["regions"]) == ([None], [])
-    ring = formulas(core.CATALOGUE["gene_ring"], (0, 1))
+    ring = of_all_regions(core.CATALOGUE["gene_ring"], (0, 1))
     assert [tree is None for tree in ring["g"]] == [False, False, True]
     assert ring["regions"] == [], "its third sign is not known"
-    assert formulas(RELAY, (0, 1))["regions"] == [], "a place does not tell a region that has a name"
-    assert formulas(core.CATALOGUE["moving_interface"], (0, 1))["moving"]
+    assert of_all_regions(RELAY, (0, 1))["regions"] == [], "a place does not tell a region that has a name"
+    assert of_all_regions(core.CATALOGUE["moving_interface"], (0, 1))["moving"]

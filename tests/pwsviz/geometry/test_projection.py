@@ -21,6 +21,7 @@ from pwsviz.geometry.projection import (
     surfaces_shown,
 )
 from pwsviz.geometry.shades import regions_of
+from pwsviz.geometry.walls import inhabited
 from pwsviz.scene.names import readable
 from pwsviz.text.math_names import variable_name
 from tests.pwsviz.own_systems import GATE, OWN_SYSTEMS, RELAY, STRIPS, WEDGE
@@ -53,10 +54,9 @@ def test_variables_have_greek_letters_wherever_formulas_have_them():
 
 
 @every_system
-def test_sides_are_tinted_where_the_plane_tells_them(system):
-    assert bool(backdrop(system, WINDOW, {}).minus_outer) == (
-        shows_regions(system, XY) and bool(regions_of(system, -1))
-    )
+def test_sides_are_tinted_where_the_plane_tells_them_and_a_state_can_be(system):
+    tinted = inhabited(system) & {*regions_of(system, -1)}
+    assert bool(backdrop(system, WINDOW, {}).minus_outer) == (shows_regions(system, XY) and bool(tinted))
     if system.two_sided:
         assert shows_regions(system, XY) == shows_surface(system, XY)
 
@@ -65,7 +65,7 @@ def test_sides_are_tinted_where_the_plane_tells_them(system):
 def test_level_sets_and_arrows_are_drawn_in_the_plane_only(system):
     ground = backdrop(system, WINDOW, {})
     for shade in (-1, 1):
-        laws = [system.laws.regions[k] for k in regions_of(system, shade)]
+        laws = [system.laws.regions[k] for k in regions_of(system, shade) if k in inhabited(system)]
         known = any(law.conserved for law in laws)
         assert np.isfinite(ground.levels[shade]).any() == (shows_levels(system) and known)
         assert np.isfinite(ground.arrows[shade]).any() == (shows_field(system) and bool(laws))

@@ -1,0 +1,86 @@
+"""Where a state can be: beyond a wall, at which every run bounces, none is, though a law is declared there."""
+
+import numpy as np
+import pytest
+
+import core
+from pwsviz.geometry.phase_plane import Window, backdrop
+from pwsviz.geometry.walls import bare_name, inhabited
+from tests.pwsviz.own_systems import OWN_SYSTEMS, WALL
+
+BALL = core.CATALOGUE["bouncing_ball"]
+WINDOW = Window(-2.0, 2.0, -2.0, 2.0)
+
+
+def impacts(jump, f_plus=("v", "-1"), f_minus=("v", "-1"), g="y", x0=(1.0, 0.0)):
+    return core.PiecewiseSystem("impacts", ("y", "v"), f_minus, f_plus, g, parameters={"r": 0.5}, jump=jump, x0=x0)
+
+
+@pytest.mark.parametrize("key", core.CATALOGUE)
+def test_a_region_of_the_catalogue_is_beyond_a_wall_if_and_only_if_no_run_enters_it(key):
+    system, there = core.CATALOGUE[key], inhabited(core.CATALOGUE[key])
+    run = core.integrate(system, (0.0, 20.0), tau=0.01, method="rk4", max_crossings=200)
+    met = {mode for mode in run.mode.tolist() if mode < len(system.regions)}
+    assert met <= there
+    walled = {"bouncing_ball": {0}, "vibrating_table": {0}, "henon_heiles": {0}}
+    assert set(range(len(system.regions))) - there == walled.get(key, set())
+
+
+def test_a_reset_map_that_lets_runs_through_or_may_do_so_makes_no_wall():
+    assert inhabited(impacts(("0", "-r*v"))) == {1}
+    assert inhabited(impacts(("0", "r*v"))) == {0, 1}, "the speed keeps its sign"
+    assert inhabited(impacts(("0", "1 - v"))) == {0, 1}, "slow ones come back, fast ones do not"
+    assert inhabited(impacts(("-1", "-r*v"))) == {0, 1}, "it leads beyond"
+
+
+def test_what_is_beyond_a_wall_depends_on_the_parameters_and_on_where_runs_are():
+    assert inhabited(impacts(("0", "-r*v")).with_parameters(r=-0.5)) == {0, 1}
+    assert inhabited(BALL, met=(0,)) == {0, 1}
+    assert inhabited(impacts(("0", "-r*v"), x0=(-1.0, 0.0))) == {0}
+
+
+def test_a_start_at_a_wall_is_in_the_regions_on_both_sides():
+    assert inhabited(impacts(("0", "-r*v"), x0=(0.0, 1.0))) == {0, 1}
+
+
+def test_the_rest_of_the_plane_is_named_by_what_it_lacks():
+    assert bare_name(WALL, {0}) == "no law"
+    assert bare_name(BALL, {1}) == "beyond the wall"
+    assert bare_name(BALL, {0, 1}) == ""
+    assert bare_name(OWN_SYSTEMS["Relay"], {0, 1}) == "", "regions with names leave no rest"
+
+
+def rows_left_of(lines, edge):
+    return np.count_nonzero(lines[:, 0] < edge)
+
+
+def test_beyond_a_wall_are_neither_arrows_nor_level_sets_nor_a_tint():
+    ground = backdrop(BALL, WINDOW, {1: (9.8,)})
+    half_an_arrow = 0.1
+    for part, edge in ((ground.arrows, -half_an_arrow), (ground.levels, -1e-9), (ground.orbit_levels, -1e-9)):
+        assert sum(rows_left_of(part[shade], edge) for shade in (-1, 1)) == 0
+        assert np.isfinite(part[1]).any()
+    assert ground.minus_outer == []
+    (ring,) = ground.bare_outer
+    assert (ring.min(axis=0), ring.max(axis=0)) == (pytest.approx([-2, -2]), pytest.approx([0, 2]))
+    assert [region[1] for region in ground.formulas["regions"]] == ["g > 0"]
+
+
+def test_where_a_run_is_beyond_a_wall_there_are_arrows_and_level_sets():
+    ground = backdrop(BALL, WINDOW, {0: (-9.8,)})
+    assert all(np.isfinite(part[-1]).any() for part in (ground.arrows, ground.levels, ground.orbit_levels))
+    assert ground.minus_outer
+    assert not ground.bare_outer
+
+
+def test_beyond_a_moving_wall_the_browser_has_nothing_to_paint():
+    table = impacts(("sin(t)", "2*cos(t) - v"), g="y - sin(t)")
+    ground = backdrop(table, WINDOW, {})
+    assert set(ground.whole) == {1}
+    assert ground.formulas["bare"] == "beyond the wall"
+
+
+def test_a_line_of_the_grid_on_which_two_surfaces_meet_is_no_region():
+    """In a window of this size x = −1 and x = 1 are lines of the grid, on which the height of every region is 0."""
+    chua = core.CATALOGUE["chua"]
+    assert backdrop(chua, Window(-4.0, 4.0, -4.0, 4.0), {}).bare_outer == []
