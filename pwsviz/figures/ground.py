@@ -101,6 +101,7 @@ class Ground:
         lines = {"lines_below": self._lines(-1), "lines_above": self._lines(1)}
         repaint = CustomJS(args=plane | painted | lines, code=REPAINT)
         there = {"labels": self.labels, "marks": marks, "plot": self.figure.id}
+        there["again"] = self._marked  # the code does not read it, but what nothing names is not sent
         label = CustomJS(args=plane | there, code=PLACE_LABELS)
         for source in (self.formulas, self.clock):
             source.js_on_change("data", repaint, label)

@@ -5,7 +5,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from bokeh.document import Document
 from bokeh.events import Tap
+from bokeh.models import ColumnDataSource
 
 import core
 from core.transition.status import CROSSING_KINDS
@@ -247,3 +249,13 @@ def test_what_a_move_of_a_slider_leaves_as_it_is_is_not_sent_again():
         source.on_change("data", lambda _attribute, _old, new: sent.append(new))
     view.draw(TWO)
     assert sent == []
+
+
+def test_every_source_of_the_portrait_is_sent_so_that_the_browser_hears_of_its_changes():
+    view = PortraitView(*[lambda *_: None] * 5)
+    document = Document()
+    document.add_root(view.figure)
+    held = {name: one for part in (view, view.ground) for name, one in vars(part).items()}
+    sources = {name: one for name, one in held.items() if isinstance(one, ColumnDataSource)}
+    apart = {"pointed_time", "played_time"}  # of the figures whose horizontal axis is time
+    assert {name for name, source in sources.items() if source.document is not document} == apart
