@@ -64,8 +64,8 @@ HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
 
 TABS_SX = {
     ".MuiTab-root": {
-        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "fontSize": "0.775rem",
-        "letterSpacing": 0,
+        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "letterSpacing": 0,
+        "fontSize": "min(0.775rem, max(12.4px, 1.25cqi))",  # what is larger in lecture mode keeps to one row, too
     },
     ".MuiTabs-list": {"flexWrap": "wrap"},
     ".MuiTabs-indicator": {"display": "none"},  # knows of one row only

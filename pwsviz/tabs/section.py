@@ -248,8 +248,8 @@ class SectionTab(LongTab):
 
 
 def _wide(widget: Any, width: int) -> pn.Column:
-    """Return a widget in a place of some width in pixels."""
-    return pn.Column(widget, width=width, margin=(0, 8, 0, 0))
+    """Return a widget in a place of some width in pixels, and wider where type is larger."""
+    return pn.Column(widget, styles={"width": f"{width / 16:g}rem"}, margin=(0, 8, 0, 0))
 
 
 def _closest(portion: SectionPortion, given: dict[int, float]) -> tuple[float, Any, int]:

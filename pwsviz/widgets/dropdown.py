@@ -15,14 +15,14 @@ DROPDOWN_CSS = f"""
 :host .bk-input-group {{ position: relative; width: 100%; padding: 8px 0 0; }}
 :host .bk-input-group > label {{ {LABEL} transform: none; }}
 select.bk-input:not([multiple]) {{
-    height: 40px; width: 100%; padding: 0 32px 0 14px; border: 1px solid {FRAME}; border-radius: 4px;
+    height: 2.5rem; width: 100%; padding: 0 32px 0 14px; border: 1px solid {FRAME}; border-radius: 4px;
     font-family: inherit; font-size: 1rem; text-overflow: ellipsis; cursor: pointer; appearance: none;
     color: var(--mui-palette-text-primary); background-color: transparent; background-image: none !important; }}
 select.bk-input:hover {{ border-color: var(--mui-palette-text-primary); }}
 select.bk-input:not([multiple]):focus-visible {{ {FOCUS} }}
 select.bk-input:disabled {{ color: var(--mui-palette-text-disabled); border-style: dashed; cursor: default; }}
 option, optgroup {{ color: var(--mui-palette-text-primary); background: var(--mui-palette-background-paper); }}
-.bk-input-group::after {{ content: ""; position: absolute; right: 14px; top: 26px; pointer-events: none;
+.bk-input-group::after {{ content: ""; position: absolute; right: 14px; top: calc(6px + 1.25rem); pointer-events: none;
     border: 5px solid transparent; border-top-color: var(--mui-palette-text-secondary); border-bottom-width: 0; }}
 """
 

@@ -158,3 +158,29 @@ def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view):
     page.wait_for_function(f"() => ({LEGENDS})().some(one => one.label == '{wanted}')", timeout=90_000)
     page.wait_for_timeout(500)
     assert [one["label"] for one in page.evaluate(LEGENDS) if not one["inside"]] == []
+
+
+CUT = """() => {
+    const found = []
+    const look = node => {
+        for (const part of [...node.children ?? [], ...(node.shadowRoot?.children ?? [])]) {
+            if (part.nodeName == "LABEL" && part.scrollWidth > part.clientWidth && part.checkVisibility({visibilityProperty: true})) { found.push(part.textContent) }
+            look(part)
+        }
+    }
+    look(document.body)
+    return found
+}"""
+"""The names of fields that do not fit."""
+
+
+@pytest.mark.deep
+def test_in_lecture_mode_titles_of_views_keep_to_one_row_and_names_of_fields_are_whole(visit):
+    page = visit(query="v=2&system=chua&view=section")
+    await_painted(page, "Poincaré section")
+    page.keyboard.press("l")
+    page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
+    page.wait_for_timeout(500)
+    tops = [tab.bounding_box()["y"] for tab in page.get_by_role("tab").all()]
+    assert max(tops) - min(tops) < 1
+    assert page.evaluate(CUT) == []
