@@ -12,7 +12,6 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
 from concurrent.futures import wait
 from functools import lru_cache
 from importlib.machinery import SourceFileLoader
@@ -25,22 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr
 
-from core.codegen.functions import (
-    evaluate_switching_text,
-    jump_text,
-    levels_texts,
-    module_text,
-    project_to_surface_text,
-)
-from core.codegen.step import StepCode
-from core.codegen.taylor_series import event_series_text
 from core.compilation.guards import guard_table
+from core.compilation.texts import rows_of_events, texts_of_events, texts_of_modes
 from core.compilation.worker_pool import WorkerPool, serve
 from core.interface.arguments import count, number
 from core.kernels.abi import FUNCTIONS, PREPARE, STEP
 from core.kernels.digest import imported_modules, source_digest
 from core.methods import Method
-from core.methods.taylor_step import prepare_step_text
 from core.symbolic.laws import Laws
 
 __all__ = ["Compiled", "compile_beside", "compile_run", "modes_entered"]
@@ -92,7 +82,7 @@ def compile_run(
     """
     table, texts, submitted = guard_table(laws), [], []
     with _lock:
-        for rows, text in [*_texts(laws, method, levels, modes), *_texts_of_events(laws, method, modes, events)]:
+        for rows, text in [*texts_of_modes(laws, method, levels, modes), *texts_of_events(laws, method, modes, events)]:
             texts.append((rows, text))
             if _pool is not None and not _is_compiled(text):
                 submitted.append(_pool.submit(text))
@@ -108,7 +98,7 @@ def compile_run(
                 addresses[rows, k] = getattr(module, name).address
     for mode in modes if events else ():
         own = addresses[table.first_rows[mode]]
-        for row in _rows_of_events(laws, mode, events):
+        for row in rows_of_events(laws, mode, events):
             addresses[row, [PREPARE, STEP]] = own[[PREPARE, STEP]]
     return Compiled(addresses, tuple(modules))
 
@@ -148,63 +138,6 @@ def compile_beside(size: int = 2, idle: float = 900.0) -> None:
 def serve_worker() -> None:
     """Run a worker process: compile the texts that it receives."""
     serve(_load)
-
-
-def _texts(laws: Laws, method: Method, levels: bool, numbers: tuple[int, ...]) -> Iterator[tuple[list[int], str]]:
-    """Texts of modules, each with the rows of its functions; those that take longest to compile come first."""
-    first = guard_table(laws).first_rows.tolist()
-    modes = [(first[number], laws.mode(number)) for number in numbers]
-    codes = [(row, mode, StepCode(laws, mode)) for row, mode in modes]
-    yield from (([row], module_text([code.text(method.scheme.write(mode, code))])) for row, mode, code in codes)
-    if method.adaptive:
-        yield from (([row], module_text([prepare_step_text(laws, mode)])) for row, mode in modes)
-    guarded = [(row + k, mode, k) for row, mode in modes for k in range(len(mode.guards))]
-    yield from (
-        ([row], module_text([project_to_surface_text(laws, mode, method.conservative, k)])) for row, mode, k in guarded
-    )
-    if method.conservative or levels:
-        yield from (([row], module_text(levels_texts(laws, mode))) for row, mode in modes)
-    yield from _texts_at_surfaces(laws, numbers, first)
-
-
-def _texts_at_surfaces(laws: Laws, numbers: tuple[int, ...], first: list[int]) -> Iterator[tuple[list[int], str]]:
-    """Texts of what is evaluated where guards vanish; regions share it where they share the surface."""
-    shared: dict[str, list[int]] = {}
-    wanted = [(mode, k) for mode in numbers if mode < len(laws.regions) for k in range(len(laws.ways[mode]))]
-    for mode in numbers:
-        if mode >= len(laws.regions):  # where sliding ends, the surface is evaluated with the fields of both regions
-            low, high, surface = laws.pairs[mode - len(laws.regions)]
-            both = ((region, k) for region in (low, high) for k in range(len(laws.ways[region])))
-            wanted += [(region, k) for region, k in both if laws.ways[region][k].surface == surface]
-            for k, guard in enumerate(laws.mode(mode).guards):
-                text = module_text([evaluate_switching_text(laws, guard, [laws.mode(mode)])])
-                shared.setdefault(text, []).append(first[mode] + k)
-    for region, k in dict.fromkeys(wanted):
-        way, here = laws.ways[region][k], laws.regions[region]
-        beside = here if way.to is None or way.back is None else laws.regions[way.to]
-        sides = [here, beside] if way.sign < 0 else [beside, here]
-        texts = [evaluate_switching_text(laws, laws.surfaces[way.surface], sides)]
-        texts += [] if way.jump is None else [jump_text(laws, way.jump)]
-        shared.setdefault(module_text(texts), []).append(first[region] + k)
-    yield from ((rows, text) for text, rows in shared.items())
-
-
-def _rows_of_events(laws: Laws, mode: int, events: tuple[Expr, ...]) -> range:
-    """Rows of the event functions in a mode."""
-    first = len(guard_table(laws).guards) + mode * len(events)
-    return range(first, first + len(events))
-
-
-def _texts_of_events(
-    laws: Laws, method: Method, modes: tuple[int, ...], events: tuple[Expr, ...]
-) -> Iterator[tuple[list[int], str]]:
-    """Texts of event functions, which are evaluated as guards are; modes share their Taylor series."""
-    for mode in modes:
-        for row, function in zip(_rows_of_events(laws, mode, events), events, strict=True):
-            yield [row], module_text([evaluate_switching_text(laws, function, [laws.mode(mode)])])
-    for k, function in enumerate(events if method.adaptive else ()):
-        rows = [_rows_of_events(laws, mode, events)[k] for mode in modes]
-        yield rows, module_text([event_series_text(laws, function)])
 
 
 def _is_compiled(text: str) -> bool:

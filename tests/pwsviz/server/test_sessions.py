@@ -1,0 +1,38 @@
+"""How messages reach a browser."""
+
+import asyncio
+import re
+import socket
+
+import panel as pn
+from tornado.httpclient import AsyncHTTPClient, HTTPRequest
+from tornado.iostream import IOStream
+from tornado.websocket import websocket_connect
+
+from pwsviz.server.sessions import send_messages_at_once
+
+
+async def _open_a_page() -> list[bool]:
+    """Connect to a page as a browser does, and return whether each of the server's sockets delays small parts."""
+    server = pn.serve({"/app": lambda: pn.pane.Str("Text")}, port=0, show=False, start=False)
+    server.start()
+    try:
+        page = await AsyncHTTPClient().fetch(f"http://localhost:{server.port}/app")
+        token = re.search(r'"token":\s*"([^"]+)"', page.body.decode())[1]
+        request = HTTPRequest(f"ws://localhost:{server.port}/app/ws")
+        connection = await websocket_connect(request, subprotocols=["bokeh", token])
+        await connection.read_message()  # the first, by which the server acknowledges the connection
+        streams = [client._socket.ws_connection.stream for client in server._tornado._clients]
+        connection.close()
+        return [_delays(stream) for stream in streams]
+    finally:
+        server.stop()
+
+
+def _delays(stream: IOStream) -> bool:
+    return not stream.socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+def test_no_part_of_a_message_waits_for_an_acknowledgement_of_the_one_before():
+    send_messages_at_once()
+    assert asyncio.run(_open_a_page()) == [False]
