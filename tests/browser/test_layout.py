@@ -164,7 +164,8 @@ CUT = """() => {
     const found = []
     const look = node => {
         for (const part of [...node.children ?? [], ...(node.shadowRoot?.children ?? [])]) {
-            if (part.nodeName == "LABEL" && part.scrollWidth > part.clientWidth && part.checkVisibility({visibilityProperty: true})) { found.push(part.textContent) }
+            const seen = part.nodeName == "LABEL" && part.checkVisibility({visibilityProperty: true})
+            if (seen && part.scrollWidth > part.clientWidth) { found.push(part.textContent) }
             look(part)
         }
     }
