@@ -81,6 +81,26 @@ name_panel()
 """JavaScript that makes the tabs' content a tab panel, which the tabs of panel-material-ui leave out."""
 
 
+PAINT_WHOLE = """
+// Bokeh takes the rows of a source at once, and their colours only some promises later. A change of layout has a figure
+// painted in between: the legend then looks for the colour of a row that has none yet, and the painting ends there
+// (“Offset is outside the bounds of the DataView”). So it waits; Bokeh asks for another when the colours are there.
+const paint_whole = () => {
+  const view = name => Bokeh.Models.get(name).prototype.default_view.prototype
+  const renderer = view("GlyphRenderer"), plot = view("Plot")
+  const { set_data } = renderer, { paint } = plot, begun = new WeakMap()
+  const count = (figure, more) => begun.set(figure, (begun.get(figure) ?? 0) + more)
+  renderer.set_data = async function(...given) {
+    count(this.plot_view, 1)
+    try { await set_data.apply(this, given) } finally { count(this.plot_view, -1) }
+  }
+  plot.paint = function() { if (!(begun.get(this) > 0)) { paint.call(this) } }
+}
+paint_whole()
+"""
+"""JavaScript that lets no figure be painted with rows that have no colours yet."""
+
+
 class Browser(pn.custom.JSComponent):
     """Invisible: tells whether the window is narrow or dark, counts keys for undo, redo, help, writes the address."""
 
@@ -122,6 +142,7 @@ export function render({ model }) {
   FIND
   NAME_PANEL
   NAME_MENU
+  PAINT_WHOLE
   model.on("remove", () => document.removeEventListener("keydown", press))
   model.on("query", () => {
     const address = new URL(window.location.href)
@@ -134,4 +155,5 @@ export function render({ model }) {
         .replace("FIND", FIND)
         .replace("NAME_PANEL", NAME_PANEL)
         .replace("NAME_MENU", NAME_MENU)
+        .replace("PAINT_WHOLE", PAINT_WHOLE)
     )

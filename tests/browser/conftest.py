@@ -15,10 +15,6 @@ from tests.browser.looking import PATIENCE, await_built
 
 ROOT = Path(__file__).parents[2]
 
-OF_BOKEH = "Offset is outside the bounds of the DataView"
-"""Bokeh says so (3.9) if it has to paint after a source has its new rows and before it has their colours; it paints
-again as soon as it has them."""
-
 
 @pytest.fixture(scope="session")
 def address(tmp_path_factory):
@@ -80,7 +76,7 @@ def visit(window, address):
         page.set_default_timeout(PATIENCE)
         page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
         page.on("request", lambda sent: None if _is_ours(sent.url) else complaints.append(sent.url))
-        page.on("pageerror", lambda error: None if OF_BOKEH in str(error) else complaints.append(str(error)))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
         page.emulate_media(**media)
         page.goto(f"{address}?{query}" if query else address)
         await_built(page)
