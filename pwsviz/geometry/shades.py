@@ -23,11 +23,8 @@ REGION_SHADES = (-1, 1, 2, 3)
 SHADES = (*REGION_SHADES, SLIDING)
 """All shades."""
 
-MOST_NAMES = 2
-"""Most regions told by their signs that a name lists; more are told by the sign that the product of all g has there."""
-
 LONGEST = 24
-"""Most characters of the names of regions that a legend lists; beyond them, further regions are counted."""
+"""Most characters of the names of regions that a legend lists; beyond them, regions are counted or told by signs."""
 
 
 def shades_of(system: core.PiecewiseSystem, mode: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -84,10 +81,8 @@ def shade_names(system: core.PiecewiseSystem) -> Mapping[int, str]:
         regions = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
         if not regions:
             continue
-        signs = system.laws.sides.shape[1]
-        if signs and len(regions) > MOST_NAMES:
-            product = "·".join(f"g{k + 1}" for k in range(signs))
-            names[shade] = f"{product} {'<' if shade < 0 else '>'} 0"
+        if system.laws.sides.shape[1] and len(", ".join(regions)) > LONGEST:  # the product of their signs is the shade
+            names[shade] = f"regions with an {'odd' if shade < 0 else 'even'} number of −"
         else:
             names[shade] = f"region{'s' * (len(regions) > 1)} {_listed(regions)}"
     return {**names, SLIDING: "sliding"}

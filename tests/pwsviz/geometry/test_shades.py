@@ -1,11 +1,12 @@
 """Shades tell neighbouring regions apart, one of them is for sliding, and legends name the regions of each."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 import core
 from pwsviz.geometry.shades import (
-    MOST_NAMES,
     REGION_SHADES,
     SHADES,
     SLIDING,
@@ -68,14 +69,23 @@ def test_the_legend_tells_all_regions_of_each_shade(system):
             names = [region_name(system.laws.regions[k]) for k in regions_of(system, shade)]
             told = shade_names(system)[shade]
             assert "…" not in told
-            assert all(name in told for name in names) or (len(names) > MOST_NAMES and "·g2" in told)
+            odd = {name.count("−") % 2 == 1 for name in names}
+            told_by_signs = {f"an {('even', 'odd')[one]} number of −" in told for one in odd}
+            assert all(name in told for name in names) or told_by_signs == {True}
 
 
-def test_many_regions_are_told_by_the_sign_of_a_product_which_is_their_shade():
+def test_regions_are_told_by_their_signs_and_those_that_do_not_fit_by_what_these_have_in_common():
     genes = core.CATALOGUE["gene_ring"]
-    assert shade_names(genes) == {-1: "g1·g2·g3 < 0", 1: "g1·g2·g3 > 0", SLIDING: "sliding"}
+    names = {-1: "regions −−−, −++, +−+, ++−", 1: "regions −−+, −+−, +−−, +++", SLIDING: "sliding"}
+    assert shade_names(genes) == names
+    signs = ["".join(one) for one in product("-+", repeat=4)]
+    regions = {name: core.Region(("1", "0")) for name in signs}
+    surfaces = tuple(f"x - {k}" for k in range(4))
+    many = core.PiecewiseSystem("many", ("x", "y"), surfaces=surfaces, regions=regions)
+    words = {shade: f"regions with an {which} number of −" for shade, which in ((-1, "odd"), (1, "even"))}
+    assert shade_names(many) == {**words, SLIDING: "sliding"}
     for shade in (-1, 1):
-        assert all(np.prod(genes.laws.regions[k].sides) == shade for k in regions_of(genes, shade))
+        assert all((signs[k].count("-") % 2 == 1) == (shade < 0) for k in regions_of(many, shade))
 
 
 def test_of_many_named_regions_those_that_do_not_fit_are_counted():
