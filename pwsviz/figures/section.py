@@ -12,8 +12,10 @@ from bokeh.events import DoubleTap, Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.annotations import Slope
 from bokeh.models.glyphs import Scatter, Text
+from numpy.typing import NDArray
 
 import core
+from pwsviz.figures.labels import surface_labels
 from pwsviz.figures.point_cloud import PointCloud, Portion
 from pwsviz.figures.style import (
     BERRY,
@@ -45,7 +47,10 @@ __all__ = ["START_COLOURS", "SectionView"]
 START_COLOURS = (
     BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, VIOLET, OCHRE, BROWN, BERRY, GREY, SAND,
 )  # fmt: skip
-"""Colour of each start."""
+"""Colour of each start; where there are several surfaces, of the points of each start on each surface."""
+
+SURFACE_MARKERS = ("circle", "square", "triangle", "diamond", "inverted_triangle", "hex")
+"""Marker of the points on each surface."""
 
 DOUBLE = 0.5
 """Seconds between two clicks that are one double click."""
@@ -75,7 +80,7 @@ class SectionView:
         )
         self.cloud = PointCloud(self.figure, START_COLOURS)
         self._key: Any = None
-        self._made: list[tuple[SectionPortion, Portion]] = []
+        self._made: list[tuple[SectionPortion, tuple[Portion, ...]]] = []
         self.diagonal = Slope(gradient=1.0, y_intercept=0.0, visible=False, **LEVEL)
         self.figure.add_layout(self.diagonal)
         self._number_glyphs()
@@ -96,12 +101,14 @@ class SectionView:
         letters: dict[str, Any] = {"text_color": "black", "text_font_size": "10px", "text_font_style": "bold"}
         centred: dict[str, Any] = {"text_align": "center", "text_baseline": "middle"}
         plot.add_glyph(self.firsts, Text(text="number", **letters, **centred))
-        self.keys = ColumnDataSource({**place, "label": _labels(1)})
-        key = plot.add_glyph(self.keys, Scatter(size=9, fill_color="colour", line_color=None))
+        self.keys = ColumnDataSource(
+            {**place, "label": ["start 1"] * len(numbers), "marker": ["circle"] * len(numbers)}
+        )
+        key = plot.add_glyph(self.keys, Scatter(size=9, marker="marker", fill_color="colour", line_color=None))
         legend_below(plot, 6, [({"field": "label"}, key)], usual=6)
 
     def _tell_points(self) -> None:
-        rows = [("start", "@kind"), ("across", "@x{7}"), ("up", "@y{7}")]
+        rows = [("of", "$name"), ("across", "@x{7}"), ("up", "@y{7}")]
         self.figure.add_tools(tips(rows, renderers=self.cloud.marks, visible=False, limit=2))
 
     def _listen(self, on_place: Callable[[float, float], None], on_double_click: Callable[[], None]) -> None:
@@ -140,8 +147,8 @@ class SectionView:
             self._name(system, axes, return_map)
         self._key = key
         self._make(outcome, axes, return_map)
-        self.cloud.show([made for _, made in self._made], ROUND_OFF * _size(outcome))
-        self._number(outcome, return_map)
+        self.cloud.show([one for _, made in self._made for one in made], ROUND_OFF * _size(outcome))
+        self._number(outcome, axes, return_map)
 
     def _name(self, system: core.PiecewiseSystem, axes: tuple[int, int], return_map: bool) -> None:
         across, up = (coordinate_label(system, k) for k in axes)
@@ -153,25 +160,33 @@ class SectionView:
         """Bring the portions of the cloud up to date; those that are there stay the same objects."""
         kept = self._made if _begins(outcome.portions, [source for source, _ in self._made]) else []
         system, last = outcome.inputs.problem.declaration, {source.start: source for source, _ in kept}
-        made = list(kept)
+        made, count = list(kept), len(_surfaces(outcome))
         for source in outcome.portions[len(kept) :]:
-            across = _coordinate(system, source, axes[0])
+            across, kinds = _coordinate(system, source, axes[0]), _kinds(source, count)
+            up = _coordinate(system, source, axes[1])
             if return_map:
-                earlier = _coordinate(system, last[source.start], axes[0])[-1:] if source.start in last else across[:0]
-                values = np.concatenate([earlier, across])
-                made.append((source, Portion(values[:-1], values[1:], source.start)))
-            else:
-                made.append((source, Portion(across, _coordinate(system, source, axes[1]), source.start)))
+                if before := last.get(source.start):
+                    across = np.concatenate([_coordinate(system, before, axes[0])[-1:], across])
+                    kinds = np.concatenate([_kinds(before, count)[-1:], kinds])
+                across, up, kinds = across[:-1], across[1:], kinds[:-1]
+            parts = ((kind, kinds == kind) for kind in np.unique(kinds).tolist())
+            made.append((source, tuple(Portion(across[there], up[there], kind) for kind, there in parts)))
             last[source.start] = source
         self._made = made
 
-    def _number(self, outcome: SectionPoints, return_map: bool) -> None:
-        """Name the starts: in the legend, and of a section at their first points."""
-        assign(self.keys, **{**self.keys.data, "label": _labels(len(outcome.inputs.starts))})
-        x, y = ([math.nan] * len(START_COLOURS) for _ in range(2))
-        for source, portion in reversed([] if return_map else self._made):
-            x[source.start], y[source.start] = float(portion.x[0]), float(portion.y[0])
-        assign(self.firsts, **{**self.firsts.data, "x": x, "y": y})
+    def _number(self, outcome: SectionPoints, axes: tuple[int, int], return_map: bool) -> None:
+        """Name starts and surfaces in the legend, and the starts of a section at their first points."""
+        system, surfaces, places = outcome.inputs.problem.declaration, _surfaces(outcome), range(len(START_COLOURS))
+        labels = _labels(len(outcome.inputs.starts), surfaces)
+        markers = [SURFACE_MARKERS[k % len(surfaces)] for k in places]
+        assign(self.keys, **{**self.keys.data, "label": labels, "marker": markers})
+        for mark, label, marker in zip(self.cloud.marks, labels, markers, strict=True):
+            mark.name, mark.glyph.marker = label, marker
+        x, y, colours = [math.nan] * len(places), [math.nan] * len(places), list(START_COLOURS)
+        for source, _ in reversed([] if return_map else self._made):
+            x[source.start], y[source.start] = (float(_coordinate(system, source, k)[0]) for k in axes)
+            colours[source.start] = START_COLOURS[int(_kinds(source, len(surfaces))[0])]
+        assign(self.firsts, **{**self.firsts.data, "x": x, "y": y, "colour": colours})
 
 
 def _size(outcome: SectionPoints) -> float:
@@ -180,9 +195,24 @@ def _size(outcome: SectionPoints) -> float:
     return max(float(np.abs(part).max(initial=0.0)) for part in parts)
 
 
-def _labels(count: int) -> list[str]:
-    """Return the label of each start there may be; of those there are not, that of the first."""
-    return [f"start {k + 1 if k < count else 1}" for k in range(len(START_COLOURS))]
+def _surfaces(outcome: SectionPoints) -> list[str]:
+    """Return the names of the surfaces that are told apart; one without a name where there are too few colours."""
+    inputs = outcome.inputs
+    names = [] if inputs.of else surface_labels(inputs.problem.declaration)
+    return names if 0 < len(names) * len(inputs.starts) <= len(START_COLOURS) else [""]
+
+
+def _kinds(portion: SectionPortion, surfaces: int) -> NDArray[np.int64]:
+    """Return (n,) the number of the colour of each point."""
+    return portion.start * surfaces + (portion.surface if surfaces > 1 else 0 * portion.mode).astype(np.int64)
+
+
+def _labels(starts: int, surfaces: list[str]) -> list[str]:
+    """Return the label of each colour; of those that are not used, that of the first."""
+    several = starts > 1 or len(surfaces) == 1
+    pairs = [(f"start {k + 1}" * several, name) for k in range(starts) for name in surfaces]
+    labels = [": ".join(filter(None, pair)) for pair in pairs]
+    return labels + labels[:1] * (len(START_COLOURS) - len(labels))
 
 
 def _coordinate(system: core.PiecewiseSystem, portion: SectionPortion, k: int) -> Floats:

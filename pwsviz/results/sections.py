@@ -49,6 +49,8 @@ class SectionPortion:
     """(n, d) states; at a surface with a reset map, those after it."""
     mode: NDArray[np.int16]
     """(n,) mode entered."""
+    surface: NDArray[np.int8]
+    """(n,) number of the system's own surface that is met; 0 of another one."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,7 @@ class SectionPoints:
             np.concatenate([np.empty(0), *(one.t for one in mine)]),
             np.concatenate([np.empty((0, d)), *(one.x for one in mine)]),
             np.concatenate([np.empty(0, dtype=np.int16), *(one.mode for one in mine)]),
+            np.concatenate([np.empty(0, dtype=np.int8), *(one.surface for one in mine)]),
         )
 
 
@@ -153,7 +156,10 @@ def _extended(found: SectionPoints, start: int, section: core.Section, wanted: i
     statuses[start] = None if goes_on and start not in at_rest else status
     ends[start] = float(times[min(first, len(section))])
     mode, kept = crossings.mode if len(crossings) else events.mode, slice(before, first + 1)
-    fresh = SectionPortion(start, section.t[kept].copy(), section.points[kept].copy(), mode[kept].copy())
+    surface = crossings.surface_met if len(crossings) else np.zeros(len(mode), dtype=np.int8)
+    fresh = SectionPortion(
+        start, section.t[kept].copy(), section.points[kept].copy(), mode[kept].copy(), surface[kept].copy()
+    )
     portions = (*found.portions, fresh) if len(fresh.t) else found.portions
     return replace(found, portions=portions, statuses=tuple(statuses), ends=tuple(ends), at_rest=at_rest)
 

@@ -21,7 +21,7 @@ STARTS = ((0.0, 3.0, 0.0), (0.0, 1.0, 0.0))
 def portion(start, phi):
     phi = np.array(phi)
     x = np.column_stack([phi, np.sin(phi), 10.0 + phi])
-    return SectionPortion(start, phi.copy(), x, np.zeros(len(phi), dtype=np.int16))
+    return SectionPortion(start, phi.copy(), x, np.zeros(len(phi), dtype=np.int16), np.zeros(len(phi), dtype=np.int8))
 
 
 def points(*portions, statuses=(Status.CROSSING_LIMIT,) * 2, **settings):
@@ -65,12 +65,49 @@ def test_a_return_map_is_the_one_of_core():
     found = core.section(scene.build(), (0.0, 1e3), scene.starts, points=30, method="rk4", tau=0.01)
     crossings, view = found.ensemble.crossings, SectionView(lambda *_: None, lambda: None)
     parts = [
-        SectionPortion(k, crossings.t[rows], crossings.x_after[rows], crossings.mode[rows])
+        SectionPortion(k, crossings.t[rows], crossings.x_after[rows], crossings.mode[rows], crossings.surface_met[rows])
         for k in (0, 1)
         for rows in np.split(np.flatnonzero(found.member == k), [10])
     ]
     view.show(SectionPoints(SectionInputs.of_scene(scene), tuple(parts), (None, None), (0.0, 0.0)), (1, 2), True)
-    assert np.array_equal(marks(view), found.return_map("y"))
+    pairs = found.return_map("y")
+    starts, surfaces = found.member[:-1], crossings.surface_met[:-1]  # of the first point of each pair
+    order = np.lexsort((surfaces, starts))
+    wanted = [k for k in order if starts[k] == found.member[k + 1]]
+    rows = np.cumsum(found.member[:-1] == found.member[1:]) - 1
+    assert np.array_equal(marks(view), pairs[rows[wanted]])
+
+
+def of_chua(starts):
+    scene = Scene(system="chua", methods=["rk4"], starts=starts, section_points=30)
+    found = core.section(scene.build(), (0.0, 1e3), starts, points=30, method="rk4", tau=0.01)
+    c, parts = found.ensemble.crossings, [np.flatnonzero(found.member == k) for k in range(len(starts))]
+    of = [SectionPortion(k, c.t[p], c.x_after[p], c.mode[p], c.surface_met[p]) for k, p in enumerate(parts)]
+    return SectionPoints(SectionInputs.of_scene(scene), tuple(of), (None,) * len(starts), (0.0,) * len(starts))
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_points_on_several_surfaces_differ_in_colour_and_marker_and_the_legend_names_these(view, count):
+    outcome = of_chua(((0.1, 0.1, 0.0), (0.2, 0.1, 0.0))[:count])
+    view.show(outcome, (0, 2), False)
+    for start in range(count):
+        for surface, (x, marker) in enumerate([(-1.0, "circle"), (1.0, "square")]):
+            mark = view.cloud.marks[2 * start + surface]
+            assert set(np.round(mark.data_source.data["x"], 6)) == {x}
+            assert mark.glyph.marker == marker
+            name = f"g{surface + 1} = x {'+-'[surface]} 1 = 0".replace("-", "−")
+            assert mark.name == (name if count == 1 else f"start {start + 1}: {name}")
+        first = outcome.portions[start].surface[0]
+        assert view.firsts.data["colour"][start] == START_COLOURS[2 * start + first]
+    assert len(set(view.keys.data["label"])) == 2 * count
+    assert sum(len(mark.data_source.data["x"]) for mark in view.cloud.marks) == 30 * count
+
+
+def test_with_more_starts_than_colours_for_all_surfaces_points_are_told_by_start_alone(view):
+    starts = tuple((0.1 + 0.01 * k, 0.1, 0.0) for k in range(7))
+    view.show(of_chua(starts), (0, 2), False)
+    assert set(view.keys.data["label"]) == {f"start {k + 1}" for k in range(7)}
+    assert {mark.glyph.marker for mark in view.cloud.marks} == {"circle"}
 
 
 def test_points_that_are_there_are_not_made_anew(view):
