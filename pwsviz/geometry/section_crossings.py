@@ -21,11 +21,17 @@ def has_reset(system: core.PiecewiseSystem, of: str) -> bool:
 
 @lru_cache(maxsize=256)
 def is_one_way(system: core.PiecewiseSystem, of: str) -> bool:
-    """Return whether the declaration lets runs meet the surface in one direction only.
+    """Return whether the declaration lets runs meet the surface, or every one of several, in one direction only.
 
     So it is with a reset map or a wall, and where a region with a name ends.
     """
-    return any(way.jump is not None or way.back is None for _, way in _ways(system, of))
+    surfaces = {way.surface for _, way in _ways(system, of)}
+    return bool(surfaces) and surfaces == _one_way(system, of)
+
+
+def _one_way(system: core.PiecewiseSystem, of: str) -> set[int]:
+    """Return the numbers of the surfaces that runs meet in one direction only."""
+    return {way.surface for _, way in _ways(system, of) if way.jump is not None or way.back is None}
 
 
 def chosen_direction(system: core.PiecewiseSystem, of: str, direction: int) -> int:
@@ -48,7 +54,7 @@ def usual_direction(system: core.PiecewiseSystem, of: str, slides: bool) -> int:
     ways = list(_ways(system, of))
     surfaces = {way.surface for _, way in ways}
     both = all(_signs(system, [one for one in ways if one[1].surface == k]) >= {-1, 1} for k in surfaces)
-    return int(both and not is_one_way(system, of) and not (slides and any(_may_slide(system, *one) for one in ways)))
+    return int(both and not _one_way(system, of) and not (slides and any(_may_slide(system, *one) for one in ways)))
 
 
 def _ways(system: core.PiecewiseSystem, of: str) -> Iterator[tuple[Mode, Way]]:

@@ -35,3 +35,13 @@ def test_a_reset_map_acts_at_its_own_surface_alone():
 )
 def test_no_direction_is_chosen_at_a_wall(key, of, counted):
     assert chosen_direction(core.CATALOGUE[key], of, 1) == counted
+
+
+def test_of_a_wall_and_a_surface_that_is_crossed_a_direction_is_chosen_unless_the_wall_alone_is_meant():
+    regions = {name: core.Region(("v", "-1")) for name in ("+-", "++")}
+    mixed = core.PiecewiseSystem(
+        "mixed", ("x", "v"), surfaces=("x", "x - 1"), regions=regions, jumps={0: ("x", "-v")}, x0=(0.5, 0.0)
+    )
+    assert [is_one_way(mixed, of) for of in ("", "x", "x - 1")] == [False, True, False]
+    assert [chosen_direction(mixed, of, -1) for of in ("", "x", "x - 1")] == [-1, 0, -1]
+    assert usual_direction(mixed, "", slides=True) == 0, "else the wall would have no points"
