@@ -14,8 +14,8 @@ from core.symbolic import TIME, parse, to_text
 from pwsviz.text.math_names import variable_name
 
 __all__ = [
-    "TURN", "angles", "coordinate_label", "coordinate_names", "fixed_variables", "in_first_turn", "own_surfaces",
-    "surface_functions", "usual_plane",
+    "TURN", "angles", "coordinate_label", "coordinate_names", "fixed_variables", "in_first_turn", "names_time",
+    "own_surfaces", "surface_functions", "usual_plane",
 ]  # fmt: skip
 
 TURN = 2 * math.pi
@@ -87,6 +87,14 @@ def usual_plane(system: core.PiecewiseSystem, of: str) -> tuple[int, int]:
             if a != b and all(field[a] == system.laws.x[b] for field in fields):
                 return a, b
     return left[0], left[1]
+
+
+def names_time(system: core.PiecewiseSystem, of: str) -> bool:
+    """Whether it matters when a run is at a point of a section: a law, a reset map or the surface contains t."""
+    laws = system.laws
+    jumps = [part for ways in laws.ways for way in ways for part in way.jump or ()]
+    fields = [rate for mode in laws.regions for rate in mode.field]
+    return any(TIME in one.free_symbols for one in (*laws.surfaces, *surface_functions(system, of), *fields, *jumps))
 
 
 def fixed_variables(system: core.PiecewiseSystem, of: str) -> set[str]:

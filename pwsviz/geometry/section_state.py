@@ -13,7 +13,7 @@ from core.kernels import Floats
 from core.symbolic import TIME
 from pwsviz.geometry.section_plane import surface_functions
 
-__all__ = ["StateAt", "state_at"]
+__all__ = ["StateAt", "on_section", "state_at"]
 
 STEPS = 60
 """Most steps of Newton's method, damped ones included."""
@@ -73,6 +73,13 @@ def state_at(system: core.PiecewiseSystem, of: str, given: Mapping[int, float], 
     if found is None:
         raise ValueError(f"No state here has {' and '.join(words)}: click where there are points, or near them.")
     return StateAt(tuple(found.tolist()), words)
+
+
+def on_section(system: core.PiecewiseSystem, of: str, x: tuple[float, ...]) -> bool:
+    """Whether a state is on a section at t = 0; on any of several surfaces."""
+    functions = surface_functions(system, of)
+    values = system.laws.evaluate(("h", of), functions, 0.0, np.array(x), system.parameter_array)
+    return float(np.abs(values).min()) <= FULFILLED * (1.0 + float(np.abs(x).max()))
 
 
 def _conditions(system: core.PiecewiseSystem, of: str, near: Floats, mode: int, hidden: list[int]) -> list[_Condition]:

@@ -7,7 +7,7 @@ import numpy as np
 import core
 from core import Status
 from core.kernels import Floats
-from core.symbolic import TIME
+from pwsviz.geometry.section_plane import names_time
 from pwsviz.results.requests import USUAL_METHOD
 
 __all__ = ["ROUND_OFF", "first_at_rest"]
@@ -40,7 +40,7 @@ def first_at_rest(system: core.PiecewiseSystem, states: Floats, size: float, sli
         n if there is none, as where the laws contain t.
     """
     low, high = 0, len(states)
-    if not high or _contains_time(system) or not _rests(system, states[-1], size, sliding):
+    if not high or names_time(system, "") or not _rests(system, states[-1], size, sliding):
         return high
     high -= 1
     while low < high:
@@ -61,10 +61,3 @@ def _rests(system: core.PiecewiseSystem, x: Floats, size: float, sliding: str) -
     except ValueError:  # no run begins here
         return False
     return run.status is Status.STEP_LIMIT and float(np.abs(run.x - x).max()) <= ROUND_OFF * size
-
-
-def _contains_time(system: core.PiecewiseSystem) -> bool:
-    laws = system.laws
-    jumps = [part for ways in laws.ways for way in ways for part in way.jump or ()]
-    fields = [rate for mode in laws.regions for rate in mode.field]
-    return any(TIME in one.free_symbols for one in (*laws.surfaces, *fields, *jumps))

@@ -16,8 +16,8 @@ from pwsviz.export.script import section_program
 from pwsviz.figures.section import SectionView
 from pwsviz.figures.section_text import section_how, section_rows, section_text
 from pwsviz.geometry.section_crossings import is_one_way
-from pwsviz.geometry.section_plane import angles, coordinate_names, own_surfaces, usual_plane
-from pwsviz.geometry.section_state import state_at
+from pwsviz.geometry.section_plane import angles, coordinate_names, names_time, own_surfaces, usual_plane
+from pwsviz.geometry.section_state import on_section, state_at
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints, SectionPortion
 from pwsviz.scene.names import LABELS, SECTION_DIRECTIONS, readable
@@ -32,6 +32,12 @@ from pwsviz.widgets.setting_buttons import choice
 
 OTHER = "…"
 """Option of the surfaces that stands for any other function."""
+
+NOT_AT = (
+    "All runs start at t = 0, and the laws or the surface change with time: choose two variables as coordinates to "
+    "start by a click."
+)
+"""Why a click on a section over time starts nothing."""
 
 KINDS = {"Section": False, "Return map": True}
 
@@ -169,14 +175,18 @@ class SectionTab(LongTab):
         return f"{section_text(outcome)} {about_crossings(self.scene, locates=True)}".strip()
 
     def _hint(self) -> str:
-        system = self.scene.declaration
-        if self.scene.section_map or system.dimension in self.plane:
+        system, scene = self.scene.declaration, self.scene
+        if scene.section_map:
             return ""
+        over_time = system.dimension in self.plane
+        if over_time and names_time(system, scene.section_of):
+            return NOT_AT
         turns = [coordinate_names(system)[k] for k in self.plane if k in angles(system)]
-        several = len(own_surfaces(system)) > 1 and not self.scene.section_of
+        several = len(own_surfaces(system)) > 1 and not scene.section_of
         on = ", on the surface of the nearest point" if several else ""
         note = f" Full turns of {listed(turns)} are left out." if turns else ""
-        return f"A click starts a trajectory there{on}. A number marks the first point of each start.{note}"
+        at = ", at t = 0" if over_time else ""
+        return f"A click starts a trajectory there{on}{at}. A number marks the first point of each start.{note}"
 
     def table(self) -> Table | None:
         """Return a row for each point."""
@@ -204,9 +214,10 @@ class SectionTab(LongTab):
         if scene.section_map or self.outcome is None:
             return
         try:
-            if system.dimension in axes:
-                raise ValueError("All runs start at t = 0: choose two variables as coordinates to start by a click.")
-            given = {axes[0]: self._rounded(x, 0), axes[1]: self._rounded(y, 1)}
+            if system.dimension in axes and names_time(system, scene.section_of):
+                raise ValueError(NOT_AT)
+            places = {axes[0]: self._rounded(x, 0), axes[1]: self._rounded(y, 1)}
+            given = {k: value for k, value in places.items() if k < system.dimension}
             near, mode = self._nearest(given)
             found = state_at(scene.build(), scene.section_of, given, near, mode)
             before = {"starts": scene.starts, "selected": scene.selected}
@@ -218,7 +229,9 @@ class SectionTab(LongTab):
         state = ", ".join(f"{name} = {value:.6g}" for name, value in zip(system.variables, found.x, strict=True))
         hidden = [name for k, name in enumerate(system.variables) if k not in given]
         taken = f"; {listed(hidden)} from {listed(found.taken)}" if hidden and found.taken else ""
-        self.note.object = as_text(f"Start {len(scene.starts)} at {state}{taken}.", "about")
+        on = on_section(scene.build(), scene.section_of, found.x)
+        elsewhere = "" if on else f" There {'h' if scene.section_of else 'g'} ≠ 0 at t = 0: its points lie elsewhere."
+        self.note.object = as_text(f"Start {len(scene.starts)} at {state}{taken}.{elsewhere}", "about")
 
     def _rounded(self, value: float, place: int) -> float:
         """Round a coordinate to about a pixel."""

@@ -106,12 +106,32 @@ def test_another_system_starts_with_its_own_surface(islands):
     assert np.abs(tab.outcome.of_start(0).x[:, 0] - 1).max() < 1e-12
 
 
-def test_time_as_a_coordinate_shows_when_and_starts_nothing():
+def test_a_click_on_a_section_over_time_starts_at_0_where_the_laws_do_not_change_with_time():
     page, tab = opened(system="stick_slip", methods=["rk4"], view="section", section_axes=(2, 0), section_points=20)
     assert list(tab.view.cloud.marks[0].data_source.data["x"]) == tab.outcome.of_start(0).t.tolist()
-    clicked(page, tab, 1.0, 1.0)
-    assert "All runs start at t = 0" in tab.note.object
+    assert "A click starts a trajectory there, at t = 0." in tab.note.object
+    clicked(page, tab, 9.0, 0.5)
+    assert page.scene.starts[-1] == pytest.approx((0.5, page.scene.build().values["belt"]), abs=1e-2)
+    assert "from g = 0" in tab.note.object
     page.close()
+
+
+def test_a_section_over_time_says_why_it_takes_no_click_where_laws_or_surface_change_with_time():
+    for settings in ({"system": "moving_interface"}, {"system": "harmonic_oscillator", "section_of": "sin(t)"}):
+        page, tab = opened(**settings, methods=["rk4"], view="section", section_axes=(0, 2), section_points=20)
+        assert "All runs start at t = 0" in tab.note.object
+        clicked(page, tab, 1.0, 1.0)
+        assert (len(page.scene.starts), "All runs start at t = 0" in tab.note.object) == (1, True)
+        page.close()
+
+
+def test_a_click_on_a_strobe_says_whether_its_start_is_a_point_of_it():
+    for of, elsewhere in (("sin(t)", False), ("cos(t)", True)):
+        page, tab = opened(system="moving_interface", methods=["rk4"], view="section", section_of=of, section_points=20)
+        clicked(page, tab, 1.0, 0.5)
+        assert len(page.scene.starts) == 2
+        assert ("h ≠ 0 at t = 0: its points lie elsewhere" in tab.note.object) == elsewhere
+        page.close()
 
 
 def test_a_point_of_a_plane_is_a_start_as_it_is():
