@@ -22,7 +22,7 @@ from pwsviz.results.requests import (
     sliding_of,
     transition_of,
 )
-from pwsviz.results.sections import HORIZON, section_arguments
+from pwsviz.results.sections import HORIZON, SectionPoints, section_arguments
 from pwsviz.results.studies import STUDY_CROSSINGS, STUDY_HORIZON, STUDY_PROBE
 from pwsviz.results.sweeps import sweep_arguments
 from pwsviz.scene.checks import OWN
@@ -251,8 +251,22 @@ for status in sorted(set(found.statuses)):
     print(f"{{found.statuses.count(status)}} values: {{ended}}")"""
 
 
-def section_program(scene: Scene, inputs: SectionInputs) -> str:
-    """Return the lines that find the points of a Poincaré section."""
+def section_program(scene: Scene, inputs: SectionInputs, found: SectionPoints | None = None) -> str:
+    """Return the lines that find the points of a Poincaré section.
+
+    Parameters
+    ----------
+    scene, inputs
+        What to find.
+    found
+        The points, if they have been found: those of a motion that has come to rest are left out of the program, too.
+    """
+    rest = {k: found.counts[k] for k in sorted(found.at_rest)} if found and found.inputs == inputs else {}
+    at_rest, kept, resting = (
+        f"\nat_rest = {rest!r}  # points of a start until its motion has come to rest: the others are round-off",
+        "[: at_rest.get(k)]",
+        '"the motion has come to rest" if k in at_rest else ',
+    ) if rest else ("", "", "")  # fmt: skip
     given = section_arguments(inputs)
     usual = {**_USUAL, "of": None, "direction": 0, "discard": 0, "tau": None}
     keywords = {name: repr(value) for name, value in given.items() if name not in usual or value != usual[name]}
@@ -262,10 +276,10 @@ def section_program(scene: Scene, inputs: SectionInputs) -> str:
     return f"""\
 # The Poincaré section.
 {call}
-{_WHOLE}
+{_WHOLE}{at_rest}
 for k, status in enumerate(found.ensemble.status):
-    points = found.points[found.member == k]
-    ended = "all points found" if status in whole else core.Status(status).reason
+    points = found.points[found.member == k]{kept}
+    ended = {resting}"all points found" if status in whole else core.Status(status).reason
     print(f"start {{k + 1}}: {{len(points)}} points, {{ended}}; the last {{points[-1:]}}")"""
 
 

@@ -204,7 +204,7 @@ class SectionTab(LongTab):
 
     def program(self) -> str:
         """Return the lines that find the same points."""
-        return section_program(self.scene, self.inputs())
+        return section_program(self.scene, self.inputs(), self.outcome)
 
     # A click ---------------------------------------------------------------------------------------------------------
 

@@ -6,13 +6,14 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import core
-from pwsviz.export.script import snippet
+from pwsviz.export.script import section_program, snippet
 from pwsviz.results.requests import SectionInputs, SweepInputs, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -150,6 +151,19 @@ def test_the_section_is_that_of_the_page(settings, monkeypatch, capsys):
     said = capsys.readouterr().out
     assert f"start {len(scene.starts)}: 30 points, all points found; " in said
     assert f"the last [{page.of_start(len(scene.starts) - 1).x[-1]}]" in said
+
+
+def test_the_program_of_a_section_leaves_out_the_points_of_a_motion_at_rest_as_the_page_does(capsys):
+    scene = Scene()
+    scene.load({"system": "damped_oscillator", "methods": ["rk4"], "view": "section", "section_points": 2000})
+    inputs = SectionInputs.of_scene(scene)
+    page = Results().section(inputs)
+    (count,) = page.counts
+    program = f"import core\nsystem = core.CATALOGUE['damped_oscillator']\n{section_program(scene, inputs, page)}"
+    exec(compile(program, "program", "exec"), {})  # noqa: S102  (the claim is what it says)
+    said = capsys.readouterr().out
+    assert said == f"start 1: {count} points, the motion has come to rest; the last {page.of_start(0).x[-1:]}\n"
+    assert "at_rest" not in section_program(scene, replace(inputs, points=5), page), "it is of other points"
 
 
 def test_the_order_study_is_that_of_the_page(monkeypatch, capsys):
