@@ -45,7 +45,10 @@ FIRST = 0.15
 """Seconds that a page waits for its first pictures: most often they are there already, or need some milliseconds."""
 
 ADDRESS_RESTS = 1500
-"""Milliseconds without a change of the scene after which the address bar is updated."""
+"""Milliseconds without a change of the scene after which the address bar is updated: not at each move of a slider."""
+
+WINDOW_RESTS = 300
+"""The same where nothing but the window of the portrait has changed: a pan or zoom costs the server little else."""
 
 SOON = 200
 """Milliseconds after which a study is shown to be running; a cached one is delivered before."""
@@ -178,7 +181,8 @@ class Explorer(pn.viewable.Viewer):
             self.scheduler.call_together(callback)
         self._changes += 1
         changes = self._changes
-        self.scheduler.call_later(ADDRESS_RESTS, self._write_address, lambda: changes == self._changes)
+        rests = WINDOW_RESTS if changed == {"window"} else ADDRESS_RESTS
+        self.scheduler.call_later(rests, self._write_address, lambda: changes == self._changes)
 
     def _call_with_pictures(self, callback: Callable[[], None]) -> None:
         """Call back when the pictures of the last change come, or soon if they do not: one message tells all."""

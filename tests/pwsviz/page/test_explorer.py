@@ -14,7 +14,7 @@ from panel.io.state import set_curdoc
 import core
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import shows_field, shows_surface
-from pwsviz.page.explorer import Explorer
+from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
 from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
 from pwsviz.scene.permalink import query, read
@@ -246,6 +246,15 @@ def test_the_fields_of_one_system_become_those_of_the_next(explorer):
     explorer.scene.system = "elliptic_curve"
     assert list(sidebar.fields.values()) == list(before.values())
     assert explorer.scene.values == core.CATALOGUE["elliptic_curve"].values
+
+
+def test_the_address_follows_a_zoom_sooner_than_a_slider(explorer, monkeypatch):
+    delays = []
+    monkeypatch.setattr(explorer.scheduler, "call_later", lambda delay, call, _: delays.append((delay, call)))
+    explorer.scene.tau = 2e-3
+    explorer.scene.window = (-1.0, 1.0, -1.0, 1.0)
+    written = [delay for delay, call in delays if call == explorer._write_address]
+    assert written == [ADDRESS_RESTS, WINDOW_RESTS]
 
 
 def test_a_click_places_one_more_trajectory(explorer):
