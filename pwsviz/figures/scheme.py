@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from html import escape
 from typing import NamedTuple, TypeAlias
@@ -14,10 +14,11 @@ from sympy import Expr, Symbol
 import core
 from core.methods import ButcherTableau, Composition, DiscreteMultiplier, Projected
 from core.symbolic import TIME, DividedDifference, Laws, Mode
-from pwsviz.figures.constants import constants_markup, prose, table
+from pwsviz.figures.constants import constants_markup, table
+from pwsviz.figures.equation_sheet import EquationSheet
 from pwsviz.geometry.shades import region_name
 from pwsviz.text.math_names import name_markup
-from pwsviz.text.mathml import Names, Shown, equation, formula, latex, markup, names_of
+from pwsviz.text.mathml import Shown, markup, names_of
 from pwsviz.text.numbers import printed
 
 __all__ = ["SCHEME_STYLE", "scheme_markup"]
@@ -77,7 +78,7 @@ def scheme_markup(
     met = set() if run is None else {int(mode) for mode in run.mode if mode >= len(system.laws.regions)}
     entered = (2,) if slides and system.two_sided else tuple(sorted(met))
     derived = _derived(system.laws, tuple(names_of(system).items()), method, entered)
-    transition = _Sheet({})
+    transition = EquationSheet({})
     _write_transition(transition, system, locate, perturbation_order, perturbation_scale)
     if slides:
         _write_sliding(transition)
@@ -100,47 +101,6 @@ Group: TypeAlias = "tuple[str, str, Mode]"
 """Index of a mode's symbols, its heading, and the mode."""
 
 
-class _Sheet:
-    """A sequence of equations and paragraphs, with the LaTeX source of the equations."""
-
-    def __init__(self, names: Names) -> None:
-        self.names = names
-        self.source: list[str] = []
-        self._parts: list[str] = []
-
-    @property
-    def text(self) -> str:
-        return "".join(self._parts)
-
-    def equate(self, left: str, right: Shown) -> None:
-        self._show(equation(left, right, self.names))
-        self.source.append(f"{left} = {latex(right, self.names)}")
-
-    def rate(self, variable: str, right: Expr) -> None:
-        """Add the equation Δx/τ = … of one component of a step."""
-        change = Symbol(f"change of {variable}")
-        left = change / Symbol(r"\tau")
-        names = {**self.names, change: rf"\Delta {self.names[Symbol(variable)]}"}
-        self._show(equation(left, right, names))
-        self.source.append(f"{latex(left, names)} = {latex(right, names)}")
-
-    def formula(self, text: str) -> None:
-        self._show(formula(text))
-        self.source.append(text)
-
-    def _show(self, typeset: str) -> None:
-        self._parts.append(f'<div class="formula">{typeset}</div>')
-
-    def say(self, words: str) -> None:
-        self._parts.append(f"<p>{prose(words)}</p>")
-
-    def head(self, words: str) -> None:
-        self._parts.append(f"<h4>{escape(words)}</h4>")
-
-    def table(self, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-        self._parts.append(table(head, rows))
-
-
 # Independent of the values of the parameters -------------------------------------------------------------------------
 
 
@@ -154,7 +114,7 @@ class _Derived(NamedTuple):
 
 @lru_cache(maxsize=128)
 def _derived(laws: Laws, names: tuple[tuple[Symbol, str], ...], method: str, entered: tuple[int, ...]) -> _Derived:
-    system, scheme = _Sheet(dict(names)), _Sheet(dict(names))
+    system, scheme = EquationSheet(dict(names)), EquationSheet(dict(names))
     groups = list(_groups(laws, entered))
     _write_system(system, laws, groups)
     _write_scheme(scheme, method, groups)
@@ -191,7 +151,7 @@ def _index(laws: Laws, number: int) -> str:
     return name if re.fullmatch(r"[\w |+-]+", name) else f"{number + 1}"
 
 
-def _write_system(sheet: _Sheet, laws: Laws, groups: Sequence[Group]) -> None:
+def _write_system(sheet: EquationSheet, laws: Laws, groups: Sequence[Group]) -> None:
     for sign, heading, mode in groups:
         sheet.head(heading)
         sheet.equate(f"f_{{{sign}}}", mode.field)
@@ -220,7 +180,7 @@ def _alone(entries: Sequence[Expr] | sympy.MatrixBase) -> Shown:
     return entries[0] if len(entries) == 1 else entries
 
 
-def _write_scheme(sheet: _Sheet, method: str, groups: Sequence[Group]) -> None:
+def _write_scheme(sheet: EquationSheet, method: str, groups: Sequence[Group]) -> None:
     chosen = core.METHODS[method]
     sheet.say(chosen.doc)
     scheme = chosen.scheme
@@ -246,7 +206,7 @@ def _write_scheme(sheet: _Sheet, method: str, groups: Sequence[Group]) -> None:
 
 
 def _write_multipliers(
-    sheet: _Sheet, groups: Sequence[Group], write: Callable[[_Sheet, str, Mode], None] | None
+    sheet: EquationSheet, groups: Sequence[Group], write: Callable[[EquationSheet, str, Mode], None] | None
 ) -> None:
     """Write Λ^τ of each mode, followed by what `write` adds to it."""
     sheet.say(
@@ -280,7 +240,7 @@ def _names_time(groups: Sequence[Group]) -> bool:
     return any(psi.has(TIME) for *_, mode in groups for psi in mode.conserved)
 
 
-def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
+def _write_field(sheet: EquationSheet, sign: str, mode: Mode) -> None:
     """Write the discrete field f^τ of dmm2: explicitly if ψ determines the orbit, else by its construction."""
     discrete = mode.discrete
     if mode.conserved and discrete.factor is None:
@@ -299,7 +259,7 @@ def _write_field(sheet: _Sheet, sign: str, mode: Mode) -> None:
         sheet.rate(str(variable), component)
 
 
-def _write_runge_kutta(sheet: _Sheet, tableau: ButcherTableau) -> None:
+def _write_runge_kutta(sheet: EquationSheet, tableau: ButcherTableau) -> None:
     count = len(tableau.rows)
     earlier = "j<i" if tableau.explicit else "j"
     sheet.formula(
@@ -328,7 +288,7 @@ def _math(expression: Expr) -> str:
     return f"<math>{markup(expression)}</math>"
 
 
-def _write_composition(sheet: _Sheet, weights: Sequence[float]) -> None:
+def _write_composition(sheet: EquationSheet, weights: Sequence[float]) -> None:
     count = len(weights)
     sheet.say(f"A step is {count} steps Φ of dmm2 one after another, of lengths γᵢτ:")
     sheet.formula(rf"x_{{k+1}} = ( \Phi_{{{count}}} \circ \cdots \circ \Phi_{{1}} ) ( x_{{k}} )")
@@ -343,7 +303,7 @@ def _write_composition(sheet: _Sheet, weights: Sequence[float]) -> None:
 
 
 def _write_transition(
-    sheet: _Sheet, system: core.PiecewiseSystem, locate: bool, order: int | None, scale: float
+    sheet: EquationSheet, system: core.PiecewiseSystem, locate: bool, order: int | None, scale: float
 ) -> None:
     one = system.two_sided
     here, beside, g = ("side", "the other side", "g") if one else ("region", "that", "a guard g")
@@ -373,7 +333,7 @@ def _write_transition(
     sheet.say("In the paper: Algorithm 1, Mannshardt’s transition scheme; equations (2.4) to (2.6).")
 
 
-def _write_sliding(sheet: _Sheet) -> None:
+def _write_sliding(sheet: EquationSheet) -> None:
     sheet.say(
         "Where both fields point to the surface, the state slides along it, with the combination of both that keeps g "
         "(Filippov), until one of the rates of g vanishes:"
