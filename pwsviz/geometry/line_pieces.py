@@ -1,4 +1,4 @@
-"""Lines of several pieces in one array, with rows of NaN between them: cut, joined and resampled."""
+"""Lines of several pieces in one array, with rows of NaN between them: cut, joined, resampled and measured."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from pwsviz.geometry.polyline_reduction import Floats
 
-__all__ = ["cut", "joined", "pieces", "resampled", "with_value"]
+__all__ = ["area", "cut", "joined", "pieces", "resampled", "with_value"]
 
 
 def cut(lines: Floats, g: Floats) -> Floats:
@@ -49,3 +49,9 @@ def joined(lines: Iterable[Floats], width: int = 2) -> Floats:
     """Return one array of all lines, each followed by a gap."""
     gap = np.full((1, width), np.nan)
     return np.concatenate([part for line in lines for part in (line, gap)] or [gap])
+
+
+def area(ring: Floats) -> float:
+    """Return the area within a closed ring."""
+    (x, y), (across, up) = ring[:-1].T, np.diff(ring, axis=0).T
+    return 0.5 * abs(float((x * up - y * across).sum()))

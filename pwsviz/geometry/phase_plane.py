@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import core
 from pwsviz.geometry.formulas import formulas
-from pwsviz.geometry.line_pieces import cut, joined, pieces, resampled, with_value
+from pwsviz.geometry.line_pieces import area, cut, joined, pieces, resampled, with_value
 from pwsviz.geometry.polyline_reduction import Floats, simplify
 from pwsviz.geometry.projection import (
     Axes,
@@ -323,7 +323,7 @@ class _Plane:
         filled: Any = inside.filled(-np.inf, 0.0)
         outlines, offsets = filled
         found = (np.split(points, offset[1:-1].astype(int)) for points, offset in zip(outlines, offsets, strict=True))
-        return [rings for rings in found if _area(rings[0]) > LEAST_AREA * self.window.width * self.window.height]
+        return [rings for rings in found if area(rings[0]) > LEAST_AREA * self.window.width * self.window.height]
 
     def usual_level_sets(self, mode: int) -> Floats:
         """Return the usual level sets of a region."""
@@ -383,12 +383,6 @@ class _Plane:
 
     def _arrow_length(self) -> float:
         return 0.5 * max(self.window.width, self.window.height) / ARROWS
-
-
-def _area(ring: Floats) -> float:
-    """Return the area within a closed ring."""
-    (x, y), (across, up) = ring[:-1].T, np.diff(ring, axis=0).T
-    return 0.5 * abs(float((x * up - y * across).sum()))
 
 
 def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> Floats:

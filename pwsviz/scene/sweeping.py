@@ -87,23 +87,9 @@ def swept_direction(scene: Scene) -> int:
 
 
 def checked(scene: Scene, name: str, part: str, value: object) -> object:
-    """Return a setting as it is applied.
+    """Return one of `SWEEP_SETTINGS` as it is applied, as `pwsviz.scene.checks.checked` does.
 
-    Parameters
-    ----------
-    scene : Scene
-        The settings so far.
-    name : str
-        One of `SWEEP_SETTINGS`.
-    part : str
-        Of a range: "0" for its first value alone, "1" for its last; else empty.
-    value : object
-        The value, or the text of a number.
-
-    Raises
-    ------
-    ValueError
-        If the value is refused, with a text for the user.
+    `part` is "0" for the first value of a range alone, "1" for its last; else it is empty.
     """
     system = scene.declaration
     if name in COUNTS:
