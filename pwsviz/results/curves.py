@@ -40,6 +40,10 @@ STRAIGHT = 0.25
 PARTS = 4
 """Parts into which such a piece is divided, so that a piece with a turning point is seen to bend."""
 
+ROUNDS = 8
+"""Times that a piece is divided at most, into 65,536 parts in all: what bends then is a leap from one solution of the
+equations of a step to another, which no division makes straight."""
+
 
 class Curve(NamedTuple):
     """The curve of a run in the plane."""
@@ -121,14 +125,17 @@ def _bent(given: Curve, near: Window | None, pixel: float) -> Mask:
 
 
 def _refined(run: core.Trajectory, axes: Axes, given: Curve, near: Window | None) -> Curve:
-    """Divide the pieces of a curve that bend visibly, until none does."""
+    """Divide the pieces of a curve that bend visibly, until none does but leaps."""
     t, points, kinks, whole = given
     pixel = pixel_size(points, near)
     if pixel == 0.0:
         return given
     bent = _bent(given, near, pixel)
     most = len(points) + FINEST
-    while len(k := np.flatnonzero(bent)) and len(points) < most:
+    for _ in range(ROUNDS):
+        k = np.flatnonzero(bent)
+        if not len(k) or len(points) >= most:
+            break
         share = np.arange(1, PARTS) / PARTS
         times = t[k, None] + (t[k + 1] - t[k])[:, None] * share
         try:

@@ -48,6 +48,19 @@ def test_a_step_without_solution_between_its_ends_is_left_a_chord(monkeypatch):
     assert len(curve(run, (0, 1)).points) == len(run.t) + len(run.crossings)
 
 
+def test_where_a_step_leaps_from_one_solution_to_another_the_curve_is_soon_done(monkeypatch):
+    run, asked = long_steps("rk2", 0.25, "harmonic_oscillator"), []
+    leap, at = run.t[4] + 0.1, core.Trajectory.at
+
+    def leaping(self, times):
+        asked.append(times)
+        return at(self, times) + (times > leap)[:, None] * (times < run.t[5])[:, None]
+
+    monkeypatch.setattr(core.Trajectory, "at", leaping)
+    curve(run, (0, 1))
+    assert len(asked) < 20
+
+
 @pytest.mark.parametrize(
     ("method", "tau", "t_end"), [("taylor", 1.0, 1000.0), ("dmm2", 0.1, 420.0), ("rk8", 0.25, 1100)]
 )
