@@ -8,9 +8,15 @@ from functools import cache
 from typing import Any
 
 import panel as pn
+from bokeh.application.application import Application, SessionContext
+from bokeh.application.handlers.handler import Handler
+from bokeh.document import Document
 from bokeh.server.views.ws import WSHandler
 
 __all__ = ["send_messages_at_once", "send_pages_at_once"]
+
+LOADING = 0.1
+"""Seconds from a page to its session, whose making stops the server: until then the browser fetches the scripts."""
 
 
 @cache
@@ -30,13 +36,26 @@ def send_messages_at_once() -> None:
 
 
 def send_pages_at_once() -> None:
-    """Let the server send a page before its session is made, which it then makes while the browser loads the scripts.
+    """Let the server send a page before its session is made, which it then makes while the browser runs the scripts.
 
     The first page serves all visitors, as it holds no part of a scene. Panel takes this setting for a single session
     where one is being made, as in the application; so it is set right after, in a context without a session.
     """
-    try:
-        loop = asyncio.get_running_loop()
-    except RuntimeError:  # no server runs
+    session: Any = pn.state.curdoc.session_context if pn.state.curdoc is not None else None
+    if session is None or session.server_context is None:  # no server runs
         return
-    loop.call_soon(setattr, pn.config, "reuse_sessions", True, context=Context())
+    asyncio.get_running_loop().call_soon(setattr, pn.config, "reuse_sessions", "warm", context=Context())
+    application: Application = session.server_context.application_context.application
+    if not any(isinstance(handler, _ScriptsFirst) for handler in application.handlers):
+        application.add(_ScriptsFirst())
+
+
+class _ScriptsFirst(Handler):
+    """Part of the application that delays sessions."""
+
+    def modify_document(self, doc: Document) -> None:
+        """Add nothing to the page."""
+
+    async def on_session_created(self, session_context: SessionContext) -> None:
+        """Let the server send scripts first."""
+        await asyncio.sleep(LOADING)

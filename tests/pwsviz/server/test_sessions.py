@@ -1,8 +1,10 @@
-"""How messages reach a browser."""
+"""How pages, their sessions and messages reach a browser."""
 
 import asyncio
 import re
 import socket
+import subprocess
+import sys
 
 import panel as pn
 from tornado.httpclient import AsyncHTTPClient, HTTPRequest
@@ -10,6 +12,40 @@ from tornado.iostream import IOStream
 from tornado.websocket import websocket_connect
 
 from pwsviz.server.sessions import send_messages_at_once
+
+SERVE = """
+import os, socket, time, urllib.request
+import panel as pn
+from pwsviz.server import sessions
+
+made = []
+
+def application():
+    sessions.send_pages_at_once()
+    made.append(None)
+    return pn.pane.Str("page")
+
+with socket.socket() as probe:
+    probe.bind(("127.0.0.1", 0))
+    port = probe.getsockname()[1]
+pn.serve(application, port=port, threaded=True, show=False, verbose=False)
+
+def fetch():
+    for _ in range(300):
+        try:
+            return urllib.request.urlopen(f"http://localhost:{port}/").read()
+        except OSError:
+            time.sleep(0.1)
+
+fetch()
+fetch()
+sessions.LOADING = 1.0
+fetch()
+print(len(made))
+time.sleep(3.0)
+print(len(made), flush=True)
+os._exit(0)  # the server runs on
+"""
 
 
 async def _open_a_page() -> list[bool]:
@@ -36,3 +72,8 @@ def _delays(stream: IOStream) -> bool:
 def test_no_part_of_a_message_waits_for_an_acknowledgement_of_the_one_before():
     send_messages_at_once()
     assert asyncio.run(_open_a_page()) == [False]
+
+
+def test_a_session_is_made_soon_after_its_page_though_no_browser_has_connected_yet():
+    done = subprocess.run([sys.executable, "-c", SERVE], check=True, capture_output=True, text=True, timeout=120)
+    assert done.stdout.split() == ["2", "3"], "the third page is the first of which another one is known"
