@@ -61,13 +61,18 @@ TEMPLATE = """{% extends "base.html" %}
 {% block custom_css %}<style>FACE</style>{% endblock %}
 {% block postamble %}{{ super() }}
 <link rel="modulepreload" href="{{ components }}">
-<script>addEventListener("DOMContentLoaded", () => setTimeout(() => importShim("{{ components }}")))</script>
+<script>
+self.esmsInitOptions = { shimMode: false }
+import("{{ components }}")
+</script>
 {% endblock %}
 {% block loader_css %}{{ super() }}
 #loader:not(.error) { background: none; cursor: progress; }
 {% endblock %}
 {% block js_resources %}{% endblock %}
-{% block loader %}{{ cover.markup() }}{{ bokeh_js }}{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS)
+{% block loader %}{{ cover.markup() }}{{ bokeh_js }}
+<script>importShim.addImportMap = () => {}</script>
+{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS)
 """The browser compiles the code of the components while it waits for the page: loading it only then takes half a second
 more. Scripts come after the cover, which is painted while they load. While the page is built, what is already there is
 visible but takes no input, which Panel would lose."""
@@ -93,13 +98,15 @@ class Frame(Page):
         return root
 
 
-def make_frame(title: str, sidebar: list[Any], main: list[Any], cover: Cover) -> Page:
-    """Return a page with an empty header.
+def make_frame(title: str, header: list[Any], sidebar: list[Any], main: list[Any], cover: Cover) -> Page:
+    """Return a page.
 
     Parameters
     ----------
     title : str
         Of the page.
+    header : list
+        What stands beside the title.
     sidebar : list
         What stands in the sidebar; it has no place where this is empty.
     main : list

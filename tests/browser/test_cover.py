@@ -75,3 +75,9 @@ def test_a_page_of_another_scene_does_not_show_the_portrait_of_a_fresh_one(chrom
         assert covered(context, f"{address}?system=kepler").locator("#cover svg").count() == 0
     finally:
         context.close()
+
+
+def test_the_code_of_the_components_is_fetched_once_and_by_the_browser_itself(visit):
+    fetched = """() => performance.getEntriesByType("resource")
+        .filter(one => one.name.includes("panel-material-ui.bundle.js")).map(one => one.initiatorType)"""
+    assert visit().evaluate(fetched) == ["other"]
