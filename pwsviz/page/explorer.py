@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import cached_property, partial
 from html import escape
 from typing import Any
@@ -117,7 +118,7 @@ class Explorer(pn.viewable.Viewer):
         link_portrait(self.portrait_panel.portrait)
         self.history = History(self.scene)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
-        self._beside, self._below = (pn.Column(margin=0, sizing_mode="stretch_width") for _ in range(2))
+        self._controls, self._views = (pn.Column(margin=0, sizing_mode="stretch_width") for _ in range(2))
         self.browser = Browser(sizing_mode="fixed", width=0, height=0, margin=0)
         self.lecture = Lecture(sizing_mode="fixed", width=0, height=0, margin=0)
         self._changes = 0
@@ -309,10 +310,9 @@ class Explorer(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
         left = pn.Column(self.portrait_panel, css_classes=["portrait"], margin=0, sizing_mode="stretch_width")
-        right = pn.Column(self.tabs, margin=0, sizing_mode="stretch_width")
-        views = pn.Column(left, right, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
+        both = pn.Column(left, self._views, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            self.notice, views, self._below,
+            self.notice, both, self._about(),
             stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width",
         )  # fmt: skip
 
@@ -321,7 +321,7 @@ class Explorer(pn.viewable.Viewer):
         pn.state.on_session_destroyed(lambda _context: self.close())
         self._refresh_view()
         self.scheduler.draw_first(FIRST)
-        page = make_frame("pwsviz", [self._beside], [self], COVER)
+        page = make_frame("pwsviz", self._header(), [self._controls], [self], COVER)
         self.browser.jscallback(narrow=f"{THE_PAGE}.sidebar_open = !cb_obj.narrow")
         self.browser.jscallback(dark=f"if (cb_obj.dark) {THE_PAGE}.dark_theme = true")
         page.jscallback(dark_theme=REMEMBER_DARK)
@@ -330,14 +330,15 @@ class Explorer(pn.viewable.Viewer):
         self.browser.param.watch(lambda _: self.help.open(), "helped")
         self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large")
         page.main.extend([self.browser, self.lecture])
-        pn.state.onload(partial(self._furnish, page))
+        pn.state.onload(self._furnish)
         return page
 
-    def _furnish(self, page: Any) -> None:
-        """Add what can wait until the pictures are on screen: the controls, and dialogs that open at a click."""
-        self._beside.objects = [self.sidebar]
-        page.header = self._header()
-        self._below.objects = [self._about(), self.editing, self.export, self.help]
+    def _furnish(self) -> None:
+        """Add what can wait until the portrait is on screen: controls, tabs, and dialogs that open at a click."""
+        document = pn.state.curdoc
+        with document.models.freeze() if document is not None else nullcontext():  # else it looks for them twice
+            self._controls.objects = [self.sidebar]
+            self._views.objects = [self.tabs, self.editing, self.export, self.help]
 
     def _header(self) -> list[Any]:
         undo = pmui.IconButton(

@@ -73,9 +73,10 @@ import("{{ components }}")
 {% block loader %}{{ cover.markup() }}{{ bokeh_js }}
 <script>importShim.addImportMap = () => {}</script>
 {{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS)
-"""The browser compiles the code of the components while it waits for the page: loading it only then takes half a second
-more. Scripts come after the cover, which is painted while they load. While the page is built, what is already there is
-visible but takes no input, which Panel would lose."""
+"""The browser imports the code of the components while it waits for the page: loading it only then takes half a second
+more. It is one module, which imports nothing: so the browser can do it alone, where es-module-shims would parse it first,
+and maps of imports (which Panel has it add) are of no use. Scripts come after the cover, which is painted while they
+load. While the page is built, what is already there is visible but takes no input, which Panel would lose."""
 
 
 class _NeverBusy(param.Parameterized):
@@ -117,6 +118,7 @@ def make_frame(title: str, header: list[Any], sidebar: list[Any], main: list[Any
     page = Frame(
         cover,
         title=title,
+        header=header,
         sidebar=sidebar,
         main=main,
         sidebar_width=SIDEBAR_WIDTH,

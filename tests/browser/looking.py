@@ -73,9 +73,9 @@ def await_painted(page, figure, colours=30):
 
 
 def await_built(page):
-    """Wait until the page takes what a mouse does, and what follows the first portrait is there; the footer is last."""
+    """Wait until the page takes what a mouse does, and what follows the first portrait is there; the tabs are last."""
     page.locator("#loader").wait_for(state="hidden")
-    page.get_by_text("A. N. Hirani").first.wait_for()
+    page.get_by_role("tab").last.wait_for()
 
 
 def picture(drawing):

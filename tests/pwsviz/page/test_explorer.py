@@ -6,8 +6,10 @@ from threading import Event
 from types import SimpleNamespace
 
 import numpy as np
+import panel as pn
 import pytest
 from bokeh.document import Document
+from bokeh.models import Plot
 from panel.io.document import _cleanup_doc
 from panel.io.state import set_curdoc
 
@@ -529,6 +531,19 @@ def test_a_page_that_is_left_is_let_go():
     left = visit_and_leave()
     gc.collect()
     assert left() is None
+
+
+def test_a_page_begins_with_the_portrait_alone(monkeypatch):
+    furnish = []
+    monkeypatch.setattr(type(pn.state), "onload", lambda _state, callback, **_options: furnish.append(callback))
+    explorer = Explorer(Scene(), Results())
+    document = Document()
+    document.add_root(explorer.page().get_root(document))
+    explorer.settle(20)
+    assert list(document.select({"type": Plot})) == [explorer.portrait_panel.portrait.figure]
+    for callback in furnish:
+        callback()
+    assert len(list(document.select({"type": Plot}))) == 2
 
 
 class StepSizeTab(Tab):
