@@ -44,4 +44,5 @@ def prepare() -> None:
 
 if __name__ == "panel_setup_module":
     settings.simple_ids = True  # the default, which Bokeh else looks up in the environment for each id
+    settings.perform_document_validation = False  # it visits all models of each page; a test does it once
     Thread(target=prepare, name="pwsviz-preload", daemon=True).start()

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import panel as pn
 import pytest
+from bokeh.core.validation.check import check_integrity
 from bokeh.document import Document
 from bokeh.models import Plot
 from panel.io.document import _cleanup_doc
@@ -544,6 +545,14 @@ def test_a_page_begins_with_the_portrait_alone(monkeypatch):
     for callback in furnish:
         callback()
     assert len(list(document.select({"type": Plot}))) == 2
+
+
+def test_the_page_passes_the_checks_of_bokeh_that_the_server_leaves_out():
+    explorer = Explorer(Scene(), Results())
+    explorer.settle(20)
+    document = Document()
+    document.add_root(explorer.page().get_root(document))
+    assert check_integrity(document.models).error == []
 
 
 class StepSizeTab(Tab):
