@@ -74,9 +74,9 @@ import("{{ components }}")
 <script>importShim.addImportMap = () => {}</script>
 {{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS)
 """The browser imports the code of the components while it waits for the page: loading it only then takes half a second
-more. It is one module, which imports nothing: so the browser can do it alone, where es-module-shims would parse it first,
-and maps of imports (which Panel has it add) are of no use. Scripts come after the cover, which is painted while they
-load. While the page is built, what is already there is visible but takes no input, which Panel would lose."""
+more. It is one module, which imports nothing: the browser needs no es-module-shims, which would parse it first, and no
+map of imports, which Panel adds. Scripts come after the cover, which is painted while they load. While the page is
+built, what is already there is visible but takes no input, which Panel would lose."""
 
 
 class _NeverBusy(param.Parameterized):
