@@ -62,9 +62,9 @@ class Constants:
     tau_plus: Floats
     """τ₊* of lem:wellposed-lemma2, for the step on from x̂* with the field of the region entered."""
     window: Floats
-    """α²/M of lem:ctsMonotonicTime and lem:ctsMonotonicTime2, paper (eq:ctsMonoLemma), (eq:ctsMonoLemma2): within this
-    time the exact solution does not meet the surface again. Sharp for a parabola. As M comes from steps up to τ, a
-    window longer than τ guarantees τ only. inf where M = 0, as for uniform motion to a plane."""
+    """α²/M of lem:ctsMonotonicTime and lem:ctsMonotonicTime2, paper (eq:ctsMonoLemma), (eq:ctsMonoLemma2): if τ is
+    below it, the exact solution does not meet the surface again within a step. Nothing follows beyond the step, as M is
+    a supremum within it. Sharp for a parabola. inf where M = 0, as for uniform motion to a plane."""
     window_hat: Floats
     """α̂²/M̂ of lem:discMonotonicTime and lem:discMonotonicTime2, paper (eq:disMonoLemma), (eq:disMonoLemma2): the same
     of the discrete solution, with the ½ that (eq:discGX-) gives and (eq:PerturbedHatM) leaves out. inf where g is

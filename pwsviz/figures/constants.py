@@ -59,11 +59,11 @@ _CONSTANTS = (
     ),
     _Constant(
         r"\alpha^{2} / M", "window", "monotonicity (B.2)",
-        "within this time the solution does not meet the surface again", bounds_tau=True,
+        "for τ below this the solution does not meet the surface again within a step", bounds_tau=True,
     ),
     _Constant(
         r"\hat{\alpha}^{2} / \hat{M}", "window_hat", "discrete monotonicity (B.6)",
-        "within this time the scheme does not meet the surface again", bounds_tau=True,
+        "for τ below this the scheme does not meet the surface again within a step", bounds_tau=True,
     ),
 )  # fmt: skip
 
@@ -100,9 +100,9 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
 
 def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) -> list[str]:
     value = constant.worst(diagnosis)
-    number = f'<span class="number">{_shown(value)}</span>'
+    number = f'<span class="number">{_shown(value, constant.bounds_tau)}</span>'
     if constant.bounds_tau and value < diagnosis.tau and not zeno:
-        number = f'<span class="number exceeded">{_shown(value)} &lt; τ</span>'
+        number = f'<span class="number exceeded">{_shown(value, True)} &lt; τ</span>'
     symbol = "".join(map(name_markup, constant.symbol.split()))
     return [f"<math>{symbol}</math>", number, prose(constant.meaning), escape(constant.label)]
 
@@ -131,10 +131,12 @@ def _stand_in(method: str) -> str:
     return f"<p>For {escape(method)}, the constants of the scheme are those of {whose}.</p>"
 
 
-def _shown(value: float) -> str:
+def _shown(value: float, bounds_tau: bool) -> str:
     if math.isnan(value):
         return "not known"
-    return "∞" if math.isinf(value) else printed(f"{value:.3g}")
+    if math.isinf(value):
+        return "no bound" if bounds_tau else "∞"
+    return printed(f"{value:.3g}")
 
 
 def prose(words: str) -> str:

@@ -40,6 +40,15 @@ def test_a_step_beyond_a_bound_is_warned_of_in_words() -> None:
     assert not re.search("tau|alpha", items)
 
 
+@pytest.mark.parametrize("name", ["harmonic_oscillator", "damped_oscillator", "bouncing_ball"])
+def test_windows_speak_of_a_step_alone_as_the_surface_is_met_again_later(name: str) -> None:
+    run = core.integrate(core.CATALOGUE[name], (0.0, 20.0), max_crossings=5)
+    assert run.crossing_count == 5
+    text = constants_markup("dmm2", core.diagnose(run), run)
+    assert text.count("does not meet the surface again within a step") == 2
+    assert "∞" not in text
+
+
 def test_a_run_without_crossings_says_so() -> None:
     system = core.CATALOGUE["elliptic_curve"]
     run = core.integrate(system, (0.0, 1e-2), tau=1e-3)
