@@ -246,5 +246,5 @@ def _summary(run: Trajectory, crossings: Crossings, constants: Constants, warnin
     if through:
         parts.append(f"alpha_S^2 = {_least(constants.alpha2):.3g}, alpha_hat_S^2 = {_least(constants.alpha_hat2):.3g}")
         parts.append(f"least window {_least(constants.window):.3g}")
-    bounds = "exceeds a bound" if warnings else "satisfies all bounds"
+    bounds = "exceeds a bound" if warnings else "satisfies all bounds" if through else "is compared with no bound"
     return f"{'; '.join(parts)}: tau = {run.tau:.3g} {bounds}."

@@ -8,6 +8,7 @@ from html import escape
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 import core
 from core.diagnostics import stand_in
@@ -85,17 +86,19 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
     str
         HTML without scripts.
     """
-    if diagnosis is None:
+    if diagnosis is None or run is None:
         return "<p>They are computed from a run; there is none yet.</p>"
-    count = len(diagnosis.alpha2)
-    if not count:
+    across = ~np.isnan(diagnosis.alpha2)
+    if not len(across):
         return f"<p>{escape(diagnosis.summary)} The constants are defined at crossings.</p>"
-    zeno = run is not None and run.status is core.Status.ZENO
+    if not across.any() and not diagnosis.warnings:
+        return f"<p>Of {run.tally} none is a transversal crossing: the theory’s constants and bounds do not apply.</p>"
+    zeno = run.status is core.Status.ZENO
     rows = [_constant_row(constant, diagnosis, zeno) for constant in _CONSTANTS]
-    whose = "" if run is None else f" of {run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
-    caption = f"The worst over {count:,} crossing{'s' * (count != 1)}{whose}, at τ = {diagnosis.tau:.3g}."
+    whose = f"{run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
+    caption = f"The worst over {run.tally} of {whose}, at τ = {diagnosis.tau:.3g}."
     worst = table(["constant", "value", "meaning", "paper"], rows, caption)
-    return _warnings(() if zeno else diagnosis.warnings, zeno) + worst + _stand_in(method)
+    return _verdict(diagnosis, across, zeno) + worst + _stand_in(method)
 
 
 def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) -> list[str]:
@@ -107,14 +110,18 @@ def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) ->
     return [f"<math>{symbol}</math>", number, prose(constant.meaning), escape(constant.label)]
 
 
-def _warnings(warnings: Sequence[str], zeno: bool) -> str:
+def _verdict(diagnosis: core.Diagnosis, across: NDArray[np.bool_], zeno: bool) -> str:
+    """Say which bounds τ exceeds; `across` tells which of the times at the surface are transversal crossings."""
     if zeno:
         return (
             "<p>The crossings accumulate: they come closer than any step, and no τ satisfies the bounds throughout.</p>"
         )
-    if not warnings:
-        return "<p>τ satisfies all bounds.</p>"
-    items = "".join(f"<li>{escape(printed(on_page(words)))}.</li>" for words in warnings)
+    if not diagnosis.warnings:
+        bounds = [getattr(diagnosis, one.field)[across] for one in _CONSTANTS if one.bounds_tau]
+        known = "" if not np.isnan(bounds).any() else " that are known"
+        elsewhere = "" if across.all() else " Where the surface is not crossed transversally they do not apply."
+        return f"<p>τ satisfies all bounds{known}.{elsewhere}</p>"
+    items = "".join(f"<li>{escape(printed(on_page(words)))}.</li>" for words in diagnosis.warnings)
     return f'<ul class="warnings" role="alert">{items}</ul>'
 
 

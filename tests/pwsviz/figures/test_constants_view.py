@@ -49,6 +49,22 @@ def test_windows_speak_of_a_step_alone_as_the_surface_is_met_again_later(name: s
     assert "∞" not in text
 
 
+def test_without_a_transversal_crossing_no_bound_is_satisfied() -> None:
+    run = core.integrate(core.CATALOGUE["type_sliding"], (0.0, 30.0), sliding="continue")
+    found = core.diagnose(run)
+    text = constants_markup("dmm2", found, run)
+    assert "Of 1 slide none is a transversal crossing" in text
+    assert "do not apply" in text
+    assert "satisfies" not in text + found.summary
+
+
+def test_bounds_that_are_satisfied_are_those_at_transversal_crossings() -> None:
+    run = core.integrate(core.CATALOGUE["coulomb_friction"], (0.0, 20.0), sliding="continue")
+    text = constants_markup("dmm2", core.diagnose(run), run)
+    assert "The worst over 3 crossings, 1 slide of dmm2" in text
+    assert "τ satisfies all bounds. Where the surface is not crossed transversally they do not apply." in text
+
+
 def test_a_run_without_crossings_says_so() -> None:
     system = core.CATALOGUE["elliptic_curve"]
     run = core.integrate(system, (0.0, 1e-2), tau=1e-3)
@@ -61,6 +77,7 @@ def test_accumulating_crossings_are_no_warning_against_the_step() -> None:
     assert run.status is core.Status.ZENO
     text = constants_markup("dmm2", core.diagnose(run), run)
     assert "accumulate" in text
+    assert f"The worst over {run.tally.jumps} jumps of" in text
     assert 'role="alert"' not in text
 
 
