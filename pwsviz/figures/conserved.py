@@ -274,7 +274,8 @@ def _off_surface(curve: ErrorCurve) -> str:
     if not len(error):
         return ""
     worst = float(error.max())
-    return f"sliding changes its g by {rounded_up(worst)} at most" if worst > 0 else "sliding does not change its g"
+    kept = f"changes g by {rounded_up(worst)} at most" if worst > 0 else "keeps g exactly"
+    return f"{curve.method} {kept} while it slides"
 
 
 def _relative(error: float, size: float) -> str:

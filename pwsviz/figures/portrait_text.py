@@ -35,7 +35,7 @@ def portrait_text(
     x, y = starts[selected]
     count = len(starts)
     which = "one trajectory, which starts" if count == 1 else f"{count} trajectories; number {selected + 1} starts"
-    met = "; ".join(f"{one.method}: {one.met}" for one in pictures.summaries)
+    met = "; ".join(f"{one.method}: {one.course}" for one in pictures.summaries)
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {met}."
 
 

@@ -9,7 +9,7 @@ from html import escape
 import core
 from pwsviz.figures.order import Studied
 from pwsviz.figures.style import LEGEND_GLYPH, Line, line_of, together
-from pwsviz.results.results import Summary
+from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
@@ -17,7 +17,7 @@ from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
 
 def run_line(summary: Summary, line: Line) -> str:
     """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
-    figures = f"{plural(summary.steps, 'step')}, {summary.met}, {duration(summary.seconds)}"
+    figures = f"{plural(summary.steps, 'step')}, {summary.course}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
         figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'
     return f'<div class="run">{swatch(line)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import core
 from pwsviz.figures.order import Studied
 from pwsviz.results.requests import RunInputs
-from pwsviz.results.results import Summary
+from pwsviz.results.run_summary import Summary
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import duration, rounded_up
 
@@ -22,7 +22,7 @@ def run_numbers(summaries: Mapping[RunInputs, Summary]) -> Numbers:
             summary.method,
             f"({', '.join(f'{x:g}' for x in inputs.problem.x0)})",
             f"{summary.steps:,}",
-            str(summary.met),
+            summary.course,
             rounded_up(summary.worst_error) if math.isfinite(summary.worst_error) else "no ψ known",
             duration(summary.seconds),
             summary.status.name.lower().replace("_", " "),

@@ -35,6 +35,7 @@ from pwsviz.results.requests import (
     run_inputs,
     usual_inputs,
 )
+from pwsviz.results.run_summary import Summary, summary_of
 from pwsviz.results.sections import SectionPoints, studied_section
 from pwsviz.results.states import StateCurves, state_curves
 from pwsviz.results.studies import studied_cost, studied_order, studied_stability
@@ -42,7 +43,6 @@ from pwsviz.results.sweeps import Diagram, swept
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
-from pwsviz.text.advice import on_page
 
 ROUND_OFF = 2.0
 """Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
@@ -61,21 +61,6 @@ FEWEST_FRAMES = 300
 
 MOST_FRAMES = 2000
 """Most of them of one run."""
-
-
-@dataclass(frozen=True)
-class Summary:
-    """The figures of one run, for the text below the portrait."""
-
-    method: str
-    steps: int
-    met: core.Tally
-    """How often the run crossed, jumped and slid."""
-    seconds: float
-    worst_error: float
-    status: core.Status
-    message: str
-    """Where and why it stopped early; empty if it reached the end time."""
 
 
 @dataclass(frozen=True)
@@ -279,7 +264,7 @@ class Results:
     def summary(self, inputs: RunInputs, cancel: Cancel = never) -> Summary:
         """Return the figures of a run."""
         return self._get(
-            "summary", inputs, cancel, lambda: _summary(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+            "summary", inputs, cancel, lambda: summary_of(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
 
     def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
@@ -394,15 +379,3 @@ def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve
     size = np.interp(t, when, np.maximum.accumulate(sizes))
     crossings, runs_off = run.crossings.t, run.status in RUNS_OFF
     return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), crossings, shades, names, size, runs_off)
-
-
-def _summary(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
-    return Summary(
-        method=inputs.scheme.method,
-        steps=int(run.steps),
-        met=run.tally,
-        seconds=float(run.seconds),
-        worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
-        status=run.status,
-        message=on_page(run.message) if run.status is not core.Status.COMPLETED else "",
-    )

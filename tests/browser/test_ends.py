@@ -63,7 +63,7 @@ def test_runs_that_slide_end_there_and_do_not_look_joined(shown):
 def test_a_block_that_sticks_is_followed_and_stops_on_request(shown):
     page = shown("sticking")
     page.get_by_text(re.compile("3 crossings, 1 slide")).first.wait_for()
-    page.get_by_text(re.compile("sliding does not change its g")).first.wait_for()
+    page.get_by_text(re.compile("keeps g exactly while it slides")).first.wait_for()
     assert painted(page, (0.2, 0.0), (0, 158, 115)) > 20, "where the surface attracts"
     page.get_by_label("Slide along the surface (Filippov)").uncheck()
     page.get_by_text(re.compile("To follow it along the surface, choose “Slide along the surface”")).first.wait_for()

@@ -208,5 +208,11 @@ def test_no_error_at_all_is_said_so():
     assert conserved_text([curve([0.0, 0.0, 0.0])]) == "dmm2 conserves ψ exactly."
 
 
+def test_of_several_runs_that_slide_each_is_named():
+    slides = [replace(curve([0.0, 0.0, 0.0], name), sides=np.zeros(1, dtype=int)) for name in ("dmm2", "rk2")]
+    words = conserved_text(slides)
+    assert words.startswith("dmm2 keeps g exactly while it slides; rk2 keeps g exactly while it slides.")
+
+
 def test_where_no_conserved_quantity_is_known_nothing_is_said():
     assert conserved_text([curve([np.nan, np.nan])]) == ""

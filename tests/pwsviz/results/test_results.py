@@ -159,6 +159,20 @@ def test_a_run_that_ends_where_it_slides_is_shown_whole(results):
     assert results.summary(inputs).met == (len(run.crossings) - 1, 0, 0, 0), "where it stops it does not cross"
 
 
+@pytest.mark.parametrize(
+    ("system", "start", "settings", "course"),
+    [
+        ("coulomb_friction", (0.1, 0.0), {}, "at rest on the surface from t = 0 on"),
+        ("coulomb_friction", (0.1, 0.0), {"slide": False}, "0 crossings"),
+        ("type_sliding", (0.3, 0.0), {}, "slides from t = 0 on"),
+        ("stick_slip", (0.0, 0.3), {"t_end": 5.0, "methods": ["rk2"]}, "slides from t = 0 to t = 3.333"),
+    ],
+)
+def test_of_a_run_that_slides_or_rests_from_its_start_this_is_said(results, system, start, settings, course):
+    inputs = run_inputs(Scene(system=system, starts=(start,), **settings))[0]
+    assert results.summary(inputs).course == course
+
+
 def test_a_tolerance_matters_to_methods_that_choose_their_steps_and_to_no_other(results):
     scene = Scene(methods=["dmm2", "taylor"], tau=1.0)
     steady, free = run_inputs(scene)

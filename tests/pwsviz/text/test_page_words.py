@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import core
 from pwsviz.figures.summaries import method_notes, run_lines
-from pwsviz.results.results import Summary
+from pwsviz.results.run_summary import Summary
 from pwsviz.scene.names import short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import value_of

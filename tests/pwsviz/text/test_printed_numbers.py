@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import core
 from pwsviz.figures.summaries import run_lines
-from pwsviz.results.results import Summary
+from pwsviz.results.run_summary import Summary
 from pwsviz.scene.validation import value_of
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers, table_markup

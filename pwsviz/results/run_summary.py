@@ -1,0 +1,65 @@
+"""The figures of one run, for the text below the portrait."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import core
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.shades import shades_of
+from pwsviz.results.requests import RunInputs
+from pwsviz.text.advice import on_page
+
+__all__ = ["Summary", "summary_of"]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The figures of one run, for the text below the portrait."""
+
+    method: str
+    steps: int
+    met: core.Tally
+    """How often the run crossed, jumped and slid."""
+    seconds: float
+    worst_error: float
+    status: core.Status
+    message: str
+    """Where and why it stopped early; empty if it reached the end time."""
+    begins: str = ""
+    """That it rests, or slides along a surface, from its start on; empty where it does neither."""
+
+    @property
+    def course(self) -> str:
+        """How it begins, if that is worth a word, and how often it crossed, jumped and slid."""
+        met = "" if self.begins and not any(self.met[:3]) else str(self.met)
+        return ", ".join(filter(None, (self.begins, met)))
+
+
+def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summary:
+    """Return the figures of a run, of which `error` is |Δψ| at each state."""
+    return Summary(
+        method=inputs.scheme.method,
+        steps=int(run.steps),
+        met=run.tally,
+        seconds=float(run.seconds),
+        worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
+        status=run.status,
+        message=on_page(run.message) if run.status is not core.Status.COMPLETED else "",
+        begins=_beginning(run),
+    )
+
+
+def _beginning(run: core.Trajectory) -> str:
+    """Say that a run rests, or slides, from its start on; empty where it does neither."""
+    if run.t[-1] == run.t[0]:
+        return ""
+    where = " on the surface" if run.sliding[0] else ""
+    if bool((run.x[-1] == run.x[0]).all()) and bool((run.x == run.x[0]).all()):
+        return f"at rest{where} from t = 0 on"
+    if not where:
+        return ""
+    ends = run.crossings.passed.t
+    return f"slides from t = 0 {f'to t = {ends[0]:.4g}' if len(ends) else 'on'}"
