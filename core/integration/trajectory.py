@@ -171,9 +171,14 @@ class Trajectory:
         return outcome(Ending(self.system, adaptive, self.status, last, self.cause))
 
     @cached_property
+    def warning(self) -> str:
+        """A warning where steps are too long, or τ exceeds a bound of the theory (see `diagnose`); else empty."""
+        return self.warn(self)
+
+    @cached_property
     def message(self) -> str:
-        """The outcome, and a warning where the step size exceeds a bound of the theory (see `diagnose`)."""
-        return f"{self.outcome} {self.warn(self)}".strip()
+        """The outcome, and the warning."""
+        return f"{self.outcome} {self.warning}".strip()
 
     def conserved_error(self, exits: bool = True) -> Floats:
         """ψ of the mode occupied, less its value where that mode was entered, evaluated in double-double.

@@ -98,7 +98,7 @@ def constants_markup(method: str, diagnosis: core.Diagnosis | None, run: core.Tr
     whose = f"{run.method} from ({', '.join(f'{v:g}' for v in run.x[0])})"
     caption = f"The worst over {run.tally} of {whose}, at τ = {diagnosis.tau:.3g}."
     worst = table(["constant", "value", "meaning", "paper"], rows, caption)
-    return _verdict(diagnosis, across, zeno) + worst + _stand_in(method)
+    return _verdict(diagnosis, run, across) + worst + _stand_in(method)
 
 
 def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) -> list[str]:
@@ -110,18 +110,19 @@ def _constant_row(constant: _Constant, diagnosis: core.Diagnosis, zeno: bool) ->
     return [f"<math>{symbol}</math>", number, prose(constant.meaning), escape(constant.label)]
 
 
-def _verdict(diagnosis: core.Diagnosis, across: NDArray[np.bool_], zeno: bool) -> str:
+def _verdict(diagnosis: core.Diagnosis, run: core.Trajectory, across: NDArray[np.bool_]) -> str:
     """Say which bounds τ exceeds; `across` tells which of the times at the surface are transversal crossings."""
-    if zeno:
+    if run.status is core.Status.ZENO:
         return (
             "<p>The crossings accumulate: they come closer than any step, and no τ satisfies the bounds throughout.</p>"
         )
-    if not diagnosis.warnings:
+    warnings = diagnosis.warnings or tuple(filter(None, [run.warning.removesuffix(".")]))
+    if not warnings:
         bounds = [getattr(diagnosis, one.field)[across] for one in _CONSTANTS if one.bounds_tau]
         known = "" if not np.isnan(bounds).any() else " that are known"
         elsewhere = "" if across.all() else " Where the surface is not crossed transversally they do not apply."
         return f"<p>τ satisfies all bounds{known}.{elsewhere}</p>"
-    items = "".join(f"<li>{escape(printed(on_page(words)))}.</li>" for words in diagnosis.warnings)
+    items = "".join(f"<li>{escape(printed(on_page(words)))}.</li>" for words in warnings)
     return f'<ul class="warnings" role="alert">{items}</ul>'
 
 

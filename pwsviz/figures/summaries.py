@@ -23,10 +23,10 @@ def run_line(summary: Summary, line: Line) -> str:
     return f'<div class="run">{swatch(line)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
 
 
-def run_lines(summaries: Sequence[Summary]) -> str:
+def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str:
     """Return a line for each run and, for each reason to stop, the message of the first run that stopped for it.
 
-    The messages name their integrators and come in the order of the lines.
+    The messages name their integrators and come in the order of the lines; the warning of each run follows, if any.
     """
     stopped: dict[core.Status, list[Summary]] = {}
     for each in summaries:
@@ -34,7 +34,8 @@ def run_lines(summaries: Sequence[Summary]) -> str:
             stopped.setdefault(each.status, []).append(each)
     reasons = [_reason(*group) for group in stopped.values()]
     lines = map(run_line, summaries, together(line_of(each.method) for each in summaries))
-    return "".join(lines) + "".join(as_text(words, "stopped") for words in reasons)
+    warned = [f"{each.method}: {words}" for each, words in zip(summaries, warnings, strict=False) if words]
+    return "".join(lines) + "".join(as_text(words, "stopped") for words in (*reasons, *warned))
 
 
 def _reason(first: Summary, *others: Summary) -> str:

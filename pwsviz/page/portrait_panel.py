@@ -17,7 +17,7 @@ from pwsviz.geometry.projection import Axes
 from pwsviz.page.player import Player
 from pwsviz.page.window_fields import Ends, WindowFields
 from pwsviz.results.orbits import Levels
-from pwsviz.results.requests import InitialValueProblem
+from pwsviz.results.requests import InitialValueProblem, RunInputs
 from pwsviz.results.results import Pictures, PortraitInputs, Results
 from pwsviz.scene.checks import Start
 from pwsviz.scene.scene import Scene
@@ -27,6 +27,9 @@ from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import bar_pane
+
+REST = 0.25
+"""Seconds without a change of a run until it is examined whether its steps are too long."""
 
 REMIND = 300
 """Milliseconds of computing after which a progress bar appears."""
@@ -71,6 +74,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.trouble = text_pane("")
         self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
+        self._warnings: tuple[Any, tuple[str, ...]] = (None, ())  # runs, and what is said against their steps
         self._aimed_at: tuple[Any, Any, int] = (None, None, -1)  # system, plane, and loads of the scene
         self._told: Any = None
         self._placed: tuple[dict[str, Any], ...] = ({}, {})  # the starts before and after the last click
@@ -118,9 +122,31 @@ class PortraitPanel(pn.viewable.Viewer):
         self._mark_starts()
         self._aim_first(outcome)
         self.note.object = as_text(portrait_note(system, axes), "about")
-        self.status.object = as_text(figures_of(outcome), "about") + run_lines(outcome.summaries)
+        self._tell(outcome)
         self._cover()
         self._submit_frames()
+        runs = outcome.inputs.selected
+        self.scheduler.submit(
+            "warnings",
+            runs,
+            lambda cancel, _: self.results.warnings(runs, cancel),
+            partial(self._show_warnings, runs),
+            quiet=REST,
+        )
+
+    def _show_warnings(self, runs: tuple[RunInputs, ...], outcome: Any) -> None:
+        if isinstance(outcome, Exception):
+            self.trouble.object = complaint(outcome)
+            return
+        self._warnings = runs, outcome
+        if self.shown is not None:
+            self._tell(self.shown)
+
+    def _tell(self, shown: Pictures) -> None:
+        """Write the figures of the selected runs below the portrait, and the warnings if these are known."""
+        runs, found = self._warnings
+        warnings = found if runs == shown.inputs.selected else ()
+        self.status.object = as_text(figures_of(shown), "about") + run_lines(shown.summaries, warnings)
 
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""

@@ -35,7 +35,7 @@ from pwsviz.results.requests import (
     run_inputs,
     usual_inputs,
 )
-from pwsviz.results.run_summary import Summary, summary_of
+from pwsviz.results.run_summary import Summary, summary_of, warning_of
 from pwsviz.results.sections import SectionPoints, studied_section
 from pwsviz.results.states import StateCurves, state_curves
 from pwsviz.results.studies import studied_cost, studied_order, studied_stability
@@ -156,7 +156,7 @@ class Results:
     computed : Counter
         How often each kind of result was computed, not found in the cache: ``"run"``, ``"orbit"``, ``"frames"``,
         ``"landmarks"``, ``"states"``, ``"error"``, ``"curve"``, ``"summary"``, ``"backdrop"``, ``"diagnosis"``,
-        ``"study"``, ``"cost"``, ``"stability"``, ``"section"``, ``"sweep"``, ``"plane"``.
+        ``"warning"``, ``"study"``, ``"cost"``, ``"stability"``, ``"section"``, ``"sweep"``, ``"plane"``.
     """
 
     def __init__(self, max_bytes: int = 256_000_000) -> None:
@@ -266,6 +266,16 @@ class Results:
         return self._get(
             "summary", inputs, cancel, lambda: summary_of(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
+
+    def warnings(self, inputs: tuple[RunInputs, ...], cancel: Cancel = never) -> tuple[str, ...]:
+        """Return what is said against the step size of each run that reaches the end time; empty where nothing is.
+
+        The message of a run that stops early has it already. It takes milliseconds, more than many a run.
+        """
+        return tuple(self._get("warning", one, cancel, partial(self._warning, one, cancel)) for one in inputs)
+
+    def _warning(self, inputs: RunInputs, cancel: Cancel) -> str:
+        return warning_of(self.run(inputs, cancel))
 
     def backdrop(self, problem: InitialValueProblem, window: Window, levels: Levels, axes: Axes = (0, 1)) -> Backdrop:
         """Return the backdrop of the portrait on a window, with these level sets besides the usual ones."""

@@ -12,7 +12,7 @@ from pwsviz.geometry.shades import shades_of
 from pwsviz.results.requests import RunInputs
 from pwsviz.text.advice import on_page
 
-__all__ = ["Summary", "summary_of"]
+__all__ = ["Summary", "summary_of", "warning_of"]
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,11 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
         message=on_page(run.message) if run.status is not core.Status.COMPLETED else "",
         begins=_beginning(run),
     )
+
+
+def warning_of(run: core.Trajectory) -> str:
+    """Return what is said against the step size of a run; empty if it stopped early, where its message says it."""
+    return on_page(run.warning) if run.status is core.Status.COMPLETED else ""
 
 
 def _beginning(run: core.Trajectory) -> str:

@@ -65,6 +65,12 @@ class Lane:
             jobs = (self._waiting, self._running)
             return any(job is not None and job.quiet == 0.0 and not job.computed.is_set() for job in jobs)
 
+    @property
+    def resting(self) -> bool:
+        """Whether all there is to do waits for quiet."""
+        with self._changed:
+            return self._running is None and (self._waiting is None or self._waiting.quiet > 0.0)
+
     def submit(self, job: Job) -> None:
         """Submit `job`, in place of any that is still waiting."""
         with self._changed:

@@ -118,8 +118,11 @@ class Scheduler:
         return all(lane.join(deadline - monotonic()) for lane in list(self._lanes.values()))
 
     def draw_first(self, timeout: float) -> None:
-        """Wait at most `timeout` seconds, while the page is being made, for results that it shall contain."""
-        self._delivery.run(lambda: any(map(self.busy, self._lanes)), timeout)
+        """Wait at most `timeout` seconds, while the page is being made, for results that it shall contain.
+
+        Those of computations that wait for quiet come later.
+        """
+        self._delivery.run(lambda: not all(lane.resting for lane in self._lanes.values()), timeout)
 
     def close(self) -> None:
         """Cancel all computations: the session has ended."""

@@ -49,6 +49,14 @@ def test_windows_speak_of_a_step_alone_as_the_surface_is_met_again_later(name: s
     assert "∞" not in text
 
 
+def test_a_step_too_long_for_the_field_is_warned_of_though_it_keeps_the_bounds() -> None:
+    run, found = diagnosed(0.12)
+    assert not found.warnings
+    text = constants_markup("dmm2", found, run)
+    assert "too long for this field" in text
+    assert "satisfies" not in text
+
+
 def test_without_a_transversal_crossing_no_bound_is_satisfied() -> None:
     run = core.integrate(core.CATALOGUE["type_sliding"], (0.0, 30.0), sliding="continue")
     found = core.diagnose(run)

@@ -43,7 +43,7 @@ def counts(explorer):
 
 def test_first_picture_computes_what_is_visible_and_no_more(explorer):
     once = {"backdrop": 1, "landmarks": 1}
-    assert counts(explorer) == {"run": 2, "orbit": 2, "error": 2, "summary": 2, "curve": 2, **once}
+    assert counts(explorer) == {"run": 2, "orbit": 2, "error": 2, "summary": 2, "curve": 2, "warning": 2, **once}
 
 
 def test_a_link_shows_the_level_sets_and_arrows_that_its_reader_saw_before(explorer):
@@ -94,7 +94,7 @@ def test_curves_of_a_moved_slider_bring_the_backdrop_on_which_they_lie(explorer)
     before = panel.portrait.ground.levels[-1].data
     explorer.scene.accept("values.a_minus", -2.6)
     explorer.settle(20)
-    assert set(submitted) == {"runs", "view"}, "no other computation has to follow"
+    assert set(submitted) == {"runs", "view", "warnings"}, "what follows waits until the slider rests"
     assert counts(explorer)["backdrop"] == 2
     assert panel.portrait.ground.levels[-1].data is not before
     explorer.scene.accept("values.a_minus", -2.5)
@@ -188,6 +188,21 @@ def test_a_change_repaints_by_data_not_by_new_figures(explorer):
 def test_the_status_line_tells_each_run(explorer):
     assert "2,000 steps, 21 crossings" in explorer.portrait_panel.status.object
     assert explorer.portrait_panel.status.object.count("|Δψ| ≤") == 2
+
+
+def test_a_run_that_reaches_the_end_by_too_long_steps_is_warned_of_below_the_portrait(explorer):
+    explorer.scene.tau = 0.12
+    explorer.settle(20)
+    words = explorer.portrait_panel.status.object
+    assert "dmm2: A step of 0.12 is too long for this field" in words
+    assert "take a smaller τ" in words
+    explorer.scene.place((-1.0, 0.5))
+    explorer.scene.selected = 0
+    explorer.settle(20)
+    assert "is too long for this field" in explorer.portrait_panel.status.object, "the run is the same"
+    explorer.scene.tau = 0.01
+    explorer.settle(20)
+    assert "too long" not in explorer.portrait_panel.status.object
 
 
 def test_the_view_holds_still_while_only_the_step_size_moves(explorer):

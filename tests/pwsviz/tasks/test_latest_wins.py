@@ -35,6 +35,17 @@ def test_a_job_that_takes_longer_than_its_patience_is_given_up_for_a_newer_one()
     assert seen == ["new"]
 
 
+def test_a_lane_rests_while_all_it_has_waits_for_quiet():
+    lane = Lane()
+    assert lane.resting
+    lane.submit(Job(lambda _: None, lambda _: None, quiet=10.0))
+    assert lane.resting
+    assert lane.busy
+    lane.submit(Job(lambda _: None, lambda _: None))
+    assert lane.join(5)
+    assert lane.resting
+
+
 def test_a_job_that_wants_quiet_starts_when_requests_rest():
     lane, started = Lane(), []
     for k in range(10):
