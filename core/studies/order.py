@@ -77,6 +77,11 @@ class OrderStudy:
     reference: str
     """Name of the reference solution."""
 
+    @property
+    def fit_above(self) -> float:
+        """Errors above this enter the fits: 50 times `floor`, as round-off adds up along a run."""
+        return _ABOVE_FLOOR * self.floor
+
     def __repr__(self) -> str:
         slopes = ", ".join(f"{slope:.2f}" for slope in self.state_slope)
         return (

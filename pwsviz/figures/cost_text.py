@@ -161,5 +161,6 @@ def compared_with(study: core.WorkPrecision) -> str:
 def _comparison(study: core.WorkPrecision, up: Up) -> str:
     text = compared_with(study)
     return (
-        f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} may be round-off or those of the reference."
+        f"{text[0].upper()}{text[1:]}; errors below {study.floor[up]:.0e} may be the round-off of one "
+        "state or those of the reference. Round-off adds up along a run: a curve may level off above that."
     )

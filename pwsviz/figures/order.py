@@ -86,8 +86,8 @@ class Studied(NamedTuple):
     order: int
     taus: Floats
     rows: list[Row]
-    floor: float
-    """Error that is round-off."""
+    fit_above: float
+    """Errors above this enter the fits."""
     reference: str
     """Name of the solution that it is compared with."""
 
@@ -99,7 +99,9 @@ Rows = Callable[[core.OrderStudy], list[Row]]
 def studied(studies: Sequence[core.OrderStudy], rows: Rows) -> list[Studied]:
     """Return what an order plot shows of studies."""
     return [
-        Studied(one.method, core.METHODS[one.method].order or 1, one.taus, rows(one), float(one.floor), one.reference)
+        Studied(
+            one.method, core.METHODS[one.method].order or 1, one.taus, rows(one), float(one.fit_above), one.reference
+        )
         for one in studies
     ]
 
@@ -142,7 +144,7 @@ def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[
             "slope": np.array([row.slope for _, row in drawn]),
             "fit_from": np.array([row.window[0] for _, row in drawn]),
             "fit_to": np.array([row.window[1] for _, row in drawn]),
-            "round_off": np.array([one.floor for one, _ in drawn]),
+            "fit_above": np.array([one.fit_above for one, _ in drawn]),
             "reference": np.array([one.reference for one, _ in drawn]),
         }
 
@@ -206,7 +208,7 @@ class OrderView:
             text_baseline="bottom",
             x_offset=-2,
         )
-        self.floor = mark_levels(plot, {1e-15: "round-off"})
+        self.floor = mark_levels(plot, {1e-15: "fits above"})
 
     def _curve_glyphs(self) -> None:
         plot = self.figure
@@ -252,7 +254,7 @@ class OrderView:
             "colour": [colour for _, colour in known],
         }
         self._fit.visible = bool(known)
-        floor = max(one.floor for one in shown)
+        floor = max(one.fit_above for one in shown)
         self.floor.move(floor)
         self._show_guides(drawn, floor, {1, 2} | {one.order for one in shown} if known else set())
 

@@ -66,8 +66,14 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
     words = f"{shown[0].method}: {slopes}. " if len(shown) == 1 else ""
     words += f"Compared with: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
-    if not any(math.isfinite(row.slope) for one in shown for row in one.rows):
-        words += " Too few errors are above round-off to fit a slope."
+    above = max(one.fit_above for one in shown)
+    fits = any(math.isfinite(row.slope) for one in shown for row in one.rows)
+    words += (
+        f" {'Fits use errors' if fits else 'No slope is fitted, as too few errors are'} above {above:.2g}, 50 times "
+    )
+    words += (
+        "the round-off of one state or the estimated error of what it is compared with: round-off adds up along a run."
+    )
     if early:
         usual = listed([str(k) for k in STUDY_CROSSINGS])
         words += f" The trajectory has fewer crossings than the usual ones, {usual}."

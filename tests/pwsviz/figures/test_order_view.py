@@ -1,5 +1,7 @@
 """Order plots draw what a study says, with its fits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from pwsviz.figures.order import (
     time_rows,
 )
 from pwsviz.figures.style import line_of
+from pwsviz.figures.summaries import study_text
 from pwsviz.results.requests import study_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
@@ -27,7 +30,7 @@ def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
         view = OrderView("error")
         view.show(studied(studies, rows))
         assert len(view.curves.data["xs"]) == len(view.fits.data["xs"]) == count
-        assert view.floor.ticker.ticks == [studies[0].floor]
+        assert view.floor.ticker.ticks == [studies[0].fit_above]
         assert all("slope 2.0" in label or "slope 1.9" in label for label in view.curves.data["label"])
 
 
@@ -132,6 +135,25 @@ def test_of_errors_that_are_round_off_no_slopes_are_drawn_and_of_none_no_key():
     view.show([one_curve(taus, Row("x", "x", taus**2, 2.0, (0.025, 0.1)), 1e-14)])
     assert view._fit.visible
     assert view.guide_names.data["text"] == ["slope 1", "slope 2"]
+
+
+def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
+    taus = np.geomspace(0.1, 0.01, 6)
+    flat = Row("after", "after", np.linspace(8e-12, 1e-11, 6), np.nan, (np.nan, np.nan))
+    exact = core.order_study(core.CATALOGUE["harmonic_oscillator"], taus, crossings=(1,))
+    for study, row, words in (
+        (
+            replace(exact, floor=7e-13),
+            flat,
+            "No slope is fitted, as too few errors are above 3.5e-11, 50 times the round",
+        ),
+        (exact, state_rows(exact)[1], f"Fits use errors above {exact.fit_above:.2g}, 50 times the round-off"),
+    ):
+        view, (shown,) = OrderView("error"), studied([study], lambda _, row=row: [row])
+        view.show([shown])
+        (line,) = view.floor.ticker.ticks
+        assert words in study_text([shown], early=False)
+        assert (row.error > line).any() == np.isfinite(row.slope)
 
 
 def test_the_fitted_line_goes_through_a_power_law():
