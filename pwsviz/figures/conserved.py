@@ -9,6 +9,7 @@ import numpy as np
 from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
+from numpy.typing import NDArray
 
 import core
 from pwsviz.figures.marks import kind_columns
@@ -38,7 +39,7 @@ from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.animation import Landmarks
 from pwsviz.results.results import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import rounded_up, upper_bound
+from pwsviz.text.words import rounded, rounded_up, upper_bound
 
 FLOOR = MACHINE_EPSILON / 8
 """|Change of ψ| at which smaller ones and exact zeros are drawn, since a logarithmic axis has no place for them."""
@@ -253,6 +254,7 @@ def _drift(curve: ErrorCurve) -> str:
     if worst > CEILING:
         left = f"leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}"
         return f"{curve.method} {left}: {_largest(error)}"
+    until = _end_of(curve, known)
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if worst == 0:
         return f"{curve.method} conserves ψ exactly"
@@ -261,11 +263,19 @@ def _drift(curve: ErrorCurve) -> str:
         kind = "round-off" if small else "accumulated round-off"
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
     if curve.runs_off:
-        return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {t[-1]:.4g}, where it runs off"
+        return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {until:.4g}, where it runs off"
     if small or late <= SEEN_TO_RISE * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
     word = "drifts to" if late > DRIFT * early else "reaches"
-    return f"{curve.method} {word} {rounded_up(worst)}{_relative(worst, size)} by t = {t[-1]:.4g}"
+    return f"{curve.method} {word} {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}"
+
+
+def _end_of(curve: ErrorCurve, known: NDArray[np.bool_]) -> float:
+    """Return until when an error is known: the end of the run, or the crossing from which on it slides."""
+    if known[-1]:
+        return curve.t_end
+    last = curve.t[known][-1]
+    return float(next((t for t in curve.crossings if t >= last), last))
 
 
 def _off_surface(curve: ErrorCurve) -> str:
@@ -278,15 +288,16 @@ def _off_surface(curve: ErrorCurve) -> str:
     return f"{curve.method} {kept} while it slides"
 
 
-def _relative(error: float, size: float) -> str:
+def _relative(error: float, size: float, up: bool = True) -> str:
     """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
     about = f"{size:.2g}"
-    share = rounded_up(upper_bound(error) / float(about))  # of the numbers that are printed, so that they agree
+    # Of the numbers that are printed, so that they agree.
+    share = rounded_up(upper_bound(error) / float(about)) if up else rounded(float(f"{error:.1e}") / float(about))
     return printed(f" ({share} of the size of ψ, about {about})")
 
 
 def _largest(error: Floats) -> str:
     worst = float(np.fmax.reduce(error))
-    return f"|Δψ| reaches {rounded_up(worst)}" if np.isfinite(worst) else "the numerical solution blows up"
+    return f"|Δψ| reaches {rounded(worst)}" if np.isfinite(worst) else "the numerical solution blows up"

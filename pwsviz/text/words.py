@@ -47,6 +47,11 @@ def rounded_up(value: float) -> str:
     return printed(f"{bound:g}" if bound == 0 or 0.01 <= bound < 1000 else f"{bound:.0e}")
 
 
+def rounded(value: float) -> str:
+    """Return a value that is not negative, rounded to two digits, as it is printed."""
+    return printed(f"{value:.2g}" if value == 0 or 0.01 <= value < 1000 else f"{value:.1e}".replace(".0e", "e"))
+
+
 def complaint(reason: Exception) -> str:
     """Return an exception as a paragraph for the user: the message of a ValueError; else that the program failed."""
     if isinstance(reason, ValueError):

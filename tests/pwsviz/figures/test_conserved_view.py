@@ -141,7 +141,7 @@ def test_screen_readers_hear_the_same_sentence():
 def test_the_sentence_tells_round_off_from_drift():
     drifting = curve(np.linspace(0, 6.4e-7, 300), "rk2")
     noise = curve(1e-16 * np.arange(9))
-    words = "dmm2 conserves ψ to accumulated round-off, |Δψ| ≤ 8×10⁻¹⁶; rk2 drifts to 7×10⁻⁷ by t = 20."
+    words = "dmm2 conserves ψ to accumulated round-off, |Δψ| ≤ 8×10⁻¹⁶; rk2 drifts to 6.4×10⁻⁷ by t = 20."
     words += " Shades and marks are those of dmm2."
     assert conserved_text([noise, drifting]) == words
 
@@ -176,8 +176,15 @@ def test_what_is_round_off_depends_on_the_size_of_psi():
     assert words(large / 1e8, 30.0).endswith("(2×10⁻¹⁶ of the size of ψ, about 30).")
     # 7.5e-16 of 13.4 are 5.6e-17; but the numbers that are printed are 8×10⁻¹⁶ and 13.
     assert words([0.0, 7.5e-16], 13.4).endswith("≤ 8×10⁻¹⁶ (7×10⁻¹⁷ of the size of ψ, about 13).")
-    assert words(large, 1.0) == "dmm2 drifts to 4×10⁻⁷ by t = 20."
+    assert words(large, 1.0) == "dmm2 drifts to 3.2×10⁻⁷ by t = 20."
     assert words(small, 1e-9) == "dmm2 drifts to 8×10⁻¹⁶ (8×10⁻⁷ of the size of ψ, about 10⁻⁹) by t = 20."
+
+
+def test_a_drift_is_rounded_to_the_nearest_and_goes_to_the_end_of_the_run():
+    drifting = replace(curve(np.linspace(0, 2.02e-8, 300), "rk4", t_end=99.92), t_end=100.0)
+    assert conserved_text([drifting]) == "rk4 drifts to 2×10⁻⁸ by t = 100."
+    stops = replace(drifting, crossings=np.array([60.0]), sides=np.array([-1, 0]))
+    assert conserved_text([stops]).startswith("rk4 drifts to 1.2×10⁻⁸ by t = 60; rk4 changes g by")
 
 
 def test_an_error_that_comes_and_goes_is_no_drift():
@@ -193,11 +200,11 @@ def test_of_an_error_that_rises_it_is_not_said_that_it_stays(rise):
 
 def test_an_error_beyond_the_axis_is_marked_where_it_leaves_with_its_size():
     gone = curve([0.0, 1e-3, 1.0, 4.5e16, 1.0], "rk2", t_end=4.0)
-    assert conserved_text([gone]) == "rk2 leaves the plot at t = 3: |Δψ| reaches 5×10¹⁶."
+    assert conserved_text([gone]) == "rk2 leaves the plot at t = 3: |Δψ| reaches 4.5×10¹⁶."
     view = ConservedView()
     view.show([gone])
     assert (view.exits.data["t"], view.exits.data["y"]) == ([3.0], [CEILING])
-    assert view.exits.data["words"] == ["rk2 leaves the plot: |Δψ| reaches 5×10¹⁶"]
+    assert view.exits.data["words"] == ["rk2 leaves the plot: |Δψ| reaches 4.5×10¹⁶"]
     assert view.curves.data["ys"][0][2] == CEILING
     assert view.corners.data["y"][1] >= CEILING
     endless = curve([0.0, 1.0, np.inf], t_end=2.0)
