@@ -66,6 +66,9 @@ it rises by a pixel or two, on an axis of so many decades."""
 DRIFT = 2.0
 """The same ratio beyond which a rise is no wave any more, but a drift: one in proportion to time has 3."""
 
+LOST = 0.1
+"""|Δψ|, relative to the size of ψ, from which on nothing is said of a bound: less than a digit of ψ is right."""
+
 NEAR_ONE = 10.0
 """Factor by which the size of ψ must differ from 1 for a drift to be stated relative to it, too."""
 
@@ -264,6 +267,8 @@ def _drift(curve: ErrorCurve) -> str:
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
     if curve.runs_off:
         return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {until:.4g}, where it runs off"
+    if 0.0 < LOST * size <= worst:
+        return f"{curve.method} does not keep ψ: |Δψ| reaches {rounded(worst)}{_relative(worst, size, up=False)}"
     if small or late <= SEEN_TO_RISE * early:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
     word = "drifts to" if late > DRIFT * early else "reaches"

@@ -180,6 +180,13 @@ def test_what_is_round_off_depends_on_the_size_of_psi():
     assert words(small, 1e-9) == "dmm2 drifts to 8×10⁻¹⁶ (8×10⁻⁷ of the size of ψ, about 10⁻⁹) by t = 20."
 
 
+def test_no_bound_is_praised_where_less_than_a_digit_of_psi_is_right():
+    lost = curve([0.0, 2.7e5, 2.7e5, 2.6e5], "rk2", size=6.5e5)
+    assert conserved_text([lost]) == (
+        "rk2 does not keep ψ: |Δψ| reaches 2.7×10⁵ (0.42 of the size of ψ, about 6.5×10⁵)."
+    )
+
+
 def test_a_drift_is_rounded_to_the_nearest_and_goes_to_the_end_of_the_run():
     drifting = replace(curve(np.linspace(0, 2.02e-8, 300), "rk4", t_end=99.92), t_end=100.0)
     assert conserved_text([drifting]) == "rk4 drifts to 2×10⁻⁸ by t = 100."
