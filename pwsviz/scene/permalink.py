@@ -19,6 +19,7 @@ from pwsviz.scene.scene import Scene
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
 from pwsviz.scene.sweeping import COUNTS, SWEEP_SETTINGS
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
+from pwsviz.text.advice import on_page
 
 VERSION = 2
 """Of the format; a link of an unknown version is read as this one, with a complaint."""
@@ -261,7 +262,7 @@ class _Reader:
         try:
             self.scene.accept("starts", starts)
         except ValueError as reason:  # with these parameters the default start is refused, too
-            self._complain_of("starts", reason)
+            self._complain_of("starts", ValueError(on_page(str(reason))))
 
     def _possible(self, number: int, part: str) -> Start:
         """Return one start, or the default one if it is refused."""
@@ -270,7 +271,7 @@ class _Reader:
             _take(self.scene, "starts", part)
         except ValueError as reason:
             instead = f"Used instead: {', '.join(map(_decimal, usual))}."
-            self._complain(f"Start {number} in the link: {reason}", instead)
+            self._complain(f"Start {number} in the link: {on_page(str(reason)).rstrip('.')}.", instead)
             return usual
         return self.scene.x0
 

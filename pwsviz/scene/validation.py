@@ -24,6 +24,9 @@ MAX_FUNCTION = 300
 
 _ENDS = ("left", "right", "bottom", "top")
 
+MOST_NAMES = 200
+"""Characters of a list of what may be chosen, up to which a complaint names all."""
+
 _SUCH = "Type one such as “0.01”, “1e-3”, “1/3” or “sqrt(2)”."
 
 
@@ -59,7 +62,7 @@ def number(value: object, subject: str, low: float, high: float) -> float:
     if not math.isfinite(result):
         raise ValueError(f"“{value}” is not a finite number. {_SUCH}")
     if not low <= result <= high:
-        raise ValueError(f"{subject} has to lie between {low:g} and {high:g}.")
+        raise ValueError(f"{subject} has to lie between {low:,g} and {high:,g}.")
     return result
 
 
@@ -73,7 +76,9 @@ def one_of(choices: Iterable[object], value: object, name: Callable[[object], st
     """
     known = list(choices)
     if not any(value == one and type(value) is type(one) for one in known):
-        raise ValueError(f"“{value}” is not one of {', '.join(map(name, known))}.")
+        names = ", ".join(map(name, known))
+        offered = names if len(names) <= MOST_NAMES else "those that can be chosen here"
+        raise ValueError(f"“{value}” is not one of {offered}.")
     return value
 
 

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 __all__ = ["on_page"]
 
+
+def _state(found: re.Match[str]) -> str:
+    """Return a state in Python, x0 = (0.5, 0.0), as the page writes it: (0.5, 0)."""
+    return re.sub(r"\.0(?=[,)])|,(?=\))", "", found[0].removeprefix("x0 = "))
+
+
 #: What `core` writes for programs, as a pattern, and what the page says instead.
-_SAID = (
+_SAID: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r'let it slide \(sliding="continue"\)', "choose “Slide along the surface”"),
     (r"Raise the limit \(max_crossings\) to continue", "Take an earlier end time"),
     (r"Raise the limit \(max_events\) to continue", "Take an earlier end time"),
@@ -15,6 +22,7 @@ _SAID = (
     (r", or raise the limit \(max_steps\)", ""),
     (r"Declare the law of that region \(regions\)", "Declare a law for that region in the editor"),
     (r"give a tau, which no step is longer than", "take a smaller τ, which no step is longer than"),
+    (r"\bx0 = \([^()]*\)", _state),
     (r"\bf_minus\b", "f₋"),
     (r"\bf_plus\b", "f₊"),
     (r"alpha_hat\^2/M_hat", "α̂²/M̂"),

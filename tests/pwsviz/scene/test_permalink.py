@@ -272,6 +272,13 @@ HOSTILE = [
     ("nonsense", "nonsense", "has no value"),
     ("starts=1,2;1;3,4", "Start 2", "Used instead: -1.0, -1.0."),
     ("starts=1,nan", "Start 1", "not a number"),
+    (
+        "system=kepler&starts=0.0,0.0,1.0,0.0",
+        "Start 1 in the link: (0, 0, 1, 0):",
+        "choose another state. Used instead",
+    ),
+    ("system=nosuch", "System", "is not one of those that can be chosen here. Used instead"),
+    ("t_end=1e9", "t_end", "between 0.001 and 100,000"),
     ("starts=1,2,3", "Start 1", "needs 2 numbers"),
     ("starts=", "Start 1", "not a number"),
     ("starts=" + "1,1;" * 1_000_000, "link", "cut"),

@@ -43,6 +43,13 @@ def test_a_run_that_stops_to_slide_names_the_control_of_the_page():
     assert LABELS["slide"].startswith(quoted)
 
 
+def test_a_state_is_written_as_on_the_page():
+    assert on_page("x0 = (0.5, 0.0, -10.0, 1e-05): the field has no finite value there") == (
+        "(0.5, 0, -10, 1e-05): the field has no finite value there"
+    )
+    assert on_page("x0 = (2.0,) lies in a region") == "(2) lies in a region"
+
+
 def test_bounds_and_fields_are_named_by_their_symbols():
     assert on_page("tau = 0.1 exceeds the bound tau_-^* = 0.02; take tau below 0.02") == (
         "τ = 0.1 exceeds the bound τ₋* = 0.02; take τ below 0.02"
