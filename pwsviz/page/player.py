@@ -83,7 +83,9 @@ export function render({ model, data, el }) {
       return `${many}${count.toLocaleString("en")} ${MET[k][count == 1 ? 0 : 1]}`
     })
     const words = told.filter((_, k) => counts[k] > 0).join(", ") || told[0]
-    now.textContent = `t = ${printed(time.toPrecision(4))}, ${words}${there[0]?.whose ?? ""}`
+    const last_time = there[0]?.t[there[0].t.length - 1]
+    const until = time > last_time ? ` until it ended at t = ${printed(`${Number(last_time.toPrecision(4))}`)}` : ""
+    now.textContent = `t = ${printed(time.toPrecision(4))}, ${words}${until}${there[0]?.whose ?? ""}`
     scrub.setAttribute("aria-valuetext", now.textContent)
     data.setv({ now: shown }, { sync: false })  // not needed by the server
   }

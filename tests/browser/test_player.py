@@ -57,6 +57,15 @@ def test_a_moving_surface_moves_with_the_player(shown):
     assert painted(page, (2.4, 0.0), PURPLE) > 10
 
 
+def test_time_that_runs_on_after_a_run_has_ended_is_not_counted_as_its_own(shown):
+    page = shown(starts=((-1.0, 0.5), (1.5, 2.0)), selected=1, t_end=20.0)
+    slider, told = animate(page), page.locator(".player .now")
+    at_time(page, slider, 0.1)
+    assert re.fullmatch(r"t = 0\.1000, 0 crossings \(start 2, dmm2\)", told.inner_text())
+    at_time(page, slider, 15.0)
+    assert re.fullmatch(r"t = 15\.00, \d+ crossings? until it ended at t = 0\.8 \(start 2, dmm2\)", told.inner_text())
+
+
 def tinted(page, place):
     """Whether most of the pixels around a place have the tint to a unit of colour or two."""
     pixels = np.array(page.evaluate(AROUND, list(place)))[:, :3]
