@@ -39,9 +39,25 @@ def portrait_text(
     return f"{SUMMARY} of {system.name}, {up} against {across}: {which} at ({x:.4g}, {y:.4g}). {met}."
 
 
-def figures_of(pictures: Pictures) -> str:
-    """Return of which start the figures below the portrait are, which others stop early, and what is not marked."""
-    return " ".join(filter(None, (_which_start(pictures), left_out([*pictures.orbits, *pictures.others]))))
+def figures_of(pictures: Pictures, warnings: Sequence[str] = ()) -> str:
+    """Return of which start the figures below the portrait are, what is to be said of others, and what is not marked.
+
+    `warnings` are those of all runs, if they are known: the selected ones, and those of the other starts.
+    """
+    about_others = _warned(pictures, warnings)
+    return " ".join(
+        filter(None, (_which_start(pictures), about_others, left_out([*pictures.orbits, *pictures.others])))
+    )
+
+
+def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
+    """Say of which starts that are not selected there is a warning."""
+    own = pictures.inputs.index + 1
+    told = {number for (number, _), words in zip(pictures.numbered, warnings, strict=False) if words and number != own}
+    return (
+        f"Others with a warning, which is shown when they are selected: {listed(list(map(str, sorted(told))))}."
+        * bool(told)
+    )
 
 
 def _which_start(pictures: Pictures) -> str:

@@ -125,7 +125,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self._tell(outcome)
         self._cover()
         self._submit_frames()
-        runs = outcome.inputs.selected
+        runs = (*outcome.inputs.selected, *outcome.inputs.others)
         self.scheduler.submit(
             "warnings",
             runs,
@@ -144,9 +144,9 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def _tell(self, shown: Pictures) -> None:
         """Write the figures of the selected runs below the portrait, and the warnings if these are known."""
-        runs, found = self._warnings
-        warnings = found if runs == shown.inputs.selected else ()
-        self.status.object = as_text(figures_of(shown), "about") + run_lines(shown.summaries, warnings)
+        (runs, found), inputs = self._warnings, shown.inputs
+        warnings = found if runs == (*inputs.selected, *inputs.others) else ()
+        self.status.object = as_text(figures_of(shown, warnings), "about") + run_lines(shown.summaries, warnings)
 
     def _aim_first(self, shown: Pictures) -> None:
         """Set the view if these are the first pictures of a system, of a plane, or of a scene that was loaded."""

@@ -196,10 +196,12 @@ def test_a_run_that_reaches_the_end_by_too_long_steps_is_warned_of_below_the_por
     words = explorer.portrait_panel.status.object
     assert "dmm2: A step of 0.12 is too long for this field" in words
     assert "take a smaller τ" in words
-    explorer.scene.place((-1.0, 0.5))
+    explorer.scene.place((-0.9, -1.1))
     explorer.scene.selected = 0
     explorer.settle(20)
-    assert "is too long for this field" in explorer.portrait_panel.status.object, "the run is the same"
+    words = explorer.portrait_panel.status.object
+    assert "is too long for this field" in words, "the run is the same"
+    assert "Others with a warning, which is shown when they are selected: 2." in words
     explorer.scene.tau = 0.01
     explorer.settle(20)
     assert "too long" not in explorer.portrait_panel.status.object
