@@ -11,6 +11,7 @@ from core.integration.failure import Growth, ends_beyond, growth_of
 from core.integration.growth_loop import GROWTH
 from core.integration.recorded import Point
 from core.integration.run import Run
+from core.methods import METHODS, Method
 from core.symbolic.source_text import to_text
 from core.system import PiecewiseSystem
 from core.transition.event_location import BOUND
@@ -90,8 +91,7 @@ class Ending(NamedTuple):
     """How a run ended."""
 
     system: PiecewiseSystem
-    adaptive: bool
-    """Whether the method chooses its steps."""
+    method: Method
     status: Status
     last: Point
     cause: Cause
@@ -104,7 +104,7 @@ class Ending(NamedTuple):
 
 def ending_of(run: Run) -> Ending:
     """How a run has ended."""
-    return Ending(run.system, run.method.adaptive, run.status, run.last, cause_of(run))
+    return Ending(run.system, run.method, run.status, run.last, cause_of(run))
 
 
 def cause_of(run: Run) -> Cause:
@@ -159,6 +159,9 @@ def _advice(end: Ending) -> str:
                 f"{field} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
                 "there too: (u**2)**0.75 for u**1.5."
             )
+    if status is Status.NO_CONVERGENCE and end.method.conservative and not _psi_is_defined(end):
+        others = ", ".join(name for name, one in METHODS.items() if not one.conservative)
+        return f"ψ is not defined here, and the method keeps it: take one that does without ψ ({others})."
     if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_mode(end)):
         ends = f"The field is not bounded where {zeros} vanishes: a solution that comes there ends."
         return f"{ends} {_plain_advice(end)}"
@@ -172,7 +175,15 @@ def _advice(end: Ending) -> str:
 
 
 def _plain_advice(end: Ending) -> str:
-    return end.status.advice_without_tau if end.adaptive else end.status.advice
+    return end.status.advice_without_tau if end.method.adaptive else end.status.advice
+
+
+def _psi_is_defined(end: Ending) -> bool:
+    """Whether all ψ of the region are, at the last state."""
+    last, laws = end.last, end.system.laws
+    if end.slides or last.mode == NO_MODE:
+        return True
+    return bool(np.isfinite(end.system.conserved(laws.name(last.mode), last.t, np.array(last.x))).all())
 
 
 def _zeros_of_mode(end: Ending) -> str:

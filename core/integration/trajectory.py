@@ -166,9 +166,8 @@ class Trajectory:
     @cached_property
     def outcome(self) -> str:
         """Where it stopped, why, and what to do about it."""
-        adaptive = METHODS[self.method].adaptive
         last = Point(float(self.t[-1]), tuple(self.x[-1].tolist()), int(self.mode[-1]))
-        return outcome(Ending(self.system, adaptive, self.status, last, self.cause))
+        return outcome(Ending(self.system, METHODS[self.method], self.status, last, self.cause))
 
     @cached_property
     def warning(self) -> str:

@@ -231,7 +231,7 @@ def drawable(error: Floats) -> Floats:
 
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known."""
-    told = [words for curve in curves for words in (_drift(curve), _off_surface(curve)) if words]
+    told = [words for curve in curves for words in (_drift(curve), _undefined(curve), _off_surface(curve)) if words]
     return "; ".join(told) + "." + _about_marks(curves) if told else ""
 
 
@@ -281,6 +281,14 @@ def _end_of(curve: ErrorCurve, known: NDArray[np.bool_]) -> float:
         return curve.t_end
     last = curve.t[known][-1]
     return float(next((t for t in curve.crossings if t >= last), last))
+
+
+def _undefined(curve: ErrorCurve) -> str:
+    """Say from when on ψ is not defined along a run, as where it has a logarithm of x < 0; empty if it always is."""
+    if np.isnan(curve.undefined):
+        return ""
+    since = f" from t = {curve.undefined:.4g} on" if curve.undefined > curve.t[0] else ""
+    return f"ψ is not defined where {curve.method} runs{since}, so that no |Δψ| is drawn"
 
 
 def _off_surface(curve: ErrorCurve) -> str:

@@ -44,10 +44,9 @@ def figures_of(pictures: Pictures, warnings: Sequence[str] = ()) -> str:
 
     `warnings` are those of all runs, if they are known: the selected ones, and those of the other starts.
     """
-    about_others = _warned(pictures, warnings)
-    return " ".join(
-        filter(None, (_which_start(pictures), about_others, left_out([*pictures.orbits, *pictures.others])))
-    )
+    drawn = [*pictures.orbits, *pictures.others]
+    said = _which_start(pictures), _warned(pictures, warnings), _without_psi(pictures), left_out(drawn)
+    return " ".join(filter(None, said))
 
 
 def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
@@ -58,6 +57,16 @@ def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
         f"Others with a warning, which is shown when they are selected: {listed(list(map(str, sorted(told))))}."
         * bool(told)
     )
+
+
+def _without_psi(pictures: Pictures) -> str:
+    """Say at which starts ψ is not defined, so that there is no level set through them."""
+    bare = sorted({number for number, orbit in pictures.numbered if orbit.bare})
+    if not bare:
+        return ""
+    which = f" {listed([str(number) for number in bare])}" if pictures.inputs.start_count > 1 else ""
+    where, through = (f"starts{which}", "them") if len(bare) > 1 else (f"start{which}" if which else "the start", "it")
+    return f"ψ is not defined at {where}: no level set passes through {through}, and no |Δψ| can be told."
 
 
 def _which_start(pictures: Pictures) -> str:

@@ -81,6 +81,8 @@ class Orbit:
     """Where and why it stopped early; None if it reached the end time."""
     places: int
     """How many places of crossings a screen tells apart, of which the first `MOST_PLACES` are in `crossings`."""
+    bare: bool
+    """Whether a ψ is known where a run starts, but not defined at the start, so that no level set passes through it."""
     focus: Floats
     """(k, 2) what a view of it is fitted to: all of it, or of a run that may have gone very far its beginning."""
 
@@ -123,6 +125,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
         steps=_steps(run, near, axes),
         end=_end(run, axes),
         places=len(apart),
+        bare=_bare(run),
         focus=path if view is None else _part(path, view),
     )
 
@@ -161,17 +164,26 @@ def _surroundings(run: core.Trajectory, axes: Axes) -> Window:
     return Window.around(np.concatenate([anchors - 0.5, anchors + 0.5])).scaled(BEGINNING)
 
 
+def _bare(run: core.Trajectory) -> bool:
+    """Return whether a ψ of the region of the start is not defined there, as where it has a logarithm of x < 0."""
+    mode = int(run.mode[0])
+    if not 0 <= mode < len(run.system.laws.regions):
+        return False
+    psi = run.system.conserved(run.system.laws.name(mode), run.t[0], run.x[0])
+    return not np.isfinite(psi).all()
+
+
 def _levels(run: core.Trajectory) -> Levels:
     """Return the regions of the first few segments, and the values of ψ where these began, if level sets are drawn.
 
     They are rounded to what a screen can resolve, so that a change by round-off finds the same backdrop in the cache.
     """
     modes = np.concatenate([run.mode[:1], run.crossings.mode])[: min(2 * SEVERAL_LEVELS, len(run.entered_t))]
-    values, drawn = {}, shows_levels(run.system)
+    values, drawn = dict[int, Floats](), shows_levels(run.system)
     for mode in sorted({*modes.tolist()} & {*range(len(run.system.laws.regions))}):
         number = np.flatnonzero(modes == mode)
         psi = run.system.conserved(run.system.laws.name(mode), run.entered_t[number], run.entered_x[number])
-        values[mode] = psi[:, 0] if drawn and psi.shape[1] else np.zeros(0)
+        values[mode] = psi[np.isfinite(psi[:, 0]), 0] if drawn and psi.shape[1] else np.zeros(0)
     scale = float(np.abs(np.concatenate([*values.values(), [0.0]])).max()) or 1.0
     digits = 4 - math.floor(math.log10(scale))
     return tuple((mode, tuple(dict.fromkeys(np.round(psi, digits).tolist()))) for mode, psi in values.items())

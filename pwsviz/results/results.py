@@ -81,6 +81,8 @@ class ErrorCurve:
     """(n,) greatest `Trajectory.psi_sizes` up to each of the times, or (1,) of all: its round-off is that of Δψ."""
     runs_off: bool = False
     """Whether the run may have gone very far."""
+    undefined: float = np.nan
+    """Time from which on ψ is not defined where the run is, though one is known there; NaN if there is none."""
 
     @property
     def round_off(self) -> Floats:
@@ -388,4 +390,15 @@ def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve
     when, sizes = run.psi_sizes()
     size = np.interp(t, when, np.maximum.accumulate(sizes))
     crossings, runs_off = run.crossings.t, run.status in RUNS_OFF
-    return ErrorCurve(inputs.scheme.method, t, reduced, float(run.t[-1]), crossings, shades, names, size, runs_off)
+    undefined = _undefined(run, error)
+    method, t_end = inputs.scheme.method, float(run.t[-1])
+    return ErrorCurve(method, t, reduced, t_end, crossings, shades, names, size, runs_off, undefined)
+
+
+def _undefined(run: core.Trajectory, error: Floats) -> float:
+    """Return from when on ψ is not defined though it is known; one that has overflowed does not count."""
+    known = np.array([bool(mode.conserved) for mode in run.system.laws.regions])
+    inside = (run.mode >= 0) & (run.mode < len(known))
+    lost = np.isnan(error) & inside & known[np.where(inside, run.mode, 0)]
+    lost &= ~np.maximum.accumulate(np.isinf(error))
+    return float(run.t[np.argmax(lost)]) if lost.any() else np.nan

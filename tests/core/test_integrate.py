@@ -311,3 +311,11 @@ def test_what_a_callback_raises_comes_out(callback):
 
     with pytest.raises(RuntimeError, match="enough"):
         core.integrate(ELLIPTIC, (0.0, 10.0), **{callback: fails})
+
+
+@pytest.mark.parametrize("method", ["dmm2", "prk8", "taylor"])
+def test_a_method_that_keeps_psi_says_so_where_psi_is_not_defined(method):
+    run = core.integrate("predator_prey", (0.0, 20.0), (0.0, 1.0), 0.05, method)
+    assert run.status is Status.NO_CONVERGENCE
+    assert "ψ is not defined here" in run.message
+    assert core.integrate("predator_prey", (0.0, 20.0), (0.0, 1.0), 0.05, "rk2").status is Status.COMPLETED
