@@ -330,6 +330,6 @@ def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
 
 def _warning(run: Trajectory) -> str:
     """Return what `diagnostics` warns of; it is loaded when a message is first read."""
-    from core.diagnostics import step_warning
+    from core.diagnostics import start_warning, step_warning
 
-    return step_warning(run)
+    return " ".join(filter(None, (start_warning(run), step_warning(run))))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import core
 from core.symbolic import to_text
@@ -45,8 +45,8 @@ def figures_of(pictures: Pictures, warnings: Sequence[str] = ()) -> str:
     `warnings` are those of all runs, if they are known: the selected ones, and those of the other starts.
     """
     drawn = [*pictures.orbits, *pictures.others]
-    said = _which_start(pictures), _warned(pictures, warnings), _without_psi(pictures), left_out(drawn)
-    return " ".join(filter(None, said))
+    said = (_which_start(pictures), _warned(pictures, warnings), _without_psi(pictures), _beyond_wall(pictures))
+    return " ".join(filter(None, (*said, left_out(drawn))))
 
 
 def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
@@ -61,12 +61,25 @@ def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
 
 def _without_psi(pictures: Pictures) -> str:
     """Say at which starts ψ is not defined, so that there is no level set through them."""
-    bare = sorted({number for number, orbit in pictures.numbered if orbit.bare})
-    if not bare:
-        return ""
-    which = f" {listed([str(number) for number in bare])}" if pictures.inputs.start_count > 1 else ""
-    where, through = (f"starts{which}", "them") if len(bare) > 1 else (f"start{which}" if which else "the start", "it")
-    return f"ψ is not defined at {where}: no level set passes through {through}, and no |Δψ| can be told."
+    bare = {number for number, orbit in pictures.numbered if orbit.bare}
+    through = "them" if len(bare) > 1 else "it"
+    told = f"no level set passes through {through}, and no |Δψ| can be told"
+    return f"ψ is not defined at {_named(pictures, bare)}: {told}." if bare else ""
+
+
+def _beyond_wall(pictures: Pictures) -> str:
+    """Say which starts lie beyond a wall, where no other run comes."""
+    beyond = {number for number, orbit in pictures.numbered if orbit.beyond}
+    which = _named(pictures, beyond)
+    lies = "lie" if len(beyond) > 1 else "lies"
+    return f"{which[:1].upper()}{which[1:]} {lies} beyond the wall, at which every run bounces." if beyond else ""
+
+
+def _named(pictures: Pictures, numbers: Collection[int]) -> str:
+    """Return “the start” if there is but one, else the numbers of some of them."""
+    if pictures.inputs.start_count == 1:
+        return "the start"
+    return f"start{'s' * (len(numbers) > 1)} {listed([str(number) for number in sorted(numbers)])}"
 
 
 def _which_start(pictures: Pictures) -> str:

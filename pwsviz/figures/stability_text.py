@@ -6,6 +6,7 @@ import numpy as np
 
 import core
 from core.studies import NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
+from pwsviz.figures.marks import ENDS
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
 from pwsviz.text.advice import on_page
 from pwsviz.text.numbers import printed
@@ -42,12 +43,23 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
         "map" (which includes the largest step sizes), "drift" or "grazing".
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
-        return f"Crossings compared with: {study.reference}."
+        return f"{_ends_early(study)}Crossings compared with: {study.reference}."
     if part == "drift" and study.drift is not None:
         return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:
         return _grazing_words(study, study.grazing)
     return "Nothing is computed yet."
+
+
+def _ends_early(study: core.StabilityStudy) -> str:
+    """Say from how many starts of the map the solution itself ends before the end time, and how; empty if from none."""
+    expected = study.map.expected if study.map is not None else np.empty(0, dtype=int)
+    ends = [core.Status(code) for code in expected[np.isin(expected, list(ENDS))].tolist()]
+    if not ends:
+        return ""
+    told = ", ".join(f"{ENDS[status].word}: {ends.count(status)}" for status in dict.fromkeys(ends))
+    until = f"the solution itself ends before t = {study.t_span[1]:.4g} ({told})"
+    return f"From {len(ends)} of {len(expected)} starts {until}; a run that ends so, too, is correct. "
 
 
 def _drift_words(drift: Drift) -> str:

@@ -13,6 +13,7 @@ from contourpy import FillType, LineType, contour_generator
 from numpy.typing import NDArray
 
 import core
+from core.diagnostics import inhabited
 from pwsviz.geometry.formulas import formulas
 from pwsviz.geometry.line_pieces import area, cut, joined, pieces, resampled, with_value
 from pwsviz.geometry.polyline_reduction import Floats, simplify
@@ -26,7 +27,7 @@ from pwsviz.geometry.projection import (
     surfaces_shown,
 )
 from pwsviz.geometry.shades import regions_of
-from pwsviz.geometry.walls import bare_name, inhabited
+from pwsviz.geometry.walls import bare_name
 
 GRID = 120
 """Cells along the longer side of the grid on which surfaces and level sets are traced: 6 to 10 pixels each."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from functools import lru_cache
 
 import core
+from core.diagnostics import constant_sign, rate_on_surface, ratio
 from core.maps import own_surface
 from core.symbolic import Mode, Way
-from pwsviz.geometry.crossing_rates import constant_sign, rate_on_surface, ratio
 
 __all__ = ["chosen_direction", "has_reset", "is_one_way", "usual_direction"]
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
+from core.diagnostics import starts_beyond_wall
 from pwsviz.geometry.clipping import clipped
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
@@ -83,6 +84,8 @@ class Orbit:
     """How many places of crossings a screen tells apart, of which the first `MOST_PLACES` are in `crossings`."""
     bare: bool
     """Whether a ψ is known where a run starts, but not defined at the start, so that no level set passes through it."""
+    beyond: bool
+    """Whether it starts beyond a wall, at which every run bounces."""
     focus: Floats
     """(k, 2) what a view of it is fitted to: all of it, or of a run that may have gone very far its beginning."""
 
@@ -126,6 +129,7 @@ def orbit_of(inputs: RunInputs, run: core.Trajectory, near: Window | None, axes:
         end=_end(run, axes),
         places=len(apart),
         bare=_bare(run),
+        beyond=starts_beyond_wall(run),
         focus=path if view is None else _part(path, view),
     )
 

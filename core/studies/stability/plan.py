@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from core.diagnostics import beyond_walls
 from core.integrate import checked_method, checked_settings, checked_start
+from core.integration.trajectory import Status
 from core.interface.arguments import count, listed, number
 from core.interface.cancelling import Cancel
 from core.kernels.arrays import Floats
@@ -31,6 +33,8 @@ _FINEST = 20_000.0
 _COARSEST = 10.0
 #: Number of steps to the end time with the default step size of the long run and of the runs near a tangency.
 _DEFAULT_STEPS = 1_000.0
+#: Number of instants along the trajectory, and of values in its range, by which the default values are chosen.
+_INSTANTS = 1001
 #: Default number of values of the coordinate.
 _VALUES = 25
 #: Most step sizes, and most values.
@@ -135,9 +139,28 @@ def _default_values(
     sliding: str, cancel: Cancel | None,
 ) -> Floats:  # fmt: skip
     """Default values: the range of the coordinate along the trajectory from x₀, and a margin, as in its portrait."""
-    seen = reference_run(system, x0, t_span, record="steps", sliding=sliding, cancel=cancel).x[:, coordinate]
+    run = reference_run(system, x0, t_span, record="steps", sliding=sliding, cancel=cancel)
+    seen, times = run.x[:, coordinate], np.linspace(run.t[0], run.t[-1], _INSTANTS)
     away = np.abs(seen - x0[coordinate])
-    seen = seen[away <= _FAR * max(float(np.median(away)), float(away.max()) / 1e6)]
+    usual = float(np.median(np.interp(times, run.t, away)))  # over the time: before a pole steps crowd
+    least = 0.0 if run.status is Status.ESCAPED else float(away.max()) / 1e6  # of one that rests most of the time
+    seen = seen[away <= _FAR * max(usual, least)]
     low, high = float(seen.min()), float(seen.max())
     margin = _MARGIN * (high - low) or max(abs(low), 1.0) / 2
-    return np.linspace(low - margin, high + margin, _VALUES)
+    wide = np.linspace(low - margin, high + margin, _INSTANTS)
+    within = _within_walls(system, x0, t_span[0], coordinate, wide)
+    return np.linspace(within[0], within[-1], _VALUES)
+
+
+def _within_walls(system: PiecewiseSystem, x0: tuple[float, ...], t0: float, coordinate: int, values: Floats) -> Floats:
+    """Return the values around that of x₀ from which no start lies beyond a wall; all, if x₀ itself lies there."""
+    starts = np.tile(np.array(x0), (len(values), 1))
+    starts[:, coordinate] = values
+    beyond = beyond_walls(system, t0, starts)
+    if beyond_walls(system, t0, np.array(x0)) or not beyond.any():
+        return values
+    here = int(np.searchsorted(values, x0[coordinate]))
+    before, after = np.flatnonzero(beyond[:here]), np.flatnonzero(beyond[here:])
+    first = before[-1] + 1 if len(before) else 0
+    last = here + after[0] if len(after) else len(values)
+    return values[first:last]

@@ -400,3 +400,32 @@ def test_outcomes_that_are_no_status_have_codes_of_their_own():
     assert own & {int(status) for status in core.Status} == {
         int(core.Status.RUNNING)
     }  # a run not yet made is one that runs
+
+
+def ranges(system, x0=None, coordinate=0):
+    found = stability_study(
+        system, (0, 20), x0, methods=("rk2",), taus=(0.5, 1.0), coordinate=coordinate, parts="map"
+    ).map
+    return found.values[0], found.values[-1], found
+
+
+def test_values_are_of_the_size_of_a_trajectory_before_its_pole():
+    low, high, found = ranges("elliptic_curve", (0.5, 1.1))
+    assert -10.0 < low < 0.5 < high < 50.0
+    assert core.Status.ESCAPED in found.expected
+
+
+def test_values_are_those_of_starts_on_this_side_of_a_wall():
+    low, high, found = ranges("bouncing_ball")
+    assert 0.0 < low < 0.01
+    assert high > 1.0
+    assert (found.expected != core.Status.COMPLETED).all(), "a ball comes to rest"
+    assert ranges("henon_heiles")[0] > -0.1
+    assert ranges("bouncing_ball", coordinate="v")[0] < 0.0
+
+
+def test_a_start_beyond_a_wall_has_a_warning_and_its_own_values():
+    run = core.integrate("bouncing_ball", (0.0, 1.0), (-1.0, 0.0))
+    assert "The start lies beyond a wall" in run.message
+    assert "beyond a wall" not in core.integrate("bouncing_ball", (0.0, 1.0)).message
+    assert ranges("bouncing_ball", (-1.0, 0.0))[0] < -1.0

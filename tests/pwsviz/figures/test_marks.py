@@ -80,3 +80,13 @@ def test_no_end_differs_from_a_crossing_by_a_dot_alone():
     # A legend draws marks of 8 pixels, in which a dot is not seen.
     crossings = {(KIND_MARKERS[kind], KIND_COLOURS[kind]) for kind in KIND_MARKERS}
     assert not crossings & {(look.marker.removesuffix("_dot"), look.colour) for look in ENDS.values()}
+
+
+def test_starts_beyond_a_wall_are_named():
+    told = {}
+    for starts in ((((1.0, 0.0)), (-1.0, 0.0)), ((-1.0, 0.0),), ((1.0, 0.0),)):
+        scene = Scene(system="bouncing_ball", starts=starts, methods=["rk2"], t_end=1.0)
+        told[len(starts), starts[0][0]] = figures_of(Results().pictures(PortraitInputs.of(scene)))
+    assert "Start 2 lies beyond the wall" in told[2, 1.0]
+    assert "The start lies beyond the wall" in told[1, -1.0]
+    assert "beyond" not in told[1, 1.0]

@@ -280,6 +280,15 @@ def test_a_study_that_counts_crossings_to_another_time_than_the_end_says_why(sys
     assert stability_numbers(found, "map", "rk2")[0].caption.endswith(f"start, {told}")
 
 
+def test_a_map_of_solutions_that_end_early_says_so(study):
+    ends = np.array([core.Status.ESCAPED, core.Status.ESCAPED, core.Status.SLIDING, NO_START, core.Status.COMPLETED])
+    early = replace(study, map=replace(study.map, expected=ends))
+    told = "From 3 of 5 starts the solution itself ends before t = 20 (blow-up: 2, sliding: 1); a run that ends so, too"
+    assert told in stability_text(early, "map")
+    completed = replace(study, map=replace(study.map, expected=np.full(5, core.Status.COMPLETED)))
+    assert "ends before" not in stability_text(completed, "map")
+
+
 def test_a_small_share_is_not_said_to_be_none(study):
     outcome = np.full((2, 25, 25), core.Status.COMPLETED)
     outcome[0, 0, 0] = WRONG_CROSSINGS

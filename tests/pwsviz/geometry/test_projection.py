@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import core
+from core.diagnostics import inhabited
 from pwsviz.figures.portrait_text import portrait_note
 from pwsviz.geometry.phase_plane import Window, backdrop, closed_surface
 from pwsviz.geometry.projection import (
@@ -21,7 +22,6 @@ from pwsviz.geometry.projection import (
     surfaces_shown,
 )
 from pwsviz.geometry.shades import regions_of
-from pwsviz.geometry.walls import inhabited
 from pwsviz.scene.names import readable
 from pwsviz.text.math_names import variable_name
 from tests.pwsviz.own_systems import GATE, OWN_SYSTEMS, RELAY, STRIPS, WEDGE

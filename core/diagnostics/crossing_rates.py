@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sympy
 
-import core
 from core.symbolic import TIME, Laws, Mode, Way, eliminated, is_larger
+from core.system import PiecewiseSystem
 
 __all__ = ["constant_sign", "rate_on_surface", "ratio"]
 
@@ -27,7 +27,7 @@ def ratio(rate: sympy.Expr, other: sympy.Expr) -> sympy.Expr:
     return quotient if is_larger(quotient, _NODES) else sympy.cancel(quotient)
 
 
-def constant_sign(system: core.PiecewiseSystem, value: sympy.Expr) -> int | None:
+def constant_sign(system: PiecewiseSystem, value: sympy.Expr) -> int | None:
     """Return the sign of an expression at the values of the parameters; None if it depends on the state."""
     if value.free_symbols & {*system.laws.x, TIME}:
         return None
