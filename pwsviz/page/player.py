@@ -147,6 +147,12 @@ export function render({ model, data, el }) {
     else { return }
     event.preventDefault()
   })
+  // The space bar is for the player now, unless the user writes elsewhere; a button takes the focus once it is enabled.
+  const await_space = () => requestAnimationFrame(() => {
+    let focused = document.activeElement
+    while (focused?.shadowRoot?.activeElement) { focused = focused.shadowRoot.activeElement }
+    if (!focused?.matches("input, textarea, select, [contenteditable]")) { play.focus({ preventScroll: true }) }
+  })
   const take = () => {
     ways = model.ways
     note.textContent = model.note
@@ -155,7 +161,7 @@ export function render({ model, data, el }) {
     play.disabled = scrub.disabled = end == 0
     if (end == 0) { pause() }
     show()
-    if (end > 0 && begun != model.begun) { begun = model.begun; time = 0; start() }
+    if (end > 0 && begun != model.begun) { begun = model.begun; time = 0; start(); await_space() }
   }
   model.on("ways", take)
   model.on("remove", () => {
@@ -166,7 +172,6 @@ export function render({ model, data, el }) {
   })
   label()
   take()
-  requestAnimationFrame(() => play.focus({ preventScroll: true }))  // for the space bar
 }
 """
 )

@@ -209,8 +209,10 @@ class PortraitPanel(pn.viewable.Viewer):
         self.portrait.show_orbits(self.shown.inputs.declaration, self.shown, starts, self.scene.selected)
 
     def _submit_frames(self) -> None:
-        """Submit the computation of the frames of the player, while it is open."""
-        if self.player.wanted and self.shown is not None:
+        """Submit the computation of the frames of the player, while it is open; once closed it has none."""
+        if not self.player.wanted:
+            self.scheduler.forget("frames")
+        elif self.shown is not None:
             shown = self.shown.inputs
             inputs = (*shown.selected, *shown.others), self.shown.axes
             self.scheduler.submit(

@@ -66,6 +66,22 @@ def test_time_that_runs_on_after_a_run_has_ended_is_not_counted_as_its_own(shown
     assert re.fullmatch(r"t = 15\.00, \d+ crossings? until it ended at t = 0\.8 \(start 2, dmm2\)", told.inner_text())
 
 
+def test_each_time_the_player_opens_space_is_its_own(shown):
+    page = shown(system="moving_interface")
+    play, pause = (page.get_by_role("button", name=name, exact=True) for name in ("Play", "Pause"))
+    for _ in range(3):
+        page.get_by_role("button", name="Animate").click()
+        pause.wait_for()
+        page.wait_for_timeout(300)
+        assert pause.evaluate("button => button.getRootNode().activeElement == button")
+        page.keyboard.press("Space")
+        play.wait_for()
+        page.keyboard.press("Space")
+        pause.wait_for()
+        page.get_by_role("button", name="Close the animation").click()
+        page.get_by_role("button", name="Animate").wait_for()
+
+
 def tinted(page, place):
     """Whether most of the pixels around a place have the tint to a unit of colour or two."""
     pixels = np.array(page.evaluate(AROUND, list(place)))[:, :3]

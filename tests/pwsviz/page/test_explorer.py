@@ -102,6 +102,14 @@ def test_curves_of_a_moved_slider_bring_the_backdrop_on_which_they_lie(explorer)
     assert counts(explorer)["backdrop"] == 3
 
 
+def test_a_player_that_is_opened_again_has_its_frames(explorer):
+    player = explorer.portrait_panel.player
+    for is_open in (True, False, True):
+        player.open = is_open
+        explorer.settle(20)
+        assert len(player.bar.ways) == 2 * is_open
+
+
 def test_hidden_views_compute_nothing(explorer):
     explorer.scene.view = "order"
     explorer.settle(20)
