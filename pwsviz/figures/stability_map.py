@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 from bokeh.events import Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, DataRange1d, LogColorMapper
 from bokeh.models.annotations import ColorBar
+from bokeh.models.renderers import GlyphRenderer
 from bokeh.palettes import Cividis256
 from numpy.typing import NDArray
 
@@ -36,6 +38,15 @@ FLOOR = MACHINE_EPSILON / 8
 
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
+
+LIMIT = "largest τ that works"
+"""Legend of the lines."""
+
+PLACE = "τ and start in the sidebar"
+"""Legend of the cross."""
+
+LABEL = 0.06
+"""Part of the axis that the label of a line is high: on a phone, where 12 pixels are most of it."""
 
 HATCH: Mapping[str, Any] = {
     "hatch_pattern": "right_diagonal_line", "hatch_color": "#FFFFFF", "hatch_alpha": 0.6, "hatch_scale": 8.0,
@@ -76,8 +87,7 @@ class MapFigure:
         blanks = plot.quad(**edges, source=self.blank, color=GREY)
         self.bar = ColorBar(color_mapper=mapper, title="|Δψ|", visible=False, width=12)
         plot.add_layout(self.bar, "right")
-        self._limit_glyphs()
-        self._place_glyphs()
+        limits, crosses = self._limit_glyphs(), self._place_glyphs()
         self.corners = fit_to_corners(plot, [1e-3, 1.0], [-1.0, 1.0])
         rows = [
             ("", "@words"),
@@ -88,26 +98,36 @@ class MapFigure:
             ("|Δψ|", "@error"),
         ]
         plot.add_tools(tips(rows, renderers=[outcomes, errors, ended, blanks]))
-        entries = [({"field": "words"}, outcomes), (NO_VALUE, blanks), ({"field": "words"}, ended)]
-        self._outcomes, self._blanks, self._ended = legend_below(plot, 2, entries, usual=4)
+        entries = [
+            ({"field": "words"}, outcomes),
+            (NO_VALUE, blanks),
+            ({"field": "words"}, ended),
+            (LIMIT, limits),
+            (PLACE, crosses),
+        ]
+        self._outcomes, self._blanks, self._ended, self._limit, self._place = legend_below(plot, 2, entries, usual=4)
+        self._limit.visible = self._place.visible = False
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
-    def _limit_glyphs(self) -> None:
-        """Make the labelled lines at the largest step size that works for each integrator."""
+    def _limit_glyphs(self) -> GlyphRenderer[Any]:
+        """Make the labelled lines at the largest step size that works for each integrator; return these."""
         self.limits = ColumnDataSource({name: [] for name in ("x", "y", "text", "colour", "dash")})
         self.figure.vspan("x", source=self.limits, line_color="#FFFFFF", line_width=5)
-        self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
+        lines = self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
         box: dict[str, Any] = {"background_fill_color": "#FFFFFF", "background_fill_alpha": 0.75, "padding": 1}
         self.figure.text(
             "x", "y", "text", source=self.limits, angle=np.pi / 2, text_color="#000000", text_font_size="12px",
             text_baseline="bottom", x_offset=-3, y_offset=-6, **box,
         )  # fmt: skip
+        return lines
 
-    def _place_glyphs(self) -> None:
+    def _place_glyphs(self) -> list[GlyphRenderer[Any]]:
         """Make the cross at the step size and the start of the page: a dark one on a light one, seen on every cell."""
         self.place = ColumnDataSource({"x": [], "y": []})
-        for colour, width in (("#FFFFFF", 6), ("#000000", 2.5)):
+        return [
             self.figure.scatter("x", "y", source=self.place, marker="cross", size=26, color=colour, line_width=width)
+            for colour, width in (("#FFFFFF", 6), ("#000000", 2.5))
+        ]
 
     def show(self, study: core.StabilityStudy, method: str, what: Shown) -> None:
         """Draw what is computed of the map of one integrator, and the largest step size of each integrator."""
@@ -133,19 +153,33 @@ class MapFigure:
     def mark(self, tau: float, value: float) -> None:
         """Put the cross at a step size and a coordinate of the start."""
         assign(self.place, x=[tau], y=[value])
+        self._place.visible = True
 
     def _show_limits(self, study: core.StabilityStudy) -> None:
         largest = study.largest_tau
         there = [] if largest is None else np.flatnonzero(np.isfinite(largest.tau)).tolist()
         names = [study.methods[k] for k in there]
+        self._limit.visible = bool(there)
         bottom = 0.0 if study.map is None else float(_edges(study.map.values)[0])
         self.limits.data = {
             "x": [] if largest is None else largest.tau[there],
             "y": [bottom] * len(there),
-            "text": [f" {name}" for name in names],
+            "text": [] if largest is None else _labels(names, largest.tau[there], largest.taus),
             "colour": [line_of(name).colour for name in names],
             "dash": [list(line.dash) for line in together(map(line_of, names))],
         }
+
+
+def _labels(names: list[str], limits: Floats, taus: Floats) -> list[str]:
+    """Return the label of each limit; of limits close to one another the leftmost has the names of all."""
+    apart = LABEL * math.log(taus[-1] / taus[0])
+    labels, first, last = [""] * len(names), 0, -math.inf
+    for k in np.argsort(limits, kind="stable").tolist():
+        if math.log(limits[k]) - last > apart:
+            first = k
+        labels[first] += f"{',' * bool(labels[first])} {names[k]}"
+        last = math.log(limits[k])
+    return labels
 
 
 def _edges(centres: Floats) -> Floats:

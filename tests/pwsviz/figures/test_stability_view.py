@@ -199,6 +199,28 @@ def test_the_largest_step_sizes_are_lines_named_after_their_integrators(study):
     assert data["colour"] == [line_of(name).colour for name in METHODS]
 
 
+@pytest.mark.parametrize(
+    ("limits", "labels"), [((0.5, 0.5), [" dmm2, rk2", ""]), ((0.5, 0.49), ["", " rk2, dmm2"]), ((0.5, 0.1), None)]
+)
+def test_labels_of_limits_do_not_lie_on_one_another(study, limits, labels):
+    view = StabilityView(lambda *place: None)
+    drawn = view.figure("map")
+    largest = replace(study.largest_tau, tau=np.array(limits))
+    view.show(replace(study, largest_tau=largest), "map", "dmm2")
+    assert view._of("map").limits.data["text"] == (labels or [" dmm2", " rk2"])
+    assert drawn.legend.items[3].label.value == "largest τ that works"
+    assert drawn.legend.items[3].visible
+
+
+def test_the_cross_has_an_entry_in_the_legend_once_it_is_there(study):
+    view = StabilityView(lambda *place: None)
+    entry = view.figure("map").legend.items[4]
+    assert not entry.visible
+    view.mark(0.1, -1.0)
+    assert entry.visible
+    assert entry.label.value == "τ and start in the sidebar"
+
+
 def test_every_outcome_has_words_and_different_words_differ_in_colour():
     never = (core.Status.RUNNING, core.Status.CANCELLED, core.Status.EVENT, core.Status.EVENT_LIMIT)
     codes = [s for s in core.Status if s not in never]  # a study asks for no events
