@@ -33,6 +33,7 @@ from pwsviz.figures.style import (
     tips,
     together,
     unseen,
+    widths_in_time,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -114,7 +115,7 @@ class ConservedView:
 
     def _curve_glyphs(self) -> None:
         plot = self.figure
-        columns = ("xs", "ys", "method", "colour", "dash")
+        columns = ("xs", "ys", "method", "colour", "dash", "width")
         self.methods, self.keys = legend_lines(plot)
         self.round_off = ColumnDataSource({"t": [], "y": []})
         plot.add_glyph(self.round_off, Line(x="t", y="y", **LEVEL))
@@ -161,6 +162,7 @@ class ConservedView:
             method=[curve.method for curve in errors],
             colour=[line.colour for line in lines],
             dash=[list(line.dash) for line in lines],
+            width=widths_in_time(lines),
         )
         self._show_exits(errors, heights)
         show_methods(self.methods, [curve.method for curve in errors])

@@ -23,6 +23,7 @@ from pwsviz.figures.style import (
     plain_figure,
     tips,
     together,
+    widths_in_time,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -32,7 +33,6 @@ from pwsviz.text.numbers import printed
 __all__ = ["DriftFigure", "GrazingFigure"]
 
 _CURVE = ("xs", "ys", "method", "colour", "dash", "width")
-_WIDEST = 2.5  #: pixels of line width
 
 
 class DriftFigure:
@@ -159,7 +159,7 @@ def _columns(methods: tuple[str, ...], xs: list[Floats], ys: list[Floats]) -> di
         "method": list(methods),
         "colour": [line.colour for line in lines],
         "dash": [list(line.dash) for line in lines],
-        "width": [min(line.width, _WIDEST) for line in lines],
+        "width": widths_in_time(lines),
     }
 
 

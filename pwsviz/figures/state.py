@@ -30,6 +30,7 @@ from pwsviz.figures.style import (
     tips,
     together,
     unseen,
+    widths_in_time,
 )
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
@@ -89,7 +90,7 @@ class Panel:
         self.bands = {
             side: self.figure.add_glyph(source, side_strips(side)) for side, source in shared.segments.items()
         }
-        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash")})
+        self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "method", "colour", "dash", "width")})
         self.steps = ColumnDataSource({name: [] for name in ("t", "y", "colour")})
         # Below the curves: dots of one integrator would hide the curve of another.
         self.figure.add_glyph(self.steps, Scatter(x="t", line_color="colour", fill_color="colour", size=4))
@@ -135,6 +136,7 @@ class Panel:
             "method": [run.method for run in runs],
             "colour": [look.colour for look in looks],
             "dash": [list(look.dash) for look in looks],
+            "width": widths_in_time(looks),
         }
         assign(
             self.steps,

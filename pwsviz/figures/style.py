@@ -146,6 +146,15 @@ LOOKS: dict[str, tuple[Line, ...]] = {
 }
 """Looks of the integrators of each family, in their order (cyclically); all differ in colour and in dash."""
 
+WIDEST = 4.5
+"""Width in pixels of the first of several curves that are drawn together."""
+
+NARROWEST = 1.6
+"""Width of the last of them, and of a curve against time that is alone."""
+
+SLIM = 0.7
+"""Widths of curves against time, relative to those of curves in the plane."""
+
 NEAR_ROUND_OFF = 100.0
 """Ratio of the least error to the level of round-off up to which an axis goes down to that level."""
 
@@ -165,9 +174,23 @@ def line_of(method: str) -> Line:
 
 
 def together(lines: Iterable[Line]) -> list[Line]:
-    """Return the looks of curves that are drawn together: solid if all are alike, for there is none to tell apart."""
+    """Return the looks of curves that are drawn together, each over those before it.
+
+    Alike ones are solid, for there is none to tell apart. Else each look is narrower than those before it, which are so
+    seen beside it where the curves coincide.
+    """
     found = list(lines)
-    return [line._replace(dash=()) for line in found] if len(set(found)) == 1 else found
+    looks = list(dict.fromkeys(found))
+    if len(looks) == 1:
+        return [line._replace(dash=()) for line in found]
+    widths = dict(zip(looks, np.linspace(WIDEST, NARROWEST, len(looks)).tolist(), strict=True))
+    return [line._replace(width=widths[line]) for line in found]
+
+
+def widths_in_time(lines: Sequence[Line]) -> list[float]:
+    """Return the widths of the curves of `together` against time, where they wind closely."""
+    alike = len(set(lines)) == 1
+    return [NARROWEST if alike else SLIM * line.width for line in lines]
 
 
 def plain_figure(summary: str, **options: Any) -> figure:
@@ -283,7 +306,7 @@ def invisible(**place: Any) -> Scatter:
 
 def run_lines() -> MultiLine:
     """Return the curves of runs against time, each in the look of its integrator."""
-    return MultiLine(line_color="colour", line_dash="dash", line_width=1.6)
+    return MultiLine(line_color="colour", line_dash="dash", line_width="width")
 
 
 def side_strips(side: int) -> VStrip:

@@ -17,6 +17,7 @@ from pwsviz.figures.style import (
     show_methods,
     side_strips,
     together,
+    widths_in_time,
 )
 from pwsviz.geometry.shades import REGION_SHADES
 
@@ -52,7 +53,17 @@ def test_a_curve_that_stands_alone_is_solid_and_so_is_its_key(name):
     show_methods(keys, [name])
     assert keys.data["dash"] == [[]]
     both = [line_of("dmm4"), line_of("dmm6")]
-    assert together(both) == both
+    assert [line._replace(width=0) for line in together(both)] == [line._replace(width=0) for line in both]
+
+
+@pytest.mark.parametrize("names", [("dmm2", "prk8"), ("prk8", "dmm2"), ("rk4", "prk8"), tuple(core.METHODS)])
+def test_of_curves_that_coincide_those_below_are_seen_beside_those_above(names):
+    for widths in (
+        [line.width for line in together(map(line_of, names))],
+        widths_in_time(together(map(line_of, names))),
+    ):
+        assert (np.diff(widths) < 0).all()
+        assert 2 <= widths[0] / widths[-1] <= 3
 
 
 @pytest.mark.parametrize("seen", SIGHT.values(), ids=SIGHT)
