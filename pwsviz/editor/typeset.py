@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from html import escape
 
-from sympy import Expr, Symbol
+from sympy import Expr, Float, Rational, Symbol
 
 from core.symbolic import to_text
 from pwsviz.text.mathml import TOO_LONG, Names, markup, too_long
+from pwsviz.text.numbers import shortest
 
-__all__ = ["equation", "is_zero", "rate", "state_after"]
+__all__ = ["constant", "equation", "is_zero", "rate", "state_after"]
+
+
+def constant(value: float) -> Expr:
+    """Return a number as an expression that is typeset with the digits, or as the ratio, of its field on the page."""
+    text = shortest(float(value))
+    return Rational(text) if "/" in text else Float(text)
 
 
 def equation(said: str, shown: str, right: Expr, names: Names | None = None, more: str = "") -> str:

@@ -17,7 +17,7 @@ from core.symbolic import SIDES, Declaration, Problem, Verdict, miscounted, pars
 from pwsviz.editor.draft import FIELDS, Draft
 from pwsviz.editor.one_field import OneField, called_by_variables, where
 from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
-from pwsviz.editor.typeset import equation, rate, state_after
+from pwsviz.editor.typeset import constant, equation, rate, state_after
 from pwsviz.scene.checks import MAX_COORDINATE
 from pwsviz.scene.scene import can_use
 from pwsviz.text.math_names import name_markup
@@ -263,7 +263,7 @@ class _Check:
         if all(map(_is_decimal, self.items["x0"])):
             return ""
         named = zip(self.variables, self.x0, strict=False)
-        return "".join(equation(*_LeftSide(name, markup(Symbol(name))), sympy.Float(x)) for name, x in named)
+        return "".join(equation(*_LeftSide(name, markup(Symbol(name))), constant(x)) for name, x in named)
 
     def findings(self, side: int, system: core.PiecewiseSystem | None) -> tuple[Finding, ...]:
         """Return a finding on each given quantity of a side; if none is given, on those found symbolically."""
@@ -362,10 +362,10 @@ def _coordinate(text: str, formula: Formula) -> float:
 
 def _number(text: str, what: str, formula: Formula) -> float:
     """Read a number, such as 0.1, 1/3 or sqrt(2)."""
-    constant = parse(formula(text), (), what)
-    if constant.free_symbols:
+    number = parse(formula(text), (), what)
+    if number.free_symbols:
         raise ValueError(f"{what} = {quoted(text)} is not a number: write one such as 0.1, 1/3 or sqrt(2)")
-    return float(constant)
+    return float(number)
 
 
 def _is_decimal(text: str) -> bool:
@@ -382,11 +382,11 @@ def _quantity(word: str, k: int, count: int) -> _LeftSide:
 
 
 def _parameter_maths(parameter: core.Parameter) -> str:
-    value = sympy.Float(parameter.default)
+    value = constant(parameter.default)
     ends = parameter.bounds
     within = ""
     if ends is not None:
-        low, high = (markup(sympy.Float(end)) for end in ends)
+        low, high = (markup(constant(end)) for end in ends)
         within = f"<mo>∈</mo><mrow><mo>[</mo>{low}<mo>,</mo>{high}<mo>]</mo></mrow>"
     return equation(*_LeftSide(parameter.name, name_markup(parameter.symbol)), value, more=within)
 

@@ -17,6 +17,7 @@ from pwsviz.editor.validation import MAX_CHARACTERS, check
 from pwsviz.scene.permalink import query, read
 from pwsviz.scene.scene import Scene, can_use
 from pwsviz.text.math_names import name_markup
+from pwsviz.text.numbers import shortest
 from tests.bounds import bounded_time
 from tests.levels import deep_but
 from tests.pwsviz.own_systems import OWN_SYSTEMS
@@ -322,6 +323,19 @@ def test_a_start_where_the_field_has_no_value_is_told_beside_it():
     complaints = check(replace(OSCILLATOR, f_minus="y\n-k/x", f_plus="y\n-k/x", x0="0, 1")).complaints
     assert set(complaints) == {"x0"}
     assert "no finite value" in complaints["x0"]
+
+
+def test_a_number_is_typeset_with_the_digits_or_the_ratio_of_its_field_on_the_page():
+    typed = Draft(
+        "Own", "x, y", "y\n-k*x", "y\n-s*x", "y", parameters="k = 1/3 in [1/7, 1]\ns = sqrt(2)", x0="1/3, 0.5"
+    )
+    checked = check(typed)
+    third, root = "<mfrac><mn>1</mn><mn>3</mn></mfrac>", f"<mn>{shortest(2**0.5)}</mn>"
+    assert third in checked.maths["parameters"]
+    assert root in checked.maths["parameters"]
+    assert "<mfrac><mn>1</mn><mn>7</mn></mfrac>" in checked.maths["parameters"]
+    assert third in checked.maths["x0"]
+    assert checked.system.values["k"] == 1 / 3
 
 
 def test_mathematics_appears_of_what_can_be_read_while_other_fields_are_wrong():
