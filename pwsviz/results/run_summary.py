@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import core
+from core.diagnostics import step_warning
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.shades import shades_of
 from pwsviz.results.requests import RunInputs
@@ -54,7 +55,7 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
 
 def warning_of(run: core.Trajectory) -> str:
     """Return what is said against the step size of a run; empty if it stopped early, where its message says it."""
-    return on_page(run.warning) if run.status is core.Status.COMPLETED else ""
+    return on_page(step_warning(run)) if run.status is core.Status.COMPLETED else ""
 
 
 def _beginning(run: core.Trajectory) -> str:
