@@ -28,6 +28,7 @@ class PictureFiles:
     _resources: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "files": (
             "pictures.js",
+            "picture_layout.js",
             "vendor/jspdf.umd.min.js",
             "vendor/svg2pdf.umd.min.js",
             "vendor/DejaVuSans-subset.ttf",

@@ -51,8 +51,11 @@ TIME_ERROR = ("crossing time error", "|t* − t̂|")
 ROOM = 2.0
 """Factor between the largest error and the point in which the lines of integer slopes meet."""
 
-NAMED = 0.2
-"""Part of a line of integer slope after which its name stands above it."""
+NAMED = np.linspace(0.35, 0.8, 7)
+"""Parts of a line of integer slope after one of which its name stands above it, on the left."""
+
+CLEAR = 0.15
+"""Distance of such a name from the curves, in parts of the axes, that is far enough."""
 
 
 @dataclass(frozen=True)
@@ -271,9 +274,20 @@ class OrderView:
             "xs": [np.array([start, far]) for start in starts],
             "ys": [np.array([height, top]) for height in heights],
         }
-        named = starts * (far / starts) ** NAMED, heights * (top / heights) ** NAMED
+        curves = np.log([used, errors]) if len(errors) else np.empty((2, 0))
+        spans = np.log([far / near, top / bottom])
+        ends = [np.log([[start, far], [height, top]]) for start, height in zip(starts, heights, strict=True)]
+        named = np.exp([_freest(line, curves, spans) for line in ends]).reshape(-1, 2).T
         self.guide_names.data = {"x": named[0], "y": named[1], "text": [f"slope {slope}" for slope in slopes]}
         self.corners.data = {"x": [near, far], "y": [bottom, top]}
+
+
+def _freest(line: Floats, curves: Floats, spans: Floats) -> Floats:
+    """Return the place (2,) on a line (2, 2), its ends in columns, whose name is far from curves (2, m)."""
+    places = line[:, :1] + (line[:, 1:] - line[:, :1]) * NAMED
+    middles = places / spans[:, None] + [[-0.06], [0.03]]  # of the names
+    away = np.hypot(*(middles[:, :, None] - (curves / spans[:, None])[:, None])).min(axis=1, initial=CLEAR)
+    return np.asarray(places[:, away.argmax()])
 
 
 class _Drawn:

@@ -4,6 +4,7 @@ import csv
 import io
 import re
 import zlib
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -108,6 +109,43 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     assert chunk[16] == 1, "pixels per metre"
     assert wide / int.from_bytes(chunk[8:12]) == pytest.approx(0.085, rel=1e-4)
     assert int.from_bytes(chunk[17:]) == zlib.crc32(chunk[4:17])
+
+
+PLACES = """svg => {
+    const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement
+    document.body.append(root)
+    const box = one => (({left, right, top, bottom}) => [left, right, top, bottom])(one.getBoundingClientRect())
+    const texts = [...root.querySelectorAll("text")].map(one =>
+        ({words: one.textContent, box: box(one), within: one.closest("[clip-path]") != null}))
+    const page = box(root)
+    root.remove()
+    return {page, texts}
+}"""
+"""Where the texts of a picture are, and which of them are within the frame of a plot."""
+
+
+def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="85 mm").click()
+    for points in ("8 pt", "12 pt"):
+        page.get_by_role("button", name=points, exact=True).click()
+        for k in range(2):
+            svg = downloaded(page, page.get_by_role("button", name="SVG").nth(k)).decode()
+            seen = page.evaluate(PLACES, svg)
+            left, right, top, bottom = seen["page"]
+            texts = [text for text in seen["texts"] if not text["within"]]
+            for text in texts:
+                a, b, c, d = text["box"]
+                assert left <= a <= b <= right, (points, text["words"])
+                assert top <= c <= d <= bottom, (points, text["words"])
+            for one, other in combinations(texts, 2):
+                across = min(one["box"][1], other["box"][1]) - max(one["box"][0], other["box"][0])
+                down = min(one["box"][3], other["box"][3]) - max(one["box"][2], other["box"][2])
+                assert min(across, down / 2) < 2, (points, one["words"], other["words"])  # lines have leading
 
 
 def test_panels_of_one_figure_stand_below_one_another(visit):

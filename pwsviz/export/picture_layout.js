@@ -1,0 +1,231 @@
+// A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
+
+export const FONT = "DejaVu Sans"
+export const TEXT = 12  // pixels of text in the copy, which is then scaled so that they become the points asked for
+export const INK = "#000000", PAPER = "#ffffff"
+
+const RULE = "#e2e2e2"
+const SMALL = TEXT - 1  // of labels
+const PASSES = 3  // layouts, each of which knows the one before: titles in lines, then the room beside them, then all
+const RIM = 3  // pixels inside of a frame that are free of names
+const SPARE = 8  // pixels beside a text, where another may begin
+const LINE = 1.3  // height of a line of text, in heights of its letters
+const NAMED = 0.28  // part of the width of the picture that the names of levels take without being broken into lines
+
+const text = (name, size) => ({ [`${name}_text_font`]: FONT, [`${name}_text_font_size`]: `${size}px` })
+const SIZES = {
+  axis: { ...text("axis_label", TEXT), ...text("major_label", SMALL) },
+  legend: text("label", TEXT),
+  bar: { ...text("title", TEXT), ...text("major_label", SMALL) },
+}
+const shown = name => ({ [`${name}_line_color`]: INK, [`${name}_line_alpha`]: 1, [`${name}_line_width`]: 1 })
+const PRINTED = {
+  plot: { background_fill_color: PAPER, border_fill_color: PAPER, ...shown("outline") },
+  axis: {
+    axis_label_text_color: INK, major_label_text_color: INK, ...shown("axis"), ...shown("major_tick"),
+    minor_tick_line_color: null,
+  },
+  legend: { label_text_color: INK, background_fill_color: PAPER, border_line_color: null },
+  bar: { title_text_color: INK, major_label_text_color: INK, background_fill_color: PAPER },
+  grid: { grid_line_color: RULE },
+}
+
+const pen = document.createElement("canvas").getContext("2d")
+const width_of = (words, size) => {
+  pen.font = `${size}px "${FONT}"`
+  return pen.measureText(words).width
+}
+
+// The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels.
+export const wrapped = (words, width, size, between = " ") => {
+  const lines = []
+  for (const word of words.split(between).filter(Boolean)) {
+    const longer = lines.length > 0 ? `${lines.at(-1)} ${word}` : word
+    if (lines.length > 0 && width_of(longer, size) <= width) lines[lines.length - 1] = longer
+    else lines.push(word)
+  }
+  return lines
+}
+
+// The same model with some properties changed; models that it refers to are shared, callbacks are left out.
+const LEFT_OUT = new Set(["js_event_callbacks", "js_property_callbacks", "subscribed_events", "name", "tags"])
+const copied = (model, changes) => {
+  const values = {}
+  for (const property of model) {
+    const { attr } = property
+    if (!property.internal && !property.readonly && !property.is_unset && !LEFT_OUT.has(attr)) {
+      values[attr] = property.get_value()
+    }
+  }
+  return new model.constructor({ ...values, ...changes })
+}
+
+const kind_of = model => {
+  if ("axis_label" in model) return "axis"
+  if (model.type == "Legend") return "legend"
+  if (model.type == "ColorBar") return "bar"
+  return model.type == "Grid" ? "grid" : null
+}
+
+// Places near the wished ones, in ascending order, but some distances apart and between two ends, if there is the room.
+const spread = (wished, apart, [start, end]) => {
+  const places = [...wished]
+  places.forEach((_, k) => { places[k] = Math.max(places[k], k > 0 ? places[k - 1] + apart[k - 1] : start) })
+  for (let k = places.length - 1; k >= 0; k--) {
+    places[k] = Math.min(places[k], k + 1 < places.length ? places[k + 1] - apart[k] : end)
+  }
+  return places
+}
+
+// Names of levels beside a plot: in lines, and apart from one another.
+const named_levels = (axis, seen, width) => {
+  const { ticker, formatter } = axis, { scale } = seen, { start, end } = scale.source_range
+  const levels = [...ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)  // downwards
+  const labels = formatter.doFormat(levels, { loc: 0 }).map(label => wrapped(label, NAMED * width, SMALL))
+  const high = labels.map(lines => lines.length * LINE * SMALL), apart = high.slice(1).map((one, k) => (one + high[k]) / 2)
+  const places = spread(levels.map(tick => scale.compute(tick)), apart, [end, start].map(one => scale.compute(one)))
+  const moved = places.map(place => scale.invert(place))
+  const { FixedTicker } = Bokeh.loader["models/tickers/fixed_ticker"]
+  const { BasicTickFormatter } = Bokeh.loader["models/formatters/basic_tick_formatter"]
+  return {
+    ticker: new FixedTicker({ ticks: moved }), formatter: new BasicTickFormatter(),
+    major_label_overrides: new Map(moved.map((tick, k) => [tick, labels[k].join("\n")])),
+    major_tick_line_color: null,
+  }
+}
+
+// An axis whose title is within the picture, and whose labels are apart.
+const fitted_axis = (axis, side, seen, width) => {
+  const { NoOverlap } = Bokeh.loader["models/policies/labeling"]
+  const across = side == "below" || side == "above", { left, right } = seen
+  const room = across ? 2 * Math.min((left + width - right) / 2, width - (left + width - right) / 2) : seen.tall
+  const phrases = wrapped(axis.axis_label ?? "", room, TEXT, /(?<=,) /)  // a formula stays on one line where it can
+  const title = { axis_label: phrases.flatMap(phrase => wrapped(phrase, room, TEXT)).join("\n") || null }
+  if (axis.ticker.type == "FixedTicker" && axis.formatter.doFormat != null && !across) {
+    return { ...title, ...named_levels(axis, seen, width) }
+  }
+  return { ...title, major_label_policy: new NoOverlap({ min_distance: SPARE / 2 }) }
+}
+
+// A legend with as many columns as fit into the picture, in its middle.
+const fitted_legend = (legend, seen, width) => {
+  const { items, glyph_width, glyph_height, label_standoff, spacing } = legend
+  const labels = items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
+  const widths = labels.map(label => glyph_width + label_standoff + width_of(label, TEXT) + spacing)
+  const fits = count => {  // each column is as wide as its widest entry
+    const wide = Array(count).fill(0)
+    widths.forEach((one, k) => { wide[k % count] = Math.max(wide[k % count], one) })
+    return wide.reduce((sum, one) => sum + one, 0) <= width - SPARE
+  }
+  let ncols = Math.max(1, Number.isFinite(legend.ncols) ? legend.ncols : labels.length)
+  while (ncols > 1 && !fits(ncols)) ncols -= 1
+  const shift = (seen.right - seen.left) / 2  // it stands below the frame
+  return {
+    ncols, stylesheets: [  // it is laid out before its glyphs have a size
+      `svg { width: ${glyph_width}px; height: ${glyph_height}px } :host { translate: ${shift}px 0 }`,
+    ],
+  }
+}
+
+// With `seen`, the layout before this one, in pixels: what is left and right of the frame, its height, and its scale.
+const copy_of = (view, width, printed, height, seen) => {
+  const { model } = view, looks = printed ? PRINTED : {}
+  const part = (one, side) => {
+    const kind = kind_of(one)
+    if (kind == null) return one
+    const changes = { ...SIZES[kind], ...looks[kind] }
+    if (kind == "axis") return copied(one, { ...changes, ...fitted_axis(one, side, seen, width) })
+    if (kind == "legend") return copied(one, { ...changes, ...fitted_legend(one, seen, width) })
+    if (kind == "bar") return copied(one, changes)
+    return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
+  }
+  const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
+  return copied(model, {
+    ...looks.plot, min_border_left: seen.left, min_border_right: seen.right,
+    sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
+    output_backend: "svg",  // the legend is drawn on layers of its own
+    frame_width: Math.round(width - seen.left - seen.right), frame_height: Math.round(height),
+    x_range: range(model.x_range), y_range: range(model.y_range), toolbar_location: null,
+    toolbar: new model.toolbar.constructor({ tools: [] }),
+    ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
+      place => [place, model[place].map(one => part(one, place))])),
+  })
+}
+
+// What `use` makes of a copy laid out in this way.
+const laid_out = async (copy, use) => {
+  const host = document.createElement("div")
+  host.style.cssText = "position: fixed; left: -10000px; top: 0; visibility: hidden"
+  document.body.append(host)
+  const { build_view } = Bokeh.loader["core/build_views"]
+  const { ViewManager } = Bokeh.loader["core/view_manager"]
+  const view = await build_view(copy, { parent: null, owner: new ViewManager() })
+  try {
+    view.build(host)
+    await view.ready
+    for (let k = 0; k < 3; k++) await new Promise(resolve => setTimeout(resolve, 60))
+    return use(view, host)
+  } finally {
+    view.remove()
+    host.remove()
+  }
+}
+
+// Without the second copy of each text, of its outline, where that is not seen: it would be read and copied twice.
+const drop_unseen = svg => {
+  svg.querySelectorAll('text[fill="none"][stroke-opacity="0"]').forEach(words => words.remove())
+}
+
+// Names within the frame, whose places were found on the page, where the frame is larger beside them.
+const keep_inside = (svg, frame) => {
+  const page = svg.getBoundingClientRect(), left = page.left + frame.left + RIM, top = page.top + frame.top + RIM
+  const moved = (start, end, low, high) => {
+    const middle = (start + end) / 2
+    return low < middle && middle < high ? Math.max(0, low - start) + Math.min(0, high - end) : 0
+  }
+  for (const words of svg.querySelectorAll("text")) {
+    words.setAttribute("font-family", FONT)
+    if (words.closest("[clip-path]") == null) continue
+    const box = words.getBoundingClientRect()
+    const across = moved(box.left, box.right, left, left + frame.width - 2 * RIM)
+    const down = moved(box.top, box.bottom, top, top + frame.height - 2 * RIM)
+    const already = words.getAttribute("transform") ?? ""
+    if (across != 0 || down != 0) words.setAttribute("transform", `translate(${across}, ${down}) ${already}`)
+  }
+}
+
+const SHAPE = 0.5  // height of a frame by the width of the picture, where neither is bound to the other
+const SHAPES = 1  // the same of several frames together
+
+// Figures for a picture of a given width: each as an SVG element with its size in pixels. Frames have one left edge and one
+// right edge.
+export const drawn = async (views, width, printed) => {
+  const shape = Math.min(SHAPE, SHAPES / views.length)
+  let seen = views.map(({ frame }) => ({ left: 0, right: 1.5 * TEXT, tall: shape * width, scale: frame.y_scale }))
+  const copy = (view, k) => {
+    const { bbox } = view.frame, across = width - seen[k].left - seen[k].right
+    const height = view.model.match_aspect ? across * bbox.height / bbox.width : shape * width
+    return copy_of(view, width, printed, height, seen[k])
+  }
+  for (let pass = 1; pass < PASSES; pass++) {
+    const found = []
+    for (const [k, view] of views.entries()) {
+      found.push(await laid_out(copy(view, k), ({ bbox, frame }) => ({
+        left: frame.bbox.left, right: bbox.width - frame.bbox.right, tall: frame.bbox.height, scale: frame.y_scale,
+      })))
+    }
+    const most = side => Math.ceil(Math.max(...found.map(one => one[side])))
+    seen = found.map(one => ({ ...one, left: most("left"), right: most("right") }))
+  }
+  const pictures = []
+  for (const [k, view] of views.entries()) {
+    pictures.push(await laid_out(copy(view, k), (other, host) => {
+      const { frame, bbox: { width, height } } = other, svg = other.export("svg", false).canvas
+      host.append(svg)
+      drop_unseen(svg)
+      keep_inside(svg, frame.bbox)
+      return { svg, width, height }
+    }))
+  }
+  return pictures
+}
