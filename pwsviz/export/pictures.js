@@ -7,8 +7,7 @@ import { drawn, FONT, INK, PAPER, TEXT, wrapped } from "./picture_layout.js"
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
-const POINTS_PER_MM = 72 / 25.4
-const PIXELS_PER_MM = 96 / 25.4  // of a PNG at scale 1
+const INCH = 25.4  // mm
 
 let bytes = null  // of the font, fetched once
 const load_font = async () => {
@@ -29,7 +28,7 @@ const node = (name, attributes, words) => {
 // One SVG element of the figures, one below the other, with the caption below.
 const composed = async (views, wish) => {
   const font = await load_font()
-  const width = wish.millimetres * POINTS_PER_MM / wish.points * TEXT
+  const width = wish.millimetres / INCH * 72 / wish.points * TEXT
   const pictures = await drawn(views, width, wish.printed)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
   const lines = wrapped(wish.caption, picture.width - 2 * GAP, TEXT - 1), step = LEADING * (TEXT - 1)
@@ -108,7 +107,7 @@ const WRITERS = {
     image.src = address
     await image.decode()
     const canvas = document.createElement("canvas")
-    canvas.width = Math.round(wish.millimetres * PIXELS_PER_MM * wish.scale)
+    canvas.width = Math.round(wish.millimetres / INCH * wish.dpi)
     canvas.height = Math.round(canvas.width * height / width)
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height)
     URL.revokeObjectURL(address)
@@ -121,7 +120,7 @@ const WRITERS = {
       await script("vendor/svg2pdf.umd.min.js")
     }
     const size = [wish.millimetres, wish.millimetres * height / width]
-    const paper = new jspdf.jsPDF({ unit: "mm", format: size, orientation: size[0] > size[1] ? "l" : "p", compress: true })
+    const paper = new jspdf.jsPDF({ unit: "mm", format: size, orientation: size[0] > size[1] ? "l" : "p", putOnlyUsedFonts: true, compress: true })
     paper.setProperties({ title: wish.title, subject: wish.caption, creator: "pwsviz" })
     paper.addFileToVFS("font.ttf", await load_font())
     for (const style of ["normal", "italic", "bold"]) paper.addFont("font.ttf", FONT, style)
@@ -133,13 +132,13 @@ const WRITERS = {
 
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
 
-// Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, caption, and the choices width, points, scale
+// Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, caption, and the choices width, points, dpi
 // and look as they are offered.
 export const save = async (ids, chosen) => {
   const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
   if (views.length == 0) return
-  const [millimetres, points, scale] = [chosen.width, chosen.points, chosen.scale].map(amount)
-  const wish = { ...chosen, millimetres, points, scale, printed: chosen.look == "for print" }
+  const [millimetres, points, dpi] = [chosen.width, chosen.points, chosen.dpi].map(amount)
+  const wish = { ...chosen, millimetres, points, dpi, printed: chosen.look == "for print" }
   const blob = await WRITERS[wish.kind](await composed(views, wish), wish)
   const link = document.createElement("a")
   link.href = URL.createObjectURL(blob)

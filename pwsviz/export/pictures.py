@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from bokeh.plotting import figure
 
-__all__ = ["CHOICES", "KINDS", "PictureFiles", "picture_callback"]
+__all__ = ["CHOICES", "KINDS", "PictureFiles", "picture_callback", "pixels"]
 
 KINDS = ("svg", "pdf", "png")
 """Formats; the first two are vectors."""
@@ -16,10 +16,15 @@ KINDS = ("svg", "pdf", "png")
 CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
     "width": ("Width", ("85 mm", "175 mm", "250 mm"), 1),  # of a column, a page, a slide
     "points": ("Text", ("7 pt", "8 pt", "9 pt", "10 pt", "12 pt"), 2),
-    "scale": ("PNG", ("1×", "2×", "4×"), 1),  # in units of 96 dpi
+    "dpi": ("PNG", ("150 dpi", "300 dpi", "600 dpi"), 1),  # of a screen, and what journals ask of images and of lines
     "look": ("Colours", ("for print", "as on the page"), 0),
 }
 """Title, options and the number of the default option of each choice about pictures."""
+
+
+def pixels(width: str, dpi: str) -> str:
+    """Return the width in pixels of a PNG, in words, for these two of `CHOICES`."""
+    return f"{round(int(width.split()[0]) / 25.4 * int(dpi.split()[0])):,} pixels wide"
 
 
 class PictureFiles:
@@ -39,7 +44,7 @@ class PictureFiles:
 _SAVE = """
 const files = new URL("components/MODULE/PictureFiles/_resources/files/", document.baseURI)
 const wished = { ...wish, caption: captioned.data.value ? wish.caption : "" }
-for (const [name, choice] of Object.entries({ width, points, scale, look })) wished[name] = choice.data.value
+for (const [name, choice] of Object.entries({ width, points, dpi, look })) wished[name] = choice.data.value
 import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished))
 """
 

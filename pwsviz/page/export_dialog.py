@@ -16,7 +16,7 @@ from bokeh.plotting import figure
 
 from pwsviz.export.about import about, caption
 from pwsviz.export.files import Table, Tables, csv_bytes, file_name, npz_bytes
-from pwsviz.export.pictures import CHOICES, KINDS, picture_callback
+from pwsviz.export.pictures import CHOICES, KINDS, picture_callback, pixels
 from pwsviz.export.script import snippet
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
@@ -136,7 +136,11 @@ class ExportDialog(pn.viewable.Viewer):
             for name, (title, options, usual) in CHOICES.items()
         }  # fmt: skip
         self._choices["captioned"] = pmui.Checkbox(label="with caption", value=True, size="small", margin=(4, 0))
-        return pn.FlexBox(*self._choices.values(), margin=0, sizing_mode="stretch_width")
+        width, dpi = self._choices["width"], self._choices["dpi"]
+        wide = pmui.Typography(pixels(width.value, dpi.value), margin=(8, 0), variant="body2")
+        for one in (width, dpi):
+            one.param.watch(lambda _: wide.param.update(object=pixels(width.value, dpi.value)), "value")
+        return pn.FlexBox(*self._choices.values(), wide, margin=0, sizing_mode="stretch_width")
 
     def _picture(self, piece: Piece, kind: str) -> Any:
         """Return a button that saves figures as a picture, without the server."""

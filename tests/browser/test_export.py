@@ -94,16 +94,20 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         assert pdf.startswith(b"%PDF-")
         assert b"/Subtype /Image" not in pdf
         assert b"/FontFile2" in pdf
+        assert set(re.findall(rb"/BaseFont */(\S+)", pdf)) == {b"DejaVu#20Sans"}, (
+            "no font is named that is not embedded"
+        )
         assert set(re.findall(rb"/Ordering *\((.*?)\)", pdf)) == {b"Identity"}, "of CID fonts: ISO 32000-1, 9.7.3"
         assert set(re.findall(rb"/Encoding */(\S+)", pdf)) >= {b"Identity-H"}
         table = int(re.search(rb"startxref\s+(\d+)", pdf)[1])
         assert pdf[table : table + 4] == b"xref"
         for number, place in enumerate(re.findall(rb"(\d{10}) 00000 n", pdf[table:]), 1):
             assert pdf[int(place) :].startswith(b"%d 0 obj" % number)
-    page.get_by_role("button", name="4×").click()
+    page.get_by_role("button", name="600 dpi").click()
     png = downloaded(page, page.get_by_role("button", name="PNG").first)
     wide = int.from_bytes(png[16:20])
-    assert wide == round(85 / 25.4 * 96 * 4)
+    assert wide == round(85 / 25.4 * 600) == 2008
+    page.get_by_text("2,008 pixels wide").wait_for()
     chunk = png[33:54]
     assert chunk[4:8] == b"pHYs"
     assert chunk[16] == 1, "pixels per metre"
