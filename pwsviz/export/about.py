@@ -8,10 +8,10 @@ from importlib.metadata import PackageNotFoundError, version
 import core
 from pwsviz.geometry.shades import region_name
 from pwsviz.scene.names import readable, short_name
-from pwsviz.scene.permalink import query
+from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
-from pwsviz.text.numbers import RAISED, printed
-from pwsviz.text.words import listed
+from pwsviz.text.numbers import printed
+from pwsviz.text.words import at_surface, listed
 
 __all__ = ["about", "caption", "release"]
 
@@ -40,7 +40,8 @@ def about(scene: Scene, address: str = "", how: str = "") -> dict[str, str]:
         link = f"{address}?{query(scene)}"
     except ValueError:  # too large for a link; its parts follow
         link = "none, the scene is too large"
-    parts = {"program": release(), "link": link, "system": scene.declaration.name, "equations": _equations(scene)}
+    parts = {"program": release(), "link": link, "scene": digest(scene)}
+    parts |= {"system": scene.declaration.name, "equations": _equations(scene)}
     return parts | {
         "variables": f"{', '.join(scene.declaration.variables)}; a column of such a name has its values",
         "parameters": _parameters(scene),
@@ -106,12 +107,7 @@ def _integration(scene: Scene) -> str:
     used = scene.used
     steps = [f"step size τ = {scene.tau:.15g}"] if not all(map(_adaptive, used)) else []
     steps += [f"tolerance {scene.tolerance:.3g} (taylor)"] if any(map(_adaptive, used)) else []
-    crossings = "crossings located by the transition scheme" if scene.locate else "crossings stepped over"
-    if scene.locate and scene.perturbation_order is not None:
-        order = str(scene.perturbation_order).translate(RAISED)
-        crossings += printed(f", their times perturbed by {scene.perturbation_scale:g}·τ{order}")
-    if scene.slides:
-        crossings += "; where the surface attracts, sliding along it (Filippov)"
+    crossings = at_surface(scene.locate, scene.slides, scene.perturbation_order, scene.perturbation_scale)
     return f"integrated by {listed(used)} with {' and '.join(steps)} to t = {scene.t_end:.15g}; {crossings}"
 
 

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pwsviz.export.columns import meanings
 from pwsviz.scene.checks import OWN
+from pwsviz.scene.permalink import digest
 from pwsviz.scene.scene import Scene
 
 __all__ = ["ROWS", "Table", "Tables", "csv_bytes", "file_name", "npz_bytes"]
@@ -91,9 +92,12 @@ def npz_bytes(tables: Mapping[str, Table], about: Mapping[str, str] | None = Non
 
 
 def file_name(scene: Scene, what: str, ending: str) -> str:
-    """Return a name such as “pwsviz-elliptic_curve-order.csv”: ASCII letters, digits, “-”, “_” and one dot."""
+    """Return a name such as “pwsviz-elliptic_curve-order-1a2b3c.csv”: ASCII letters, digits, “-”, “_” and one dot.
+
+    The last part before the dot tells the files of one scene from those of another; their header has it, too.
+    """
     system = scene.declaration.name if scene.system == OWN else scene.system
-    words = filter(None, map(_plain, ("pwsviz", system, what)))
+    words = filter(None, map(_plain, ("pwsviz", system, what, digest(scene))))
     return f"{'-'.join(words)}.{_plain(ending)}"
 
 

@@ -13,7 +13,7 @@ from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
 from pwsviz.scene.names import readable
 from pwsviz.text.advice import on_page
-from pwsviz.text.words import listed, plural
+from pwsviz.text.words import at_surface, listed, plural
 
 __all__ = ["section_how", "section_rows", "section_text", "surface_words"]
 
@@ -79,7 +79,9 @@ def section_how(outcome: SectionPoints) -> str:
     left = f", after {inputs.discard:,} that are left out" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
     points = f"at most {plural(inputs.points, 'point')} of each start{left}"
-    return f"points on {surface_words(inputs)}{after}: {points}; integrated by {inputs.scheme.method} with {step}"
+    crossings = at_surface(inputs.scheme.locate, inputs.scheme.slide)
+    by = f"integrated by {inputs.scheme.method} with {step}; {crossings}"
+    return f"points on {surface_words(inputs)}{after}: {points}; {by}"
 
 
 def section_rows(outcome: SectionPoints) -> dict[str, NDArray[Any]]:

@@ -20,7 +20,7 @@ from pwsviz.results.sweeps import NO_START, Diagram
 from pwsviz.scene.names import readable, short_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import plural
+from pwsviz.text.words import at_surface, plural
 
 __all__ = [
     "SUMMARY", "coordinate_name", "ending", "parameter_name", "period_of", "stretches", "surface_words", "sweep_how",
@@ -172,12 +172,12 @@ def sweep_how(inputs: SweepInputs) -> str:
     }[inputs.continuation]
     left = f"after {inputs.discard:,} that are left out, " if inputs.discard else ""
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
-    slides = "; where the surface attracts, sliding along it (Filippov)" if scheme.slide else ""
     return printed(
         f"diagram of {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
         f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {left}{plural(inputs.points, 'point')} of each, up to "
-        f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}{slides}"
+        f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
+        f"{at_surface(scheme.locate, scheme.slide)}"
     )
 
 

@@ -7,6 +7,7 @@ are kept.
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import re
 from typing import Any
@@ -81,6 +82,13 @@ def query(scene: Scene) -> str:
             pieces.append(_piece(_parameter_key(name), _decimal(value)))
     pieces += [_piece(key, _text(scene, key)) for key in filter(differs, _SETTINGS[len(_FIRST) :])]
     return "&".join(pieces)
+
+
+def digest(scene: Scene) -> str:
+    """Return six letters and digits that tell a scene from others, those too large for a link, too."""
+    settings = [f"{key}={_text(scene, key)}" for key in _SETTINGS]
+    settings += [f"{name}={_decimal(value)}" for name, value in scene.values.items()]
+    return hashlib.sha256("&".join(settings).encode()).hexdigest()[:6]
 
 
 def _piece(key: str, text: str) -> str:

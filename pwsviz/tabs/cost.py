@@ -17,6 +17,7 @@ from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
+from pwsviz.text.words import at_surface
 from pwsviz.widgets.setting_buttons import choice
 
 
@@ -68,8 +69,9 @@ class CostTab(LongTab):
         return [cost_numbers(outcome, self.scene.cost_across, self.scene.cost_up)]
 
     def how(self, outcome: core.WorkPrecision) -> str:
-        """Return what the runs are compared with."""
-        return f"{compared_with(outcome)}; step sizes and tolerances are those of the points"
+        """Return what the runs do at crossings, and what they are compared with."""
+        crossings = at_surface(self.scene.locate, self.scene.slides)
+        return f"{compared_with(outcome)}; step sizes and tolerances are those of the points; {crossings}"
 
     def table(self) -> Table | None:
         """Return a row for each integrator and setting."""

@@ -29,7 +29,7 @@ from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.tabs.base import LongTab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import listed
+from pwsviz.text.words import at_surface, listed
 from pwsviz.widgets.setting_buttons import choice
 
 Studies = tuple[core.OrderStudy, ...]
@@ -105,11 +105,12 @@ class OrderTab(LongTab):
         return order_tables(studied(self.outcome, self._rows)) if self.outcome is not None else {}
 
     def how(self, outcome: Studies) -> str:
-        """Return the integrators and what they are compared with."""
-        first = outcome[0]
+        """Return the integrators, what they do at crossings, and what they are compared with."""
+        first, scene = outcome[0], self.scene
+        crossings = at_surface(scene.locate, scene.slides, scene.perturbation_order, scene.perturbation_scale)
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
-        return f"integrated by {methods} with {taus}; compared with: {first.reference}"
+        return f"integrated by {methods} with {taus}; {crossings}; compared with: {first.reference}"
 
     def program(self) -> str:
         """Return the lines that repeat the study."""

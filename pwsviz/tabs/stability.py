@@ -18,7 +18,7 @@ from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import complaint
+from pwsviz.text.words import at_surface, complaint, listed
 from pwsviz.widgets.setting_buttons import choice
 
 
@@ -96,10 +96,11 @@ class StabilityTab(LongTab):
         return stability_tables(self.outcome, self.scene.stability_part) if self.outcome is not None else {}
 
     def how(self, outcome: core.StabilityStudy) -> str:
-        """Return what is drawn of the part shown."""
-        part, end = self.scene.stability_part, f"to t = {outcome.t_span[1]:.6g}"
-        which = f"map of {self.scene.selected_method}, {end}. " if part == "map" else ""
-        return f"{which}{stability_text(outcome, part)}".rstrip(".")
+        """Return what is drawn of the part shown, and how it was integrated."""
+        scene, part = self.scene, self.scene.stability_part
+        which = f"map of {scene.selected_method}" if part == "map" else f"{listed(scene.used)}, τ = {scene.tau:.15g}"
+        crossings = at_surface(scene.locate, scene.slides)
+        return f"{which}, to t = {outcome.t_span[1]:.6g}; {crossings}. {stability_text(outcome, part)}".rstrip(".")
 
     def picture(self) -> figure | None:
         """Return the figure of the part shown."""

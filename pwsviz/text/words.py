@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 
 from pwsviz.text.advice import on_page
-from pwsviz.text.numbers import printed
+from pwsviz.text.numbers import RAISED, printed
 
 
 def as_text(words: str, kind: str = "") -> str:
@@ -21,6 +21,14 @@ def as_text(words: str, kind: str = "") -> str:
 def listed(names: Sequence[str]) -> str:
     """Return names as a list in words: “a, b and c”."""
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1] if names else "")))
+
+
+def at_surface(locate: bool, slide: bool, order: int | None = None, scale: float = 1.0) -> str:
+    """Return what integrators do at a surface: whether they locate, perturb and slide."""
+    words = "crossings located by the transition scheme" if locate else "crossings stepped over"
+    if locate and order is not None:
+        words += printed(f", their times perturbed by {scale:g}·τ{str(order).translate(RAISED)}")
+    return words + "; where the surface attracts, sliding along it (Filippov)" * slide
 
 
 def plural(count: int, noun: str) -> str:

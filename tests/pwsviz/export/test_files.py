@@ -107,7 +107,22 @@ def test_a_file_name_is_one_that_every_system_takes(name, what):
 
 
 def test_a_file_name_says_what_the_file_is():
-    assert file_name(Scene(), "Conserved quantity", "npz") == "pwsviz-elliptic_curve-conserved-quantity.npz"
+    scene = Scene()
+    mark = about(scene)["scene"]
+    assert file_name(scene, "Conserved quantity", "npz") == f"pwsviz-elliptic_curve-conserved-quantity-{mark}.npz"
+
+
+def test_a_system_too_long_for_a_link_has_a_file_name_all_the_same():
+    scene = Scene()
+    scene.use(core.PiecewiseSystem("Long", ("x", "y"), ("y", "-x"), ("y", "-x"), "y", doc="é" * 5000))
+    assert about(scene)["link"].startswith("none")
+    assert file_name(scene, "Order", "csv") == f"pwsviz-long-order-{about(scene)['scene']}.csv"
+
+
+@pytest.mark.parametrize("change", [{"perturbation_order": 1}, {"methods": ["rk4"]}, {"starts": ((0.0, 0.5),)}])
+def test_files_of_different_scenes_have_different_names(change):
+    assert file_name(Scene(), "Order", "csv") == file_name(Scene(), "Order", "csv")
+    assert file_name(Scene(**change), "Order", "csv") != file_name(Scene(), "Order", "csv")
 
 
 def test_the_archive_is_one_that_other_programs_open():

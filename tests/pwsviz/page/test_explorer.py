@@ -644,3 +644,13 @@ def test_nothing_is_seen_of_a_figure_before_there_is_something_in_it():
     page.view.begin()
     assert page.view.plots[0].object.styles["visibility"] == "hidden"
     page.close()
+
+
+@pytest.mark.parametrize("view", ["order", "cost", "stability", "section"])
+def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
+    explorer.scene.param.update(t_end=1.0, peers=[], perturbation_order=1, perturbation_scale=2.0, view=view)
+    assert explorer.settle(60)
+    how = explorer._pieces()[1].how
+    assert "crossings located by the transition scheme" in how
+    assert "sliding along it" in how
+    assert ("their times perturbed by 2·τ¹" in how) == (view == "order"), "others do not perturb"
