@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 
@@ -14,6 +15,15 @@ from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, listed
 
 __all__ = ["about", "caption", "release"]
+
+
+LONGEST = 400
+"""Characters of equations in a caption, about five lines of a page; longer ones are left out."""
+
+OMITTED = "its equations are in the CSV and NPZ files"
+"""What a caption says in place of longer equations."""
+
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def release() -> str:
@@ -63,15 +73,25 @@ def caption(scene: Scene, title: str, how: str = "") -> str:
     parts = about(scene, how=how)
     values = f"; {parts['parameters']}" if parts["parameters"] else ""
     how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
-    return printed(f"{title}, {parts['system']}: {parts['equations']}{values}. {how}")
+    laws = parts["equations"] if len(parts["equations"]) <= LONGEST else OMITTED
+    return printed(_indexed(f"{title}, {parts['system']}: {laws}{values}. {how}"))
+
+
+def _indexed(text: str) -> str:
+    """Return a text with lowered indices, as x₁ for x1, and with √ for the root; the files have columns named x1."""
+    indexed = re.sub(r"(?<!\w)([^\W\d_])(\d)(?![A-Za-z0-9_.])", lambda name: name[1] + name[2].translate(LOWERED), text)
+    return indexed.replace("sqrt(", "√(")
 
 
 def _equations(scene: Scene) -> str:
-    """Return the laws of all regions, as “g < 0: x′ = 2·y, ψ₋ = …; g > 0: …; g = …”."""
+    """Return the laws of all regions, as “g < 0: x′ = 2·y, ψ₋ = …; g > 0: …; g = …”; of equal sides once."""
     system = scene.declaration
     words = {"-": ("g < 0", "ψ₋"), "+": ("g > 0", "ψ₊")} if system.two_sided else {}
+    regions = list(zip(system.laws.regions, system.regions.values(), strict=True))
+    if system.two_sided and regions[0][1] == regions[1][1]:
+        words, regions = {regions[0][0].name: ("on both sides", "ψ")}, regions[:1]
     laws = []
-    for mode, region in zip(system.laws.regions, system.regions.values(), strict=True):
+    for mode, region in regions:
         where, psi = words.get(mode.name, (f"region {region_name(mode)}", "ψ"))
         rates = [
             f"{variable}′ = {readable(rate, system)}" for variable, rate in zip(system.variables, region.f, strict=True)
