@@ -106,6 +106,9 @@ if (ground != null) { ground.tabIndex = -1 }
 """JavaScript that takes a figure out of the order of the Tab key: it has no name there, and takes no key that the page
 does not offer elsewhere. After a click it has the focus all the same."""
 
+FRAME = 0.25
+"""Opacity of the frame of a figure on the page, on light and on dark ground."""
+
 TIP_CSS = """
 .bk-Tooltip { color: var(--mui-palette-text-primary, black); background: var(--mui-palette-background-paper, white);
               border-color: var(--mui-palette-divider, #808080); opacity: 1; }
@@ -218,6 +221,8 @@ def plain_figure(summary: str, **options: Any) -> figure:
         wheel.update(modifiers="ctrl", zoom_on_axis=False, description="Zoom with Ctrl and the wheel")
     print_ticks(plot)
     plot.js_on_change("inner_width", CustomJS(code=NO_TAB_STOP))
+    # In the browser the theme of the page leaves out the frame on light ground alone; in print it is always there.
+    plot.js_on_change("outline_line_alpha", CustomJS(code=f"cb_obj.outline_line_alpha = {FRAME}"))
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
     return plot

@@ -144,6 +144,21 @@ def opacity(drawing):
                             "o *= getComputedStyle(node).opacity; return o }")  # fmt: skip
 
 
+FRAMES = """() => [...Bokeh.index.query(view => view.model.type == "Figure")]
+    .map(({ model }) => model.outline_line_alpha)"""
+
+
+def test_figures_have_the_same_frame_on_light_and_on_dark_ground(visit):
+    page = visit(color_scheme="light")
+    await_painted(page, "Phase portrait")
+    light = page.evaluate(FRAMES)
+    page.close()
+    page = visit(color_scheme="dark")
+    await_painted(page, "Phase portrait")
+    assert light == page.evaluate(FRAMES)
+    assert set(light) == {0.25}
+
+
 @pytest.mark.deep
 def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_back(visit):
     page = visit()
