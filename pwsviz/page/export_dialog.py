@@ -122,7 +122,7 @@ class ExportDialog(pn.viewable.Viewer):
         if piece.tables:
             buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece.how))
         if piece.figures:
-            buttons += [self._picture(piece, kind) for kind in KINDS]
+            buttons += [*(self._picture(piece, kind) for kind in KINDS), self._copy_caption(piece)]
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
         return pn.FlexBox(title, *buttons, margin=0, sizing_mode="stretch_width")
 
@@ -148,6 +148,13 @@ class ExportDialog(pn.viewable.Viewer):
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
         wish["caption"] = caption(self.scene, piece.title, piece.how)
         button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(piece.figures))
+        return button
+
+    def _copy_caption(self, piece: Piece) -> Any:
+        """Return a button that copies the caption of a picture as text, without the server."""
+        button = pmui.Button(label="Copy caption", icon="content_copy", variant="text", size="small", sx=PLAIN_SX)
+        words = caption(self.scene, piece.title, piece.how)
+        button.js_on_click(args={"words": words}, code="navigator.clipboard.writeText(words)")
         return button
 
     def _download(

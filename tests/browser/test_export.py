@@ -83,6 +83,9 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     await_still(page)
     page.get_by_role("button", name=re.compile("Take away|Export")).click()
     page.get_by_role("button", name="85 mm").click()
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Copy caption").first.click()
+    page.wait_for_function("async () => (await navigator.clipboard.readText()).startsWith('Phase portrait, Elliptic')")
     for k in range(2):
         svg = page.evaluate(TEXTS, downloaded(page, page.get_by_role("button", name="SVG").nth(k)).decode())
         assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["DejaVu Sans"])
