@@ -277,7 +277,7 @@ class PiecewiseSystem:
     def field(self, side: int | str, t: ArrayLike, x: ArrayLike) -> Floats:
         """f of a side, −1 or +1, or of sliding, 0, at states (..., d) -> (..., d); a mode may be given by its name."""
         mode = self._side(side)
-        return self._evaluate(("f", mode.name), mode.field, t, x)
+        return self._evaluate(("f", mode.name), mode.written.field, t, x)
 
     def switching(self, t: ArrayLike, x: ArrayLike) -> Floats:
         """g at states (..., d) -> (...)."""

@@ -16,6 +16,7 @@ from sympy.simplify.cse_main import tree_cse
 
 from core.kernels.doubledouble.arithmetic import split
 from core.symbolic.multiplier import DividedDifference, SecondDifference
+from core.symbolic.near_zeros import Choice, magnitude
 
 __all__ = ["assignments", "common", "doubled_assignments", "fma", "magnitude", "named", "printed"]
 
@@ -24,12 +25,6 @@ class fma(sympy.Function):  # noqa: N801 - printed under this name
     """a b + c, rounded once (`doubledouble.arithmetic.fma`)."""
 
     nargs = 3
-
-
-class magnitude(sympy.Function):  # noqa: N801
-    """|u|, which sympy does not simplify; printed as ``abs``."""
-
-    nargs = 1
 
 
 class _Printer(PythonCodePrinter):
@@ -63,6 +58,9 @@ class _Printer(PythonCodePrinter):
     def _print_Function(self, expr: Any) -> str:
         if isinstance(expr, magnitude):
             return f"abs({self._print(expr.args[0])})"
+        if isinstance(expr, Choice):
+            far, near, other = map(self._print, expr.args)
+            return f"({near} if {far} <= 0.0 else {other})"
         if isinstance(expr, DividedDifference | SecondDifference | fma):
             return f"{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
         return str(super()._print_Function(expr))

@@ -22,7 +22,7 @@ from core.codegen.linear_solve import (
     with_pivots,
 )
 from core.codegen.passing import PassingCode
-from core.codegen.printing import assignments, named, printed
+from core.codegen.printing import assignments, magnitude, named, printed
 from core.codegen.rounding import rounding_bound
 from core.kernels import abi
 from core.kernels.taylor_coefficients import STRIDE
@@ -69,8 +69,8 @@ _NOTHING = 4 * 2.0**-52
 _ROUNDING = 1e-6
 #: Largest number of unknowns of linear systems that are solved by cofactors.
 _SMALL = 3
-#: A denominator is lost in round-off below this many times its terms and those of its state.
-_NOISE = 2.0**-46
+#: A quotient is lost in round-off where the bound on its rounding exceeds this part of it.
+_NOISE = 2.0**-30
 #: A field whose text has more characters is compiled as a separate function: the time of the call is negligible.
 _LONG = 2500
 
@@ -102,10 +102,11 @@ class StepCode:
         """Lines that move a place where the field is 0/0; the step ends where it would take round-off for the field."""
         lines = lines_beside(self._names.symbols, self._temporaries, [self._mode], t, x)
         place = {**self._names.symbols, **dict(zip(self._mode.variables, x, strict=True)), TIME: t}
-        for u in self._mode.zeros.noisy:
-            values = [u.xreplace(place), rounding_bound(u).xreplace(place) * sympy.Float(_NOISE)]
-            lines += self._assign(["zero", "noise"], values)
-            lines += ["if abs(zero) <= noise:", f"    return {abi.NO_SOLUTION}"]
+        for f in self._mode.field if self._mode.zeros.noisy else ():
+            size = sympy.Add(*map(magnitude, sympy.Add.make_args(f)))
+            values = [u.xreplace(place) for u in (rounding_bound(f, of_symbols=False) * sympy.Float(2.0**-52), size)]
+            lines += self._assign(["noise", "size"], values)
+            lines += [f"if not noise <= size * {_NOISE}:", f"    return {abi.NO_SOLUTION}"]
         return lines
 
     def let(self, expressions: Sequence[Expr]) -> list[Symbol]:

@@ -25,6 +25,7 @@ from core.kernels.taylor_coefficients import STRIDE
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
+from core.symbolic.near_zeros import Choice
 
 __all__ = ["ALONG", "SeriesCode", "event_series_text", "series_code", "series_rows"]
 
@@ -60,9 +61,22 @@ def series_code(laws: Laws, mode: Mode) -> SeriesCode:
         For a function without a recurrence.
     """
     names = Names(laws)
+    plain = _recurrences(names, mode)
+    if mode.expanded is mode:
+        return plain
+    series, shared = _recurrences(names, mode.expanded), len(names.unpack)
+    choices = {v for u in (*mode.expanded.field, *mode.expanded.heights) for v in u.atoms(Choice)}
+    near = sorted({f"{printed(v.args[0].xreplace(names.symbols))} <= 0.0" for v in choices})
+    parts = [[f"    {line}" for line in code.lines[shared:]] for code in (series, plain)]
+    lines = [*names.unpack, f"if {' or '.join(near)}:", *parts[0], "else:", *parts[1]]
+    return SeriesCode(lines, max(series.rows, plain.rows))
+
+
+def _recurrences(names: Names, mode: Mode) -> SeriesCode:
     heights = [(ALONG if mode.turns(k) else Integer(1)) * u for k, u in enumerate(mode.heights)]
     given = [e.xreplace(names.symbols) for e in (*mode.field, *heights)]
     writer = _Writer(names, len(heights))
+    given = [writer.with_named_choices(u) for u in given]
     shared, final = sympy.cse(given, symbols=sympy.numbered_symbols("s"), order="none")
     for symbol, value in shared:
         writer.share(symbol, value)
@@ -100,6 +114,14 @@ class _Writer(Operations):
         self.inverted: dict[Expr, Expr] = {}  # symbols that stand for powers with a negative exponent
         self.fixed: dict[Symbol, Expr] = {}  # symbols that stand for constants
 
+    def with_named_choices(self, u: Expr) -> Expr:
+        """An expression with a name in place of each condition of a choice, which is evaluated once, at the start."""
+
+        def named(*parts: Expr) -> Expr:
+            return Choice(Symbol(self.constants.setdefault(parts[0], f"a{len(self.constants)}")), *parts[1:])
+
+        return u.replace(Choice, named)
+
     # Expressions → sums of nodes -------------------------------------------------------------------------------------
 
     def share(self, symbol: Symbol, value: Expr) -> None:
@@ -134,7 +156,7 @@ class _Writer(Operations):
             return self.product_of(u.args)
         if u.is_Pow:
             return self.power_of(u.base, u.exp)
-        return self.function_of(u)
+        return self.choice_of(u) if isinstance(u, Choice) else self.function_of(u)
 
     def is_constant(self, u: Expr) -> bool:
         """Whether u holds numbers and parameters only."""
@@ -166,6 +188,14 @@ class _Writer(Operations):
         if n.is_Rational and n.q <= 2:
             return self.product_of([sympy.Pow(base, n, evaluate=False)])
         return single(self.real_power(self.node(self.of(base)), n))
+
+    def choice_of(self, u: Choice) -> Linear:
+        """One of two quantities for all coefficients, as the state at the start decides."""
+        near, other = (self.nodes[self.node(self.of(v))] for v in u.args[1:])
+        first, newest = (
+            f"({a} if {u.args[0]} <= 0.0 else {b})" for a, b in ((near.start, other.start), (near.newest, other.newest))
+        )
+        return single(self.add(("choice", first), first, lambda _: newest))
 
     def function_of(self, u: Expr) -> Linear:
         name = type(u).__name__

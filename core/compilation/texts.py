@@ -60,7 +60,7 @@ def _texts_at_surfaces(laws: Laws, numbers: tuple[int, ...], first: list[int]) -
             low, high, surface = laws.pairs[mode - len(laws.regions)]
             both = ((region, k) for region in (low, high) for k in range(len(laws.ways[region])))
             wanted += [(region, k) for region, k in both if laws.ways[region][k].surface == surface]
-            for k, guard in enumerate(laws.mode(mode).guards):
+            for k, guard in enumerate(laws.mode(mode).written.guards):
                 shared.setdefault(_evaluate_switching(laws, guard, mode), []).append(first[mode] + k)
     for region, k in dict.fromkeys(wanted):
         way = laws.ways[region][k]
@@ -90,7 +90,7 @@ def texts_of_events(
 
 @_kept
 def _step(laws: Laws, method: Method, number: int) -> str:
-    mode = laws.mode(number)
+    mode = laws.mode(number).written
     code = StepCode(laws, mode)
     return module_text([code.text(method.scheme.write(mode, code))])
 
@@ -102,7 +102,7 @@ def _prepare_step(laws: Laws, number: int) -> str:
 
 @_kept
 def _project_to_surface(laws: Laws, conservative: bool, number: int, guard: int) -> str:
-    return module_text([project_to_surface_text(laws, laws.mode(number), conservative, guard)])
+    return module_text([project_to_surface_text(laws, laws.mode(number).written, conservative, guard)])
 
 
 @_kept
@@ -112,12 +112,14 @@ def _levels(laws: Laws, number: int) -> str:
 
 @_kept
 def _evaluate_switching(laws: Laws, function: Expr, number: int) -> str:
-    return module_text([evaluate_switching_text(laws, function, [laws.mode(number)])])
+    return module_text([evaluate_switching_text(laws, function, [laws.mode(number).written])])
 
 
 @_kept
 def _at_surface(laws: Laws, surface: int, regions: tuple[int, int], jump: tuple[Expr, ...] | None) -> str:
     """Text of a surface with the fields of the regions where it is negative and positive, and of the jump there."""
-    texts = [evaluate_switching_text(laws, laws.surfaces[surface], [laws.regions[region] for region in regions])]
+    texts = [
+        evaluate_switching_text(laws, laws.surfaces[surface], [laws.regions[region].written for region in regions])
+    ]
     texts += [] if jump is None else [jump_text(laws, jump)]
     return module_text(texts)

@@ -121,7 +121,7 @@ def rates(system: PiecewiseSystem, mode: Integers, at: Branch) -> Floats:
     """∇g·f + g_t of the surface of a branch, with the fields of regions given by their numbers; nan for none (−1)."""
 
     def of(number: int, surface: int, t: Floats, x: Floats) -> Floats:
-        law, g = system.laws.mode(number), system.laws.surfaces[surface]
+        law, g = system.laws.mode(number).written, system.laws.surfaces[surface]
         return _values(system, ("g'", number, surface), (law.rate_of(g),), t, x)[:, 0]
 
     return _by_mode_and_surface(mode, at.surface, of, at.t, at.x)
@@ -170,7 +170,7 @@ def _curvature(system: PiecewiseSystem, branch: Branch, t: Floats, x: Floats, v:
 @lru_cache(maxsize=64)
 def second_rate(laws: Laws, mode: int, surface: int) -> sympy.Expr:
     """d²g/dt² of a surface along the field of a mode."""
-    law = laws.mode(mode)
+    law = laws.mode(mode).written
     return law.rate_of(law.rate_of(laws.surfaces[surface]))
 
 

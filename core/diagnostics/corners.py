@@ -96,7 +96,7 @@ def _passages(run: Trajectory) -> list[_Passage]:
     heights, rounding = values[:, :count], _MARGIN * _EPS * (values + before)[:, count:]
     away, reach = np.full(heights.shape, np.inf), np.zeros(len(known))  # time to the other surfaces; way of a step
     for number in np.unique(arriving[arriving >= 0]).tolist():
-        rows, mode = arriving == number, laws.mode(number)
+        rows, mode = arriving == number, laws.mode(number).written
         wanted = (*map(mode.rate_of, laws.surfaces), *mode.field)
         rates = laws.evaluate(("rates and field", number), wanted, t[rows], x[rows], p)
         with np.errstate(all="ignore"):

@@ -130,7 +130,7 @@ class _Steps:
         t, x, h, system = self.t[rows], self.x[rows], self.h[rows, None], self.run.system
         times = t[:, None] + h * places
         states = np.concatenate([x[:, None], self._states(t, x, self.mode[rows], times[:, 1:])], axis=1)
-        law, hidden = system.laws.mode(number), np.zeros(len(rows), dtype=bool)
+        law, hidden = system.laws.mode(number).written, np.zeros(len(rows), dtype=bool)
         for k, height in enumerate(law.heights):
             wanted = (height, law.rate_of(height))
             values = system.laws.evaluate(("height", number, k), wanted, times, states, system.parameter_array)

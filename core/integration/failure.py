@@ -66,7 +66,7 @@ def growth_of(
     size, grown = max(size, float(np.abs(x0).max())) or 1.0, False
     first: tuple[float, float] | None = None
 
-    law = system.laws.mode(system.laws.numbers_of_modes[mode])
+    law = system.laws.mode(system.laws.numbers_of_modes[mode]).written
 
     def field(t: float, x: Floats) -> Floats:
         return np.array(system.laws.numbers(("f", mode), law.field, t, x.tolist(), system.parameter_array))

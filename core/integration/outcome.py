@@ -77,6 +77,8 @@ class Cause(NamedTuple):
     """Why the laws do not tell how to go on from the last corner; empty if they do."""
     singular: str = ""
     """The expression whose zero lies in the step that failed, as a clause; empty if there is none."""
+    removable: bool = False
+    """Whether, for these values of the parameters, the field has a limit at that zero."""
     event: str = ""
     """The event function whose zero ended the run; empty if none did."""
     remarks: tuple[str, ...] = ()
@@ -113,15 +115,16 @@ def cause_of(run: Run) -> Cause:
     if run.status is Status.COMPLETED and not remarks:
         return _AS_ASKED
     event = run.log.last if run.status is Status.EVENT else ""
-    return Cause(_step_length(run), run.growth, run.why_cornered, _singular(run), event, remarks)
+    return Cause(_step_length(run), run.growth, run.why_cornered, *_singular(run), event, remarks)
 
 
-def _singular(run: Run) -> str:
-    """Which expression vanishes in the step ahead, as a clause."""
+def _singular(run: Run) -> tuple[str, bool]:
+    """Which expression vanishes in the step ahead, as a clause, and whether the field has a limit there."""
     if run.status not in (Status.SINGULAR, Status.ESCAPED) or run.met is None:
-        return ""
+        return "", False
     singularity, h = run.met
-    return f"{to_text(singularity.zero)} vanishes on the way to t = {run.t + h:.12g}"
+    removable = not run.system.laws.mode(run.mode).is_singular_with(run.system.values, singularity.zero)
+    return f"{to_text(singularity.zero)} vanishes on the way to t = {run.t + h:.12g}", removable
 
 
 def outcome(end: Ending) -> str:
@@ -143,6 +146,8 @@ def reason(end: Ending) -> str:
         return f"{end.status.reason}, and {end.cause.why_cornered}"
     if end.status is Status.EVENT:
         return f"the event {end.cause.event!r} took place, which ends the run"
+    if end.cause.removable:
+        return f"the next step passes a place where the field is 0/0: {end.cause.singular}"
     if end.cause.singular:
         return f"{end.status.reason}: {end.cause.singular}"
     return end.status.reason_while_sliding if end.slides else end.status.reason
@@ -151,6 +156,11 @@ def reason(end: Ending) -> str:
 def _advice(end: Ending) -> str:
     """What to do; where a field is not defined ahead, to write it differently."""
     status, last, laws = end.status, end.last, end.system.laws
+    if end.cause.removable:
+        return (
+            "With these values of the parameters the field has a limit there, with others it has none: write it "
+            "without the factor that numerator and denominator have in common."
+        )
     if status is Status.NO_CONVERGENCE and last.mode != NO_MODE and not end.slides:
         name = laws.name(last.mode)
         if ends_beyond(end.system, name, last.t, np.array(last.x), end.cause.step):
@@ -165,6 +175,11 @@ def _advice(end: Ending) -> str:
     if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_mode(end)):
         ends = f"The field is not bounded where {zeros} vanishes: a solution that comes there ends."
         return f"{ends} {_plain_advice(end)}"
+    if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_noise(end)):
+        return (
+            f"The field is 0/0 where {zeros} vanishes, and beside such a place rounding leaves no digit of it: write "
+            f"the quotient so that it has a value there. {_plain_advice(end)}"
+        )
     if status is Status.ESCAPED and end.cause.growth is Growth.LARGE:
         return "The exact one grows, too, without a pole: end the run before."
     if status is Status.SLIDING and laws.jumps:
@@ -190,6 +205,12 @@ def _zeros_of_mode(end: Ending) -> str:
     """The expressions at whose zeros the field of the mode is not bounded."""
     found = () if end.last.mode == NO_MODE else end.system.laws.mode(end.last.mode).singularities
     return " or ".join(to_text(singularity.zero) for singularity in found)
+
+
+def _zeros_of_noise(end: Ending) -> str:
+    """The expressions near whose zeros the field of the mode loses its digits."""
+    found = () if end.last.mode == NO_MODE else end.system.laws.mode(end.last.mode).zeros.noisy
+    return " or ".join(map(to_text, found))
 
 
 def _step_length(run: Run) -> float:

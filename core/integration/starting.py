@@ -172,7 +172,7 @@ class Leaning(NamedTuple):
 def leaning(system: PiecewiseSystem, number: int, guard: int, t: float, x: Floats, direction: float) -> Leaning:
     """Find where the field of a mode, given by its number, leads from the zero of a guard; see `regions_entered`."""
     laws: Laws = system.laws
-    mode = laws.mode(number)
+    mode = laws.mode(number).written
     sign, rate = mode.signs[guard], mode.guard_rates[guard]
     wanted = (rate, rounding_bound(rate).replace(magnitude, sympy.Abs), mode.rate_of(rate))
     first, doubt, second = laws.evaluate(("fold", number, guard), wanted, t, x, system.parameter_array)

@@ -63,11 +63,11 @@ def functions_of(system: PiecewiseSystem) -> Functions:
         return laws.numbers(("external", key), wanted, t, x.tolist(), system.parameter_array)
 
     def field(mode: int, t: float, x: NDArray[np.float64]) -> ArrayLike:
-        return values(("f", mode), laws.mode(mode).field, t, x)
+        return values(("f", mode), laws.mode(mode).written.field, t, x)
 
     def guards(mode: int, t: float, x: NDArray[np.float64]) -> Sequence[tuple[float, float]]:
         if mode not in heights_and_rates:
-            law = laws.mode(mode)
+            law = laws.mode(mode).written
             heights_and_rates[mode] = tuple(e for u in law.heights for e in (u, law.rate_of(u)))
         both = values(("guards", mode), heights_and_rates[mode], t, x)
         return list(zip(both[::2], both[1::2], strict=True))

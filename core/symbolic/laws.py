@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Symbol
 
 from core.kernels.arrays import Floats
+from core.symbolic import tape
 from core.symbolic.expressions import TIME
 from core.symbolic.mode import Mode
 from core.symbolic.sliding import sliding_mode
@@ -26,6 +27,10 @@ _LONGEST_PRODUCT = 4
 
 #: Largest integer up to which every integer is a double.
 _LARGEST_EXACT = 2**53
+
+#: The functions that expressions have when they are written for evaluation: of arrays, and of numbers.
+_OF_ARRAYS = {name: tape.Floats.functions[name] for name in ("Choice", "magnitude")}
+_OF_NUMBERS = {"Choice": lambda far, near, other: near if far <= 0.0 else other, "magnitude": abs}
 
 
 class Way(NamedTuple):
@@ -244,7 +249,7 @@ class Laws:
     def at_start(self) -> tuple[Expr, ...]:
         """What an initial state is checked with: each g, then each ∇g, then the field of each region."""
         slopes = (slope for gradient in self.gradients for slope in gradient)
-        return (*self.surfaces, *slopes, *(f for mode in self.regions for f in mode.field))
+        return (*self.surfaces, *slopes, *(f for mode in self.regions for f in mode.written.field))
 
     @cached_property
     def surfaces_and_roundings(self) -> tuple[Expr, ...]:
@@ -287,7 +292,7 @@ class Laws:
         if key not in self._functions:
             names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
             products = [_powers_as_products()(_with_floats(e).xreplace(names)) for e in expressions]
-            self._functions[key] = sympy.lambdify(list(names.values()), products, "numpy")
+            self._functions[key] = sympy.lambdify(list(names.values()), products, [_OF_ARRAYS, "numpy"])
         states = np.asarray(x, dtype=float)
         shape = np.broadcast_shapes(np.shape(t), states.shape[:-1])
         result = np.empty((*shape, len(expressions)))
@@ -309,7 +314,7 @@ class Laws:
     def _compiled_for_numbers(self, key: object, expressions: Sequence[Expr]) -> Callable[..., list[Any]]:
         names = {s: Symbol(f"u{k}") for k, s in enumerate((TIME, *self.x, *self.p))}
         own = [_with_floats(e).xreplace(names) for e in expressions]
-        self._of_numbers[key] = sympy.lambdify(list(names.values()), own, "math")
+        self._of_numbers[key] = sympy.lambdify(list(names.values()), own, [_OF_NUMBERS, "math"])
         return self._of_numbers[key]
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import sympy
@@ -11,7 +11,8 @@ from sympy import Expr, Symbol
 
 from core.symbolic.expressions import TIME
 from core.symbolic.multiplier import DiscreteField, Endpoints
-from core.symbolic.singularities import Singularity, Zeros, zeros_of_denominators
+from core.symbolic.near_zeros import written_near
+from core.symbolic.singularities import Singularity, Zeros, is_singular, zeros_of_denominators
 
 __all__ = ["Mode", "rate_along"]
 
@@ -36,6 +37,22 @@ class Mode:
     """Names of the variables and of the parameters."""
     surface: Expr | None = None
     """The switching function along whose zeros it slides; None for a region."""
+    declared: Mode | None = None
+    """The same mode as it was declared, if this is how it is written for evaluation."""
+
+    @cached_property
+    def written(self) -> Mode:
+        """The same mode as it is evaluated: its field keeps its digits near zeros of denominators."""
+        return self._written(self.zeros.near)
+
+    @cached_property
+    def expanded(self) -> Mode:
+        """The same as its Taylor coefficients are: near such zeros they lose digits even where the field keeps them."""
+        return self._written((*self.zeros.near, *self.zeros.removable))
+
+    def _written(self, zeros: Sequence[Expr]) -> Mode:
+        field, guards = ([written_near(u, zeros) for u in part] for part in (self.field, self.guards))
+        return replace(self, field=tuple(field), guards=tuple(guards), declared=self) if zeros else self
 
     @property
     def slides(self) -> bool:
@@ -59,18 +76,32 @@ class Mode:
     @cached_property
     def discrete(self) -> DiscreteField:
         """The Discrete Multiplier Method of this law."""
+        if self.declared is not None:
+            return replace(self.declared.discrete, written=lambda u: written_near(u, self.zeros.near))
         return DiscreteField(self.field, self.conserved, Endpoints.of(self.variables, set(self.taken)))
 
     @cached_property
     def zeros(self) -> Zeros:
         """Where denominators vanish within the mode; sliding has ended where the rates of both sides agree."""
-        agreeing = (self.guards[0] - self.guards[1],) if self.slides else ()
-        return zeros_of_denominators(self.field, self.variables, (*self.guards, *agreeing))
+        if self.declared is not None:
+            return self.declared.zeros
+        return zeros_of_denominators(self.field, self.variables, self._ends)
+
+    @property
+    def _ends(self) -> tuple[Expr, ...]:
+        """Expressions at whose zeros the mode ends."""
+        return (*self.guards, self.guards[0] - self.guards[1]) if self.slides else self.guards
 
     @property
     def singularities(self) -> tuple[Singularity, ...]:
         """Where the field is not bounded within the mode."""
         return self.zeros.singular
+
+    def is_singular_with(self, values: Mapping[str, float], zero: Expr) -> bool:
+        """Whether the field is not bounded at a zero for some parameter values, taken as the decimals they are."""
+        numbers = {Symbol(name): sympy.Rational(repr(value)) for name, value in values.items()}
+        u, *others = (e.xreplace(numbers) for e in (zero, *self.field, *self._ends))
+        return is_singular(u, others[: len(self.field)], others[len(self.field) :])
 
     @cached_property
     def _rates(self) -> dict[Expr, Expr]:

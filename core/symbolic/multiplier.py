@@ -14,7 +14,7 @@ References: Wan, Bihlo, Nave, SIAM J. Numer. Anal. 55 (2017); McLachlan, Quispel
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -216,11 +216,14 @@ class DiscreteField:
         ψ, m ≤ d − 1 expressions.
     ends
         The symbols of the step.
+    written
+        What rewrites an expression for evaluation.
     """
 
     field: tuple[Expr, ...]
     conserved: tuple[Expr, ...]
     ends: Endpoints
+    written: Callable[[Expr], Expr] = lambda u: u
 
     @cached_property
     def _all_slopes(self) -> tuple[tuple[Expr, ...], ...]:
@@ -239,7 +242,7 @@ class DiscreteField:
     @property
     def mean_field(self) -> sympy.Matrix:
         """f at the middle of the step, (d, 1): symmetric and of second order, but not conservative."""
-        return sympy.Matrix([f.xreplace(self.ends.at_middle) for f in self.field])
+        return sympy.Matrix([self.written(f).xreplace(self.ends.at_middle) for f in self.field])
 
     @cached_property
     def factor(self) -> Expr | None:
@@ -262,7 +265,8 @@ class DiscreteField:
         c̄·n(Λᵗ) where ψ fixes the orbit, f̄ − Λᵗᵀ(ΛᵗΛᵗᵀ)⁻¹(Λᵗ f̄ + s_t) otherwise (the minimal-norm DMM).
         """
         if self.factor is not None:
-            start, end = (self.factor.xreplace(at) for at in (self.ends.at_start, self.ends.at_end))
+            factor = self.written(self.factor)
+            start, end = (factor.xreplace(at) for at in (self.ends.at_start, self.ends.at_end))
             return (start + end) / 2 * generalised_cross(self.gradient)
         if not self.conserved:
             return self.mean_field

@@ -46,11 +46,13 @@ def _common_factor(above: Expr, below: Expr) -> Expr:
 
 
 def _as_product(u: Expr) -> Expr:
-    """c − c cos(v) and c exp(v) − c as products; other sums as they are."""
+    """c − c cos(v), c − c cosh(v) and c exp(v) − c as products; other sums as they are."""
     constant, rest = u.as_coeff_Add()
     factor, term = rest.as_coeff_Mul()
     if constant != -factor:
         return u
     if isinstance(term, sympy.cos):
         return 2 * constant * sympy.sin(term.args[0] / 2) ** 2
+    if isinstance(term, sympy.cosh):
+        return -2 * constant * sympy.sinh(term.args[0] / 2) ** 2
     return factor * (term + 1) * sympy.tanh(term.args[0] / 2) if isinstance(term, sympy.exp) else u

@@ -8,7 +8,7 @@ neither is one at which the mode ends anyway.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -17,22 +17,26 @@ import sympy
 from sympy import Expr, Symbol
 
 from core.symbolic.expressions import TIME
+from core.symbolic.near_zeros import written_near
 from core.symbolic.tape import Floats, Tape, digits
 
-__all__ = ["BESIDE", "Singularity", "Zeros", "zeros_of_denominators"]
+__all__ = ["BESIDE", "Singularity", "Zeros", "is_singular", "zeros_of_denominators"]
 
 #: Digits in which zeros are found and the field is evaluated beside them, and the largest argument of exp there.
 _ARITHMETIC = 120, 1e3
 #: A value below this is zero at a zero found in so many digits.
 _ZERO = 1e-100
 #: Distances from a zero, along a line through it, at which the sizes of the field are compared …
-_NEAR, _NEARER = 1e-20, 1e-60
+_NEAR, _NEARER = 1e-6, 1e-18
 #: … and their ratio beyond which it is unbounded; that of a logarithm is 3.
 _GROWN = 2.0
 #: Distance from a zero, relative to time and state, at which a field is evaluated in place of the zero, …
 BESIDE = 2.0**-44
-#: … and the error that is no loss of digits there: the zero of u is known to the 2⁻⁸th part of this distance.
-_RIGHT = 1e-6
+#: … and farther distances, at all of which a field keeps its digits, or does not …
+_DISTANCES = (BESIDE, *(2.0**-k for k in range(36, 0, -4)))
+#: … and the error, relative to the field, that is no loss of digits; that beside the zero may be larger, since the zero
+#: of u is known to the 2⁻⁸th part of this distance.
+_RIGHT, _RIGHT_BESIDE = 1e-12, 1e-6
 #: Number of lines along which zeros are sought, of points on each, and of zeros that are looked at.
 _LINES, _PLACES, _ZEROS = 24, 65, 6
 #: Half the length of these lines, in units of the direction.
@@ -61,8 +65,10 @@ class Zeros(NamedTuple):
     """Where the field is not bounded."""
     removable: tuple[Expr, ...]
     """Expressions at whose zeros it is bounded, though it cannot be evaluated there, but beside them."""
+    near: tuple[Expr, ...]
+    """Expressions near whose zeros it is bounded, but loses its digits unless it is evaluated by a series."""
     noisy: tuple[Expr, ...]
-    """Expressions at whose zeros it is bounded, though beside them it loses its digits."""
+    """The same, where no series is found."""
 
 
 def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], ends: Sequence[Expr]) -> Zeros:
@@ -79,17 +85,26 @@ def zeros_of_denominators(field: Sequence[Expr], variables: Sequence[Symbol], en
     changing = [u for u in found if not (_is_nonnegative(u) or _is_nonnegative(-u))]
     singular, removable = [], []
     for u in changing:
-        if not _is_singular(u, field, ends):
+        if not is_singular(u, field, ends):
             removable.append(u)
             continue
         origins = (
             [v for v in _factors(u.args[0], signed=False) if v.free_symbols & moving] if u.func == sympy.sin else []
         )
-        regular = bool(origins) and not any(_is_singular(v, field, ends) for v in origins)
+        regular = bool(origins) and not any(is_singular(v, field, ends) for v in origins)
         singular.append(Singularity(u, _angle(u), regular))
         removable += origins if regular else []
-    accurate = {u: _keeps_digits(u, field, moving) for u in removable}
-    return Zeros(tuple(singular), *(tuple(u for u in accurate if accurate[u] is wanted) for wanted in (True, False)))
+    steady = [u for u in removable if _keeps_digits(u, field, field)]
+    near: list[Expr] = []
+    noisy: list[Expr] = []
+    written = tuple(field)
+    for u in removable:
+        if u not in steady:
+            new = tuple(written_near(f, [u]) for f in written)
+            right = _keeps_digits(u, field, new)
+            (near if right else noisy).append(u)
+            written = new if right else written
+    return Zeros(tuple(singular), tuple(steady), tuple(near), tuple(noisy))
 
 
 def _vanishing(node: Expr) -> Iterator[Expr]:
@@ -143,28 +158,29 @@ class _Line(NamedTuple):
         return {s: v + distance * self.direction[s] for s, v in self.point.items()}
 
 
-def _is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
+def is_singular(u: Expr, field: Sequence[Expr], ends: Sequence[Expr]) -> bool:
     """Whether the field is not bounded at one of several zeros of u; or none is found."""
     tape = Tape((*field, *ends))
     found = [_is_unbounded(line, tape, field, ends) for line in islice(_lines_through_zeros(u, tape), _ZEROS)]
     return not found or any(found)
 
 
-def _keeps_digits(u: Expr, field: Sequence[Expr], moving: Set[Symbol]) -> bool:
-    """Whether the field is right in floating point beside several zeros of u."""
-    tape, many = Tape((*field, u)), digits(*_ARITHMETIC)
-    for line in islice(_lines_through_zeros(u, tape), _ZEROS):
-        place = {s: float(v) * (1.0 + BESIDE * (s in moving & u.free_symbols)) for s, v in line.point.items()}
-        try:
-            exact = tape.run(many, {s: many.context.mpf(v) for s, v in place.items()})
-        except ArithmeticError:
-            return False
-        with np.errstate(all="ignore"):
-            found = tape.run(Floats(), {s: np.array([v]) for s, v in place.items()})
-        for f in field:
-            right = float(exact[tape.place[f]])
-            if not np.all(np.abs(found[tape.place[f]] - right) <= _RIGHT * (abs(right) + 1.0)):
+def _keeps_digits(u: Expr, field: Sequence[Expr], written: Sequence[Expr]) -> bool:
+    """Whether a field, as it is written for evaluation, is right in floating point near several zeros of u."""
+    exactly, tape, many = Tape((*field, u)), Tape(written), digits(*_ARITHMETIC)
+    for line in islice(_lines_through_zeros(u, exactly), _ZEROS):
+        for distance in _DISTANCES:
+            place = {s: float(v) for s, v in line.at(distance).items()}
+            try:
+                values = exactly.run(many, {s: many.context.mpf(v) for s, v in place.items()})
+            except ArithmeticError:
                 return False
+            with np.errstate(all="ignore"):
+                found = tape.run(Floats(), {s: np.array([v]) for s, v in place.items()})
+            for f, w in zip(field, written, strict=True):
+                right, least = float(values[exactly.place[f]]), _RIGHT_BESIDE if distance == BESIDE else _RIGHT
+                if not np.all(np.abs(found[tape.place[w]] - right) <= least * (abs(right) + 1.0)):
+                    return False
     return True
 
 

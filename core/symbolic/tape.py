@@ -30,7 +30,7 @@ class Arithmetic(Protocol):
     """The arithmetic in which a tape is evaluated."""
 
     @property
-    def functions(self) -> Mapping[str, Callable[[Any], Any]]:
+    def functions(self) -> Mapping[str, Callable[..., Any]]:
         """The functions of expressions, by name."""
 
     def constant(self, number: Expr) -> Any:
@@ -43,7 +43,11 @@ class Arithmetic(Protocol):
 class Floats:
     """Floating point, at many points at once: nan where there is no real value."""
 
-    functions: Mapping[str, Callable[[Any], Any]] = {name: getattr(np, name) for name in FUNCTIONS}
+    functions: Mapping[str, Callable[..., Any]] = {
+        **{name: getattr(np, name) for name in FUNCTIONS},
+        "magnitude": np.abs,
+        "Choice": lambda far, near, other: np.where(far <= 0.0, near, other),
+    }
 
     def constant(self, number: Expr) -> float:
         """Value of a rational number, π or e."""
@@ -72,7 +76,9 @@ class Digits:
         self.largest = largest
         angles = {name: self._moderate(name, _LARGEST_ANGLE) for name in ("sin", "cos", "tan")}
         growing = {name: self._moderate(name, largest) for name in _GROWING}
-        self.functions = {**angles, **growing, "sqrt": self._root, "log": self._logarithm}
+        # Of a choice, the alternative to a series is exact.
+        rewritten: dict[str, Callable[..., Any]] = {"magnitude": abs, "Choice": lambda far, near, other: other}
+        self.functions = {**angles, **growing, **rewritten, "sqrt": self._root, "log": self._logarithm}
 
     def constant(self, number: Expr) -> Any:
         """Value of a rational number, π or e."""
@@ -192,7 +198,7 @@ def _value(u: Expr, operands: Sequence[Any], arithmetic: Arithmetic) -> Any:
     if u.is_Mul:
         return math.prod(operands[1:], start=operands[0])
     if not u.is_Pow:
-        return arithmetic.functions[type(u).__name__](operands[0])
+        return arithmetic.functions[type(u).__name__](*operands)
     if u.exp.is_Integer:
         power = operands[0] ** abs(int(u.exp))
         return power if u.exp > 0 else 1 / power

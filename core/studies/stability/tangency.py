@@ -172,7 +172,7 @@ def _is_touch(plan: Plan, run: Trajectory, k: int) -> bool:
 
 def _along(system: PiecewiseSystem, mode: int, surface: int, t: Floats, x: Floats) -> Floats:
     """(k, 1 + d) the rate of the switching function of a surface with the field of a region, and that field."""
-    law = system.laws.mode(mode)
+    law = system.laws.mode(mode).written
     wanted = (law.rate_of(system.laws.surfaces[surface]), *law.field)
     return system.laws.evaluate(("along", mode, surface), wanted, t, x, system.parameter_array)
 
