@@ -51,8 +51,10 @@ class Mode:
         return self._written((*self.zeros.near, *self.zeros.removable))
 
     def _written(self, zeros: Sequence[Expr]) -> Mode:
-        field, guards = ([written_near(u, zeros) for u in part] for part in (self.field, self.guards))
-        return replace(self, field=tuple(field), guards=tuple(guards), declared=self) if zeros else self
+        field, guards = (tuple(written_near(u, zeros) for u in part) for part in (self.field, self.guards))
+        if (field, guards) == (self.field, self.guards):
+            return self
+        return replace(self, field=field, guards=guards, declared=self)
 
     @property
     def slides(self) -> bool:
