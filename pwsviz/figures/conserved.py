@@ -12,6 +12,7 @@ from bokeh.models.glyphs import Line, Scatter
 from numpy.typing import NDArray
 
 import core
+from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     BESIDE,
@@ -21,7 +22,6 @@ from pwsviz.figures.style import (
     describe,
     fit_to_corners,
     invisible,
-    legend_below,
     legend_lines,
     line_of,
     mark_levels,
@@ -93,13 +93,11 @@ class ConservedView:
         self._tick_glyphs()
         _, *entries, _ = legend_below(
             self.figure,
-            4,
             [
                 ({"field": "method"}, self.keys),
                 *((name if side else f"{name}: |Δg|", self.bands[side]) for side, (name, _) in OCCUPIED.items()),
                 ({"field": "label"}, self.ticks),
             ],
-            usual=5,
         )
         self.entries = dict(zip(OCCUPIED, entries, strict=True))
 

@@ -24,14 +24,13 @@ from pwsviz.figures.cost_text import (
     error_of,
     setting_text,
 )
-from pwsviz.figures.legend_marks import MARK_COLUMNS, legend_marks, mark_columns
+from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
 from pwsviz.figures.style import (
     GREY,
     WITH_TABLE,
     Line,
     assign,
     fit_to_corners,
-    legend_below,
     line_of,
     lowest,
     mark_levels,
@@ -87,8 +86,8 @@ class CostView:
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         rows = [("", "@label"), ("", "@setting"), ("", "@cost"), ("error", "@error"), ("", "@status")]
         plot.add_tools(tips(rows, renderers=[points, hollow]))
-        keys = legend_marks(plot, self.curves)
-        _, self._hollow = legend_below(plot, 3, [({"field": "label"}, [lines, keys]), (WRONG, hollow)], usual=3)
+        keys = legend_marks(plot, self.curves, size=look["size"])
+        _, self._hollow = legend_below(plot, [({"field": "label"}, [lines, keys]), (WRONG, hollow)])
 
     def show(self, study: core.WorkPrecision, across: Across, up: Up) -> None:
         """Draw a study, or the part that is computed.

@@ -11,11 +11,13 @@ from bokeh.events import MouseLeave, MouseMove, RangesUpdate
 from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.models.annotations import LegendItem
 from bokeh.models.glyphs import Line, MultiPolygons
+from bokeh.models.renderers import GlyphRenderer
 from bokeh.models.widgets import Div
 from bokeh.plotting import figure
 
 import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
+from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
 from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
@@ -69,10 +71,11 @@ class Ground:
         self.labels = label_glyph(plot)
         self._surface_labels: list[str] = []
         self._arrow_lines = field
-        self._shaded = [dict(zip(SIDES, lines, strict=True)) for lines in (field, usual, own)]
+        self._level_keys = {1: _keys(plot, line_alpha=0.45), 2: _keys(plot, line_alpha=0.9, line_width=1.5)}
+        usual_keys, own_keys = (_coloured(keys, list(SIDES)) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
-            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field[-1]), ("ψ = const.", usual[-1]),
-            ("ψ of run", own[-1]), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
+            ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field), ("ψ = const.", usual_keys),
+            ("ψ of run", own_keys), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
@@ -175,8 +178,8 @@ class Ground:
         for k, (entry, part) in enumerate(zip(self._line_entries, parts, strict=True)):
             there = [side for side, lines in part.items() if np.isfinite(lines).any()]
             entry.visible = bool(there)
-            if k < len(self._shaded) and there and entry.renderers != [wanted := self._shaded[k][max(there)]]:
-                entry.renderers = [wanted]  # the key has the colour of a shade that is drawn
+            if there and k in self._level_keys and entry.renderers != (keys := _coloured(self._level_keys[k], there)):
+                entry.renderers = keys
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
@@ -201,6 +204,21 @@ def _polygons(outer: list[Floats], holes: list[list[Floats]]) -> dict[str, Any]:
     """Return outlines, and those of their holes, as columns."""
     regions = [[ring, *inner] for ring, inner in zip(outer, holes, strict=True)]
     return {name: [[[ring[:, k] for ring in rings]] for rings in regions] for k, name in enumerate(("xs", "ys"))}
+
+
+def _keys(plot: figure, **look: Any) -> dict[int, GlyphRenderer[Any]]:
+    """Return what a legend paints of the lines on each side: nothing in the figure."""
+    nowhere = ColumnDataSource({"x": [np.nan], "y": [np.nan]})
+    return {side: plot.add_glyph(nowhere, Line(line_color=colour, **look)) for side, colour in SIDES.items()}
+
+
+def _coloured(keys: dict[int, GlyphRenderer[Any]], there: list[int]) -> list[GlyphRenderer[Any]]:
+    """Return the key of lines in the colour of the side on which they are; if on both, half of it in each colour."""
+    half = LEGEND_GLYPH // 2
+    for side, key in keys.items():
+        key.glyph.line_dash = [half, half] if len(there) == len(keys) else []
+        key.glyph.line_dash_offset = half if side > 0 else 0
+    return [keys[side] for side in there]
 
 
 def _line_source() -> ColumnDataSource:

@@ -14,7 +14,7 @@ from bokeh.models import ColumnDataSource, DataRange1d
 from numpy.typing import ArrayLike
 
 import core
-from pwsviz.figures.legend_marks import MARK_COLUMNS, legend_marks, mark_columns
+from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
 from pwsviz.figures.style import (
     GREEN,
     GREY,
@@ -22,7 +22,6 @@ from pwsviz.figures.style import (
     SKY,
     Line,
     fit_to_corners,
-    legend_below,
     line_of,
     lowest,
     mark_levels,
@@ -39,6 +38,9 @@ LINES = (
     Line(ORANGE, (10, 4, 2, 4), "diamond", 1.6),
 )
 """Looks of the curves of one integrator; they do not stand for integrators, whose looks are in `style`."""
+
+MARK = 6
+"""Pixels of the mark of a measured error."""
 
 UNKNOWN = "–"
 """In place of a slope that is not known."""
@@ -220,11 +222,11 @@ class OrderView:
         self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label", *MARK_COLUMNS)})
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
         self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "label")})
-        marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=6)
+        marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=MARK)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
-        keys = legend_marks(plot, self.curves)
+        keys = legend_marks(plot, self.curves, size=MARK)
         entries = [({"field": "label"}, [lines, keys]), ({"field": "label"}, marks), ("fit", fits)]
-        _, self._marks, self._fit = legend_below(plot, 2, entries, usual=5)
+        _, self._marks, self._fit = legend_below(plot, entries, usual=2)
 
     def show(self, shown: Sequence[Studied]) -> None:
         """Draw the studies of one integrator or of several."""

@@ -20,6 +20,7 @@ import core
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
+from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.sent_arrays import sent
@@ -30,7 +31,6 @@ from pwsviz.figures.style import (
     describe,
     fit_to_corners,
     invisible,
-    legend_below,
     legend_lines,
     line_of,
     plain_figure,
@@ -226,7 +226,6 @@ class PortraitView:
     def _add_legend(self) -> None:
         entries = legend_below(
             self.figure,
-            3,
             [
                 ({"field": "method"}, self.keys),
                 ("start", self.stars),
@@ -234,7 +233,7 @@ class PortraitView:
                 ({"field": "label"}, self.stops),
                 *self.ground.legend,
             ],
-            usual=9,
+            usual=2,
         )
         marks = [self.starts, self.crossings, self.ends]
         self.ground.follow(entries[-len(self.ground.legend) :], marks)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 import core
 from pwsviz.figures.labels import surface_labels
+from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud, Portion
 from pwsviz.figures.style import (
     BERRY,
@@ -32,7 +33,6 @@ from pwsviz.figures.style import (
     VERMILION,
     VIOLET,
     assign,
-    legend_below,
     plain_figure,
     tips,
 )
@@ -105,7 +105,7 @@ class SectionView:
             {**place, "label": ["start 1"] * len(numbers), "marker": ["circle"] * len(numbers)}
         )
         key = plot.add_glyph(self.keys, Scatter(size=9, marker="marker", fill_color="colour", line_color=None))
-        legend_below(plot, 6, [({"field": "label"}, key)], usual=6)
+        legend_below(plot, [({"field": "label"}, key)])
 
     def _tell_points(self) -> None:
         rows = [("of", "$name"), ("across", "@x{7}"), ("up", "@y{7}")]

@@ -11,13 +11,13 @@ from bokeh.models.renderers import DataRenderer
 import core
 from core.studies import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
+from pwsviz.figures.legends import legend_below
 from pwsviz.figures.stability_text import side_words, wrong_number
 from pwsviz.figures.style import (
     BESIDE,
     VERMILION,
     assign,
     fit_to_corners,
-    legend_below,
     line_of,
     mark_levels,
     plain_figure,
@@ -56,7 +56,7 @@ class DriftFigure:
         mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, or 0"})
         self.corners = fit_to_corners(plot, [1.0, 1e3], [FLOOR / 2, 1e-12])
         plot.add_tools(tips([("", "@method"), ("", "@message")], renderers=[stops]))
-        self._stopping = legend_below(plot, 4, [({"field": "method"}, lines), ("the run stops", stops)], usual=2)[1]
+        self._stopping = legend_below(plot, [({"field": "method"}, lines), ("the run stops", stops)])[1]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the long runs."""
@@ -120,7 +120,7 @@ class GrazingFigure:
         ]
         plot.add_tools(tips(rows, renderers=marks))
         entries = [({"field": "method"}, lines), *(("", mark) for mark in marks), ("wrong number of crossings", rings)]
-        self._entries = legend_below(plot, 3, entries, usual=5)[1:]
+        self._entries = legend_below(plot, entries)[1:]
 
     def show(self, study: core.StabilityStudy) -> None:
         """Draw what is computed of the runs near a tangency."""

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 import core
 from core.studies import NOT_YET, OutcomeMap
+from pwsviz.figures.legends import legend_below
 from pwsviz.figures.stability_outcomes import OUTCOMES, lasts, outcomes_shown
-from pwsviz.figures.style import GREY, assign, fit_to_corners, legend_below, line_of, plain_figure, tips, together
+from pwsviz.figures.style import GREY, assign, fit_to_corners, line_of, plain_figure, tips, together
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.math_names import variable_name
@@ -105,7 +106,7 @@ class MapFigure:
             (LIMIT, limits),
             (PLACE, crosses),
         ]
-        self._outcomes, self._blanks, self._ended, self._limit, self._place = legend_below(plot, 2, entries, usual=4)
+        self._outcomes, self._blanks, self._ended, self._limit, self._place = legend_below(plot, entries)
         self._limit.visible = self._place.visible = False
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 

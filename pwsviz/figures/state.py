@@ -13,6 +13,7 @@ from bokeh.models.glyphs import Scatter
 from bokeh.models.renderers import GlyphRenderer
 
 import core
+from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
     BESIDE,
@@ -21,7 +22,6 @@ from pwsviz.figures.style import (
     ROOM,
     assign,
     invisible,
-    legend_below,
     line_of,
     plain_figure,
     run_lines,
@@ -100,7 +100,7 @@ class Panel:
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
         sides = [(name, self.bands[side]) for side, (name, _) in OCCUPIED.items()]
         entries = [({"field": "method"}, self.lines), *sides]
-        self.entries = legend_below(self.figure, 5, [*entries, ({"field": "label"}, self.marks)], usual=5)
+        self.entries = legend_below(self.figure, [*entries, ({"field": "label"}, self.marks)])
 
     def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
         plot = self.figure

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from bokeh.models import (
     LogAxis,
     WheelZoomTool,
 )
-from bokeh.models.annotations import Legend, LegendItem, Span
+from bokeh.models.annotations import Span
 from bokeh.models.glyphs import MultiLine, Scatter, VStrip
 from bokeh.plotting import figure
 from numpy.typing import NDArray
@@ -58,46 +58,12 @@ HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
 ROOM = "var(--legend, 0px)"
-"""CSS height by which a legend is taller than usual, set by `KEEP_PLACE`: added to a figure, whose frame then stays."""
+"""CSS height by which a legend is taller than usual, set by `legends`: added to a figure, whose frame then stays."""
 
 PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
 
 WITH_TABLE = {"height": f"calc(max(300px, {HEIGHT} - 190px) + {ROOM})", "flex": "none"}
 """Styles of a figure that leaves room on the screen for a small table below it."""
-
-KEEP_PLACE = """
-const SPARE = 8  // pixels beside an entry, and beside the legend
-const found = id => cb_context.index.query_one(view => view.model.id == id)
-const view = found(legend), [entry] = view?.entries ?? []
-if (entry != null && found(plot) != null) {
-  const { items, label_standoff } = view.model
-  const shown = items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
-  const { frame, model } = found(plot), middle = frame.bbox.hcenter  // below which the legend is centred
-  const room = 2 * Math.min(middle, model.outer_width - middle) - SPARE
-  const pen = document.createElement("canvas").getContext("2d")
-  const size = parseFloat(getComputedStyle(view.el).fontSize)  // a canvas does not know it
-  pen.font = view.visuals.label_text.computed_values().font.replace(/([\\d.]+)em/, (_, em) => `${em * size}px`)
-  const widths = shown.map(label => glyph + label_standoff + pen.measureText(label).width + SPARE)
-  const fits = count => {  // each column is as wide as its widest entry
-    const wide = Array(count).fill(0)
-    widths.forEach((width, k) => { wide[k % count] = Math.max(wide[k % count], width) })
-    return wide.reduce((sum, width) => sum + width, 0) <= room
-  }
-  let ncols = columns
-  while (ncols > 1 && !fits(ncols)) { ncols -= 1 }
-  view.model.ncols = ncols
-  const more = Math.ceil(shown.length / ncols) - Math.ceil(usual / ncols)
-  const row = entry.el.offsetHeight + (parseFloat(getComputedStyle(view.grid_el).rowGap) || 0)
-  found(plot).el.style.setProperty("--legend", `${more * row}px`)
-}
-"""
-"""JavaScript that gives a legend as many columns as fit, and makes the figure as much taller as the legend is taller
-than with the usual number of entries.
-
-It knows plot and legend by their ids, not as models: in the browser a legend makes its entries anew, unpainted until
-the figure is painted next, at each change of any model that can be reached from them. Through the callbacks on the data
-of its glyphs these would be the whole figure, and from its other callbacks other figures, too.
-"""
 
 NO_TAB_STOP = """
 const ground = cb_context.index.find_one(cb_obj)?.canvas_view.events_el
@@ -163,9 +129,6 @@ NEAR_ROUND_OFF = 100.0
 
 LEGEND_WIDTH = 2.5
 """Width in pixels of a line in every legend, whatever its width in the plot."""
-
-LEGEND_GLYPH = 34
-"""Pixels of line in a legend: a little more than one period of the longest dash pattern."""
 
 
 def line_of(method: str) -> Line:
@@ -351,39 +314,6 @@ def show_methods(source: ColumnDataSource, methods: Iterable[str]) -> None:
         "xs": [[np.nan]] * len(names), "ys": [[np.nan]] * len(names), "method": names,
         "colour": [line.colour for line in lines], "dash": [list(line.dash) for line in lines],
     }  # fmt: skip
-
-
-def legend_below(plot: figure, columns: int, entries: Sequence[tuple[Any, Any]], usual: int) -> list[LegendItem]:
-    """Put a legend below the plot, where it covers nothing, and return its entries.
-
-    Parameters
-    ----------
-    plot : figure
-        The figure.
-    columns : int
-        Most entries in a row.
-    entries : list of (label, renderer)
-        A label is a text, or ``{"field": name}`` for one entry per distinct value in that column. In place of a
-        renderer, several that are painted one over the other.
-    usual : int
-        Entries for which the figure has room: more of them make it taller, so that the plot itself keeps its place.
-    """
-    items = [LegendItem(label=label, renderers=one if isinstance(one, list) else [one]) for label, one in entries]
-    look: dict[str, Any] = {"orientation": "horizontal", "ncols": columns, "margin": 0, "padding": 4}
-    legend = Legend(items=items, location="center", glyph_width=LEGEND_GLYPH, **look)
-    # In the browser the theme of the page narrows the glyphs so far that dashes could not be told apart.
-    legend.js_on_change("glyph_width", CustomJS(code=f"cb_obj.glyph_width = {LEGEND_GLYPH}"))
-    place = {"plot": plot.id, "legend": legend.id, "usual": usual, "columns": columns, "glyph": LEGEND_GLYPH}
-    keep = CustomJS(args=place, code=KEEP_PLACE)
-    for width in ("outer_width", "inner_width"):
-        plot.js_on_change(width, keep)
-    legend.js_on_change("ncols", keep)
-    for item in items:
-        item.js_on_change("visible", keep)
-        for renderer in item.renderers:
-            renderer.data_source.js_on_change("data", keep)
-    plot.add_layout(legend, "below")
-    return items
 
 
 def unseen(columns: Iterable[str]) -> ColumnDataSource:

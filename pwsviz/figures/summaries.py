@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from html import escape
 
 import core
+from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.order import Studied
-from pwsviz.figures.style import LEGEND_GLYPH, Line, line_of, together
+from pwsviz.figures.style import Line, line_of, together
 from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene

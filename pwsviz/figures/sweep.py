@@ -11,17 +11,9 @@ from bokeh.events import Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, CrosshairTool, DataRange1d
 from bokeh.models.glyphs import VSpan, VStrip
 
+from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
-from pwsviz.figures.style import (
-    BLUE,
-    GREY,
-    VERMILION,
-    WITH_TABLE,
-    assign,
-    legend_below,
-    plain_figure,
-    tips,
-)
+from pwsviz.figures.style import BLUE, GREY, VERMILION, WITH_TABLE, assign, plain_figure, tips
 from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.phase_plane import Window
@@ -72,9 +64,7 @@ class SweepView:
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=GREY, line_alpha=0.6, visible=False),
         )
-        self._present, self._early = legend_below(
-            plot, 3, [("present value", line), ({"field": "words"}, strips)], usual=3
-        )
+        self._present, self._early = legend_below(plot, [("present value", line), ({"field": "words"}, strips)])
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def show(self, found: Diagram) -> None:

@@ -32,12 +32,10 @@ MARKUP = """
 #cover header { font: 700 21.6px/48px Roboto, Helvetica, Arial, sans-serif; padding-left: 68px;
                 border-bottom: 1px solid rgba(128, 128, 128, 0.3); }
 #cover main { COLUMNS margin: 19px 16px 0 calc(SIDEBARpx + 16px); }
-#cover main > div { container-type: inline-size; }
-#cover figure { margin: 30px 12px 0 76px; height: calc(HEIGHT - 161px); overflow: hidden; }
+#cover figure { margin: 30px 12px 0 76px; height: calc(HEIGHT - 129px); overflow: hidden; }
 #cover svg { width: 100%; height: 100%; }
 #cover p { margin: 12px 12px 0 76px; text-align: center; font: 16px Roboto, Helvetica, Arial, sans-serif; }
 #cover ~ #loader .spinner { display: none; }
-@container (max-width: 480px) { #cover figure { height: calc(HEIGHT - 213px); } }
 @media (width < NARROWpx) { #cover main { margin-left: 16px; } #cover header { padding-left: 60px; } }
 </style>
 <div id="cover" aria-hidden="true">

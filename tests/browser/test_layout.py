@@ -160,6 +160,26 @@ def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view):
     assert [one["label"] for one in page.evaluate(LEGENDS) if not one["inside"]] == []
 
 
+KEYS = """() => {
+    const view = Bokeh.index.query_one(view => view.model.type == "Legend")
+    const marked = ({canvas}) => {
+        const {width, height} = canvas, pixels = canvas.getContext("2d").getImageData(0, 0, width, height).data
+        const rows = Array.from({length: height}, (_, j) => j)
+        return rows.filter(j => pixels.slice(4 * j * width, 4 * (j + 1) * width).some(value => value > 0)).length
+    }
+    return {legend: view.grid_el.offsetHeight, frame: view.plot_view.frame.bbox.height,
+            heights: Object.fromEntries(view.entries.map(({label, glyph}) => [label, marked(glyph)]))}
+}"""
+"""Heights in pixels: of the first legend and the frame above it, and of what is painted in each key."""
+
+
+@pytest.mark.deep
+def test_on_a_phone_a_legend_is_small_beside_its_picture_and_its_marks_are_as_those_in_it(phone):
+    seen = await_that(phone, KEYS, lambda now: now["heights"]["start"] > 15)
+    assert seen["legend"] < 0.25 * seen["frame"]
+    assert 7 <= seen["heights"]["crossing"] <= 10
+
+
 CUT = """() => {
     const found = []
     const look = node => {

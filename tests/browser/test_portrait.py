@@ -32,7 +32,7 @@ PORTRAIT = f"""() => {{
     const moving = figure.rows.find(row => "marker" in row && !("kind" in row))
     return {{stars: figure.on_screen(stars.x, stars.y), at: Array.from(stars.x, (x, k) => [x, stars.y[k]]),
              chosen: Array.from(stars.chosen).indexOf(true), marks: figure.on_screen(marks.x, marks.y),
-             times: Array.from(marks.time), ringed: rings.filter(row => row.length == 1).length,
+             times: Array.from(marks.time), ringed: rings.filter(row => row.length == 1 && !isNaN(row[0])).length,
              moving: Array.from(moving.x), range: figure.range, frame: figure.frame, words: figure.words}}
 }}"""
 CONSERVED = f"""() => {{

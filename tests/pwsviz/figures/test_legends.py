@@ -8,12 +8,17 @@ from bokeh.models.glyphs import Scatter
 import core
 from pwsviz.figures.conserved import ConservedView
 from pwsviz.figures.cost import CostView
+from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.linking import link_crossings, link_portrait
 from pwsviz.figures.order import OrderView, state_rows, studied
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.stability import StabilityView
 from pwsviz.figures.state import StateView
+from pwsviz.figures.style import SIDES
 from pwsviz.figures.sweep import SweepView
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.scene import Scene
 
 OSCILLATOR = core.CATALOGUE["harmonic_oscillator"]
 
@@ -82,3 +87,17 @@ def test_the_legend_of_the_order_has_the_markers_of_its_rows_or_names_them_apart
     view.show(two)
     assert set(keys_of(view)) == {None}, "a marker tells a row here, not an integrator"
     assert view.figure.legend[0].items[1].visible
+
+
+def test_the_key_of_level_sets_is_half_in_the_colour_of_each_side_on_which_they_are():
+    view = PortraitView(*[print] * 5)
+    pictures = Results().pictures(PortraitInputs.of(Scene()))
+    view.show_orbits(Scene().declaration, pictures, [(-1.0, -1.0)], 0)
+    problem, levels = pictures.inputs.selected[0].problem, pictures.orbits[0].levels
+    half = LEGEND_GLYPH // 2
+    for window, sides in ((Window(-2, 2, -2, 2), [-1, 1]), (Window(-0.2, 0.2, -0.2, 0.2), [-1])):
+        view.show_backdrop(Results().backdrop(problem, window, levels, (0, 1)))
+        keys = [renderer.glyph for renderer in view.ground._line_entries[1].renderers]
+        assert [key.line_color for key in keys] == [SIDES[side] for side in sides]
+        assert [key.line_dash for key in keys] == ([[half, half]] * 2 if len(sides) == 2 else [[]])
+    assert [key.line_dash_offset for key in keys] == [0]

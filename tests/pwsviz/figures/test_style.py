@@ -7,9 +7,9 @@ import pytest
 from bokeh.models import ColumnDataSource, WheelZoomTool
 
 import core
+from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.marks import KIND_COLOURS
 from pwsviz.figures.style import (
-    LEGEND_GLYPH,
     OCCUPIED,
     assign,
     line_of,
