@@ -12,6 +12,7 @@ from typing import Any
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.still import still
 from pwsviz.figures.style import HEIGHT
+from pwsviz.page.help import GREETING, GREETING_CSS
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.browser import IS_DARK, NARROW
@@ -28,18 +29,21 @@ SIDEBAR_WIDTH = 300
 MARKUP = """
 <style>
 #cover { position: fixed; inset: 0; z-index: 1; overflow: hidden; background: white; color: rgba(0, 0, 0, 0.87); }
+GREETING_CSS
 #cover.dark { background: #121212; color: white; }
 #cover header { font: 700 21.6px/48px Roboto, Helvetica, Arial, sans-serif; padding-left: 68px;
                 border-bottom: 1px solid rgba(128, 128, 128, 0.3); }
 #cover main { COLUMNS margin: 19px 16px 0 calc(SIDEBARpx + 16px); }
 #cover figure { margin: 30px 12px 0 76px; height: calc(HEIGHT - 129px); overflow: hidden; }
 #cover svg { width: 100%; height: 100%; }
-#cover p { margin: 12px 12px 0 76px; text-align: center; font: 16px Roboto, Helvetica, Arial, sans-serif; }
+#cover figure + p { margin: 12px 12px 0 76px; text-align: center; font: 16px Roboto, Helvetica, Arial, sans-serif; }
+#cover .greeting { margin: 15px 16px -15px; }
 #cover ~ #loader .spinner { display: none; }
 @media (width < NARROWpx) { #cover main { margin-left: 16px; } #cover header { padding-left: 60px; } }
 </style>
 <div id="cover" aria-hidden="true">
 <header>pwsviz</header>
+GREETING
 <main><div><figure>PICTURE</figure><p>Loading …</p></div><div></div></main>
 </div>
 <script>{
@@ -91,7 +95,8 @@ class Cover:
 
 
 MARKUP_OF_THE_PAGE = (
-    MARKUP.replace("COLUMNS", COLUMNS).replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
+    MARKUP.replace("GREETING_CSS", GREETING_CSS).replace("GREETING", GREETING)
+    .replace("COLUMNS", COLUMNS).replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
     .replace("NARROW", str(NARROW)).replace("IS_DARK", IS_DARK)
 )  # fmt: skip
 

@@ -18,7 +18,7 @@ from pwsviz.figures.linking import link_portrait
 from pwsviz.page.cover import COLUMNS, Cover
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
-from pwsviz.page.help import ABOUT, CITATION, Help
+from pwsviz.page.help import ABOUT, CITATION, GREETING, GREETING_CSS, Help
 from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
@@ -31,7 +31,7 @@ from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text
-from pwsviz.widgets.browser import REMEMBER_DARK, Browser
+from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.lecture import Lecture
 from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
@@ -81,15 +81,15 @@ ABOUT_CSS = """
 footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
          color: var(--mui-palette-text-secondary); }
 footer a { color: inherit; }
-@media (width >= 1150px) { .about { display: none; } }
-"""
+@media (width < NARROWpx) or (width >= 1150px) { .about { display: none; } }
+""".replace("NARROW", str(NARROW))
 
 TAGLINE_CSS = """
 p { font-size: 0.8125rem; line-height: 1.3; max-width: 64ch; margin: 0 0 0 12px;
     color: var(--mui-palette-text-secondary); }
 @media (width < 1150px) { p { display: none; } }
 """
-"""What the page is, in its header; where that has no room, in the footer."""
+"""What the page is, in its header; where that has no room, in the footer, or above a narrow portrait."""
 
 STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
 
@@ -310,9 +310,11 @@ class Explorer(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
         left = pn.Column(self.portrait_panel, css_classes=["portrait"], margin=0, sizing_mode="stretch_width")
+        greeting = markup_pane(GREETING_CSS)
+        greeting.object = GREETING
         both = pn.Column(left, self._views, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")
         return pn.Column(
-            self.notice, both, self._about(),
+            self.notice, greeting, both, self._about(),
             stylesheets=[STACK_CSS], margin=(8, 16), sizing_mode="stretch_width",
         )  # fmt: skip
 

@@ -6,16 +6,28 @@ from html import escape
 
 import panel as pn
 
+from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.panes import markup_pane
 
-__all__ = ["ABOUT", "CITATION", "FIRST", "Help"]
+__all__ = ["ABOUT", "CITATION", "FIRST", "GREETING", "GREETING_CSS", "Help"]
 
 ABOUT = "Integrate piecewise smooth systems and see what is conserved: for teaching and research in numerical analysis."
 """What this is, and for whom."""
 
 FIRST = "New here? Choose an example above, or click in the portrait to start a trajectory there."
 """The first thing to try; shown until an example is chosen."""
+
+GREETING = (
+    '<p class="greeting">Integrate piecewise smooth systems and see what is conserved. '
+    "Tap in the portrait to start a trajectory; examples are behind ☰.</p>"
+)
+"""Both on a narrow screen, above the portrait: the controls are out of sight there. As markup."""
+
+GREETING_CSS = f"""
+.greeting {{ font: 13px/18px Roboto, Helvetica, Arial, sans-serif; height: 36px; margin: 0; opacity: 0.8; }}
+@media (width >= {NARROW}px) {{ .greeting {{ display: none; }} }}
+"""
 
 CITATION = (
     "A. N. Hirani, A. T. S. Wan, N. Wojtalewicz, "
@@ -28,9 +40,9 @@ _USE = (
     "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it. "
     "Double click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) do not.",
-    "Each tab beside the portrait answers one question: is ψ conserved, what is the order, when does the solution "
-    "cross, what does an error cost, where does it meet a surface, which step sizes work, what does a parameter "
-    "change, what is the scheme.",
+    "Each tab beside the portrait answers one question: is ψ conserved, how does the state change in time, what is the "
+    "order, when does the solution cross, what does an error cost, where does it meet a surface, which step sizes "
+    "work, what does a parameter change, what is the scheme.",
     "Section shows where the trajectories of all starts meet a surface, or any h(t, x) = 0, in the colours of their "
     "starts. A click there starts a trajectory on the surface, with the conserved quantities of the selected one.",
     "Sweep draws a bifurcation diagram: for each value of a parameter, the points at which the run meets the surface "
@@ -87,6 +99,6 @@ def _markup() -> str:
     use = "".join(f"<li>{escape(words)}</li>" for words in _USE)
     keys = "".join(f"<dt><kbd>{escape(key)}</kbd></dt><dd>{escape(words)}</dd>" for key, words in _KEYS.items())
     return (
-        f"<p>{escape(ABOUT)}</p><h2>How to use it</h2><ul>{use}</ul><h2>Keys</h2><dl>{keys}</dl>"
+        f"<p>{escape(ABOUT)}</p><h2>Keys</h2><dl>{keys}</dl><h2>How to use it</h2><ul>{use}</ul>"
         f"<h2>The method</h2><p>{CITATION}</p>"
     )

@@ -1,5 +1,7 @@
 """The screen is used, whatever its size: two columns, a portrait in sight, a lecture mode, and fingers."""
 
+import re
+
 import pytest
 
 from pwsviz.scene.views import VIEWS
@@ -139,6 +141,13 @@ def test_on_a_phone_every_view_is_in_sight_and_the_controls_leave_the_portrait_s
     phone.touchscreen.tap(*inside(phone.evaluate(PORTRAIT), 0.3, 0.7))
     phone.wait_for_timeout(1000)
     assert len(phone.evaluate(PORTRAIT)["stars"]) == 1, "two taps fit"
+
+
+@pytest.mark.deep
+def test_on_a_phone_the_first_screen_says_what_the_page_is_and_what_to_try(phone):
+    words = phone.get_by_text(re.compile("see what is conserved.*Tap in the portrait")).locator("visible=true")
+    assert words.count() == 1
+    assert words.bounding_box()["y"] < canvas(phone, "Phase portrait").bounding_box()["y"]
 
 
 LEGENDS = """() => [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({entries, plot_view}) =>
