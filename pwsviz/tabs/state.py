@@ -66,6 +66,8 @@ class StateTab(Tab):
             if self._portrait is not None:
                 link_crossings(self._portrait, panel, self.view.shared.instants)
         self._panels.objects = self.plots[: len(names)]
+        drawn = names[: len(self._panels.objects)]
+        self._summaries[: len(drawn)] = [f"Coordinate {name} against time" for name in drawn]
         return state_text(names, outcome.curves, len(outcome.first.crossings))
 
     def pictures(self) -> list[figure]:

@@ -65,7 +65,7 @@ def test_the_portrait_stays_in_sight_beside_a_long_view(visit):
 
 def test_a_system_without_psi_opens_on_its_state_against_time(visit):
     page = visit(query="v=1&system=relay_feedback")
-    await_painted(page, "Coordinate against time")
+    await_painted(page, "Coordinate x against time")
     page.get_by_text("rk2 up to t = 19.1: x from").wait_for()
 
 
