@@ -111,7 +111,7 @@ _HALF = Rational(1, 2)
 RK2 = Method(
     "rk2",
     ButcherTableau(((), (_HALF,)), (Integer(0), Integer(1)), 2),
-    "Explicit midpoint rule, order 2: the paper's baseline, whose ψ drifts.",
+    "Explicit midpoint rule, order 2: the paper’s baseline, whose ψ drifts.",
 )
 
 CLASSICAL = ButcherTableau(

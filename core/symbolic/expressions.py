@@ -53,7 +53,7 @@ Operand = tuple[sympy.Expr, float | None]
 _NOT_REAL = "it contains a constant that is not a finite real number"
 #: The operators of expressions, as messages list them.
 OPERATORS = "+ - * / **"
-_ALLOWED = f"numbers, the system's variables and parameters, t, pi, e, {OPERATORS}, and {' '.join(FUNCTIONS)}"
+_ALLOWED = f"numbers, the system’s variables and parameters, t, pi, e, {OPERATORS}, and {' '.join(FUNCTIONS)}"
 
 
 def check_name(name: str, role: str) -> str:

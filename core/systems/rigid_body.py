@@ -16,6 +16,6 @@ SYSTEM = PiecewiseSystem(
         Parameter("plane", 0.6, (-1.2, 1.2), "where the plane stands", "c"),
     ),
     x0=(0.0, 1.0, 1.0),
-    doc="Euler's equations of a body that turns freely, scaled to Jacobi's form: on each side of the plane y₁ = c the "
+    doc="Euler’s equations of a body that turns freely, scaled to Jacobi’s form: on each side of the plane y₁ = c the "
     "state moves along a curve in which two cylinders meet.",
 )

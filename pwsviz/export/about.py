@@ -11,6 +11,7 @@ from pwsviz.geometry.shades import region_name
 from pwsviz.scene.names import readable, short_name
 from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
+from pwsviz.text.math_names import numbered
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, listed
 
@@ -97,7 +98,7 @@ def _equations(scene: Scene) -> str:
             f"{variable}′ = {readable(rate, system)}" for variable, rate in zip(system.variables, region.f, strict=True)
         ]
         laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {readable(one, system)}" for one in region.psi)]))
-    names = ["g"] if system.two_sided else [f"g{k + 1}" for k in range(len(system.surfaces))]
+    names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
     laws += [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
     laws += [f"reset map at {names[k]} = 0: {_map(jump, system)}" for k, jump in system.jumps.items()]
     for way in system.transitions:

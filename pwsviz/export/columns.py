@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 __all__ = ["MEANINGS", "by_name", "meanings"]
 
-_TIME = "in the system's unit of time"
+_TIME = "in the system’s unit of time"
 
 MEANINGS: Mapping[str, str] = {
     "start": "number of the start, from 1",

@@ -62,7 +62,7 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
     what = "Fastest" if across == "seconds" else "Fewest evaluations"
-    caption = f"{what} to a given error; only runs with the solution's sequence of crossings count"
+    caption = f"{what} to a given error; only runs with the solution’s sequence of crossings count"
     return Numbers(header, rows, caption=caption)
 
 

@@ -16,6 +16,7 @@ from core.symbolic import to_text
 from pwsviz.figures.moving import FORMULAS
 from pwsviz.figures.style import GREY
 from pwsviz.scene.names import readable
+from pwsviz.text.math_names import numbered
 
 __all__ = ["PLACE_LABELS", "label_glyph", "surface_labels"]
 
@@ -26,14 +27,14 @@ _COLUMNS = ("x", "y", "text", "align", "baseline", "dx", "dy")
 
 
 def surface_labels(system: core.PiecewiseSystem) -> list[str]:
-    """Return what each of several surfaces is called in the portrait: “g1 = x − 1 = 0”, or without g1 where the names
+    """Return what each of several surfaces is called in the portrait: “g₁ = x − 1 = 0”, or without g₁ where the names
     of regions do not tell signs; nothing of a single one.
     """
     if len(system.laws.surfaces) < 2:
         return []
     guards = [to_text(-g if g.could_extract_minus_sign() else g) for g in system.laws.surfaces]
     texts = [readable(g, system) for g in system.surfaces or guards]
-    names = [f"g{k + 1} = " if system.surfaces else "" for k in range(len(texts))]
+    names = [f"{numbered('g', k + 1)} = " if system.surfaces else "" for k in range(len(texts))]
     return [
         f"{name}{text} = 0" if len(text) <= LONGEST else f"{name}0" for name, text in zip(names, texts, strict=True)
     ]

@@ -17,7 +17,7 @@ from core.symbolic import TIME, DividedDifference, Laws, Mode
 from pwsviz.figures.constants import constants_markup, table
 from pwsviz.figures.equation_sheet import EquationSheet
 from pwsviz.geometry.shades import region_name
-from pwsviz.text.math_names import name_markup
+from pwsviz.text.math_names import name_markup, numbered
 from pwsviz.text.mathml import Shown, markup, names_of
 from pwsviz.text.numbers import printed
 
@@ -165,7 +165,8 @@ def _write_system(sheet: EquationSheet, laws: Laws, groups: Sequence[Group]) -> 
         sheet.equate("g" if one else f"g_{{{k}}}", g)
     jumps = {way.surface + 1: way.jump for ways in laws.ways for way in ways if way.jump is not None}
     for k, jump in jumps.items():
-        sheet.say("On reaching it, the state is reset to" if one else f"On reaching g{k} = 0, the state is reset to")
+        where = "it" if one else f"{numbered('g', k)} = 0"
+        sheet.say(f"On reaching {where}, the state is reset to")
         sheet.equate(r"\hat{x}^{+}", jump)
     if not laws.regions[0].sides:
         for mode, ways in zip(laws.regions, laws.ways, strict=True):

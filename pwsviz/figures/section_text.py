@@ -37,7 +37,8 @@ def section_text(outcome: SectionPoints) -> str:
     """Return how many points there are, and of which starts there are fewer, and why."""
     counts, inputs = outcome.counts, outcome.inputs
     after = reset_words(inputs.problem.declaration, inputs.of)
-    words = [f"{plural(sum(counts), 'point')} of {plural(len(counts), 'start')} on {surface_words(inputs)}{after}."]
+    whose = f" of {len(counts)} starts" if len(counts) > 1 else ""
+    words = [f"{plural(sum(counts), 'point')}{whose} on {surface_words(inputs)}{after}."]
     short: dict[tuple[str, bool], list[int]] = {}
     for k in outcome.short:
         if (status := outcome.statuses[k]) is not None:

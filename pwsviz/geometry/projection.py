@@ -86,7 +86,9 @@ def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
     across, up = (names[k] for k in axes)
     if system.dimension == PLANE:
         return across, up
-    return f"{across} ({', '.join(_others(names, axes))} not shown)", up
+    others = _others(names, axes)
+    hidden = min(", ".join(others), f"{len(others)} other variables", key=len)
+    return f"{across} ({hidden} not shown)", up
 
 
 def conserved_note(system: core.PiecewiseSystem) -> str:

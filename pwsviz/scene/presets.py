@@ -115,7 +115,7 @@ def _transitions() -> tuple[Preset, ...]:
     words = {
         1: ("Crossing times are perturbed by τ: the slope is 2 before the first crossing and falls to 1 after it.",
             "Choose p = 2: the order is restored."),
-        2: ("Crossing times are perturbed by τ², which is of the order of the method's own error: the slope stays 2.",
+        2: ("Crossing times are perturbed by τ², which is of the order of the method’s own error: the slope stays 2.",
             "Choose p = 1: the order falls to 1."),
         15: ("Crossing times are perturbed by τ¹⁵, which is negligible: the slope is 2 before and after 30 crossings.",
              "Do not locate crossings: after the first one the errors scatter, and their slope is near 1."),

@@ -9,7 +9,16 @@ import sympy
 from sympy import Symbol
 from sympy.printing.pretty.pretty_symbology import greek_unicode
 
-__all__ = ["default_name", "name_markup", "operator", "plain_text", "said_name", "unicode_name", "variable_name"]
+__all__ = [
+    "default_name",
+    "name_markup",
+    "numbered",
+    "operator",
+    "plain_text",
+    "said_name",
+    "unicode_name",
+    "variable_name",
+]
 
 _ACCENTS = {"hat": "^", "bar": "‾", "tilde": "~", "vec": "→", "dot": "˙", "ddot": "¨"}
 _SIGNS = {"-": "−", "'": "′"}
@@ -17,6 +26,7 @@ _COMMANDS = {
     "pm": "±", "sum": "∑", "cdots": "⋯", "ldots": "…", "leftarrow": "←", "circ": "∘", "top": "⊤",
 }  # fmt: skip
 _UNICODE = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", "_": ""}
+_LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _ACCENTED = "|".join(_ACCENTS)
 #: A base with at most two scripts, each a character, a command or a group in braces. Each part of a base has one way to
 #: match, so that no text takes long.
@@ -81,11 +91,17 @@ def default_name(name: str) -> str:
 
 
 def unicode_name(latex: str, otherwise: str) -> str:
-    """Return the LaTeX of a symbol in Unicode (a₋, ω²₊), or another name where Unicode cannot express it."""
+    """Return the LaTeX of a symbol in Unicode (a₋, ω²₊, x₁), or another name where Unicode cannot express it."""
     text = re.sub(r"\\([A-Za-z]+)", lambda found: greek_unicode.get(found[1], found[0]), latex)
+    text = re.sub(r"_(?:\{(\d+)\}|(\d))", lambda found: (found[1] or found[2]).translate(_LOWERED), text)
     for part, character in _UNICODE.items():
         text = text.replace(part, character)
     return otherwise if set(text) & set("\\{}^") else text
+
+
+def numbered(name: str, number: int) -> str:
+    """Return a name with an index: g₁."""
+    return f"{name}{str(number).translate(_LOWERED)}"
 
 
 def variable_name(name: str) -> str:

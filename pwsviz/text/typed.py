@@ -16,6 +16,8 @@ _RAISED = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 #: A number as it is printed: 2×10⁻⁶ or 10⁻⁶.
 _PRINTED = re.compile(rf"(?:([0-9]+(?:\.[0-9]+)?)×)?(?<![\w.])10({_RAISED.pattern})")
 _LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+#: Digits of an index, as names are printed: x₁ for x1.
+_INDEX = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 #: A number that is no part of a name, with its exponent if it has one: of 2e only 2, of 2e3x all but x. It is taken
 #: whole: possessive quantifiers (++) give nothing back. (That of a group does in Python before 3.11.5.)
 _NUMBER = r"(?<![\w.])(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++|(?![eE][+-]?[0-9]))"
@@ -35,7 +37,7 @@ def as_python(text: str) -> str:
     for sign, plain in _SIGNS.items():
         text = text.replace(sign, plain)
     text = _RAISED.sub(lambda found: f"**{found[0].translate(_LOWERED)}", text)
-    return _PRODUCT.sub(lambda found: f"{found[1] or found[2]}*", text)
+    return _PRODUCT.sub(lambda found: f"{found[1] or found[2]}*", text.translate(_INDEX))
 
 
 def as_typed(text: str) -> str:

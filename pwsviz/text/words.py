@@ -64,5 +64,5 @@ def complaint(reason: Exception) -> str:
     """Return an exception as a paragraph for the user: the message of a ValueError; else that the program failed."""
     if isinstance(reason, ValueError):
         return as_text(on_page(str(reason)), "error")
-    words = f"The program failed here ({type(reason).__name__}: {reason}). The server's log has the details."
+    words = f"The program failed here ({type(reason).__name__}: {reason}). The server’s log has the details."
     return as_text(words, "error")

@@ -60,7 +60,7 @@ SAID = {
     "Order": r"Compared with",
     "Crossing time": r"Compared with",
     "Cost": r"Fastest to a given error",
-    "Section": r"points of 1 start",
+    "Section": r"points on ",
     "Stability": r"Largest step size",
     "Scheme": r"The scheme: dmm2",
 }

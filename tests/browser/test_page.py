@@ -164,7 +164,7 @@ def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_b
     page = visit()
     await_painted(page, "conserved quantity")
     choose_system(page, "Relay feedback")
-    await_painted(page, "Coordinate against time")
+    await_painted(page, "Coordinate x against time")
     page.get_by_role("tab", name="Conserved quantity").click()
     page.get_by_text(re.compile("no conserved quantity is known on either side")).wait_for()
     page.get_by_text(re.compile("need a conserved quantity; none is known here")).wait_for()
@@ -183,7 +183,7 @@ def test_a_picture_in_more_dimensions_says_that_it_is_projected_and_is_not_left_
     before = await_that(page, PORTRAIT)["frame"]
     choose_system(page, "Rigid body")
     page.get_by_text(re.compile("Projected onto the plane of y1, y2")).wait_for()
-    field(page, "y3 at start").wait_for()
+    field(page, "y₃ at start").wait_for()
     drawing = await_painted(page, "Phase portrait")
     page.wait_for_timeout(200)
     assert opacity(drawing) == 1

@@ -30,8 +30,8 @@ def assert_in_place(seen, t):
     places = {text: np.array(place) for text, place in seen["places"].items()}
     assert all(left < x < right and low < y < high for x, y in places.values())
     heights = {text: (x - np.sin(t), x + y) for text, (x, y) in places.items()}
-    assert abs(heights["g1 = x − sin(t) = 0"][0]) < 0.02
-    assert abs(heights["g2 = x + y = 0"][1]) < 0.02
+    assert abs(heights["g₁ = x − sin(t) = 0"][0]) < 0.02
+    assert abs(heights["g₂ = x + y = 0"][1]) < 0.02
     for name in ("−+", "++", "−−"):
         assert [np.sign(height) for height in heights[name]] == [1 if sign == "+" else -1 for sign in name]
     assert [np.sign(height) for height in heights["no law"]] == [1, -1]

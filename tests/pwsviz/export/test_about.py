@@ -5,6 +5,7 @@ import pytest
 import core
 from pwsviz.export.about import about, caption
 from pwsviz.scene.scene import Scene
+from pwsviz.text.math_names import numbered
 from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY, WALL
 
 SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
@@ -54,7 +55,7 @@ def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
 @every_system
 def test_a_caption_has_every_surface_every_jump_and_every_transition(system):
     parts = equations(system)
-    names = ["g"] if system.two_sided else [f"g{k + 1}" for k in range(len(system.surfaces))]
+    names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
     laws = 1 if on_both_sides(system) else len(system.regions)
     assert [part.partition(" = ")[0] for part in parts[laws:]][: len(names)] == names
     resets = [name for k, name in enumerate(names) if k in system.jumps]
@@ -69,10 +70,10 @@ def test_expressions_are_printed_and_names_are_left_as_they_are():
     assert equations(RELAY)[2:] == [
         "pre-heat to off where top − u = 0, reset map (u, w/2)", "off to pre-heat where u − 1/2 = 0",
     ]  # fmt: skip
-    assert equations(WALL) == ["region +: x′ = v, v′ = −1, ψ = v²/2 + x", "g1 = x", "reset map at g1 = 0: (x, −v·0.9)"]
+    assert equations(WALL) == ["region +: x′ = v, v′ = −1, ψ = v²/2 + x", "g₁ = x", "reset map at g₁ = 0: (x, −v·0.9)"]
     bridge = equations(core.CATALOGUE["diode_bridge"])
     assert bridge[1].startswith("region −+: v′ = ω·w, u′ = ")
-    assert bridge[3:] == ["g1 = v − u", "g2 = v + u"]
+    assert bridge[3:] == ["g₁ = v − u", "g₂ = v + u"]
 
 
 def test_a_region_called_as_a_parameter_keeps_its_name():

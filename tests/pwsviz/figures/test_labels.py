@@ -6,8 +6,8 @@ from tests.pwsviz.own_systems import RELAY
 
 
 def test_several_surfaces_are_named_by_their_equations():
-    assert surface_labels(core.CATALOGUE["diode_bridge"]) == ["g1 = v − u = 0", "g2 = v + u = 0"]
-    assert surface_labels(core.CATALOGUE["gene_ring"])[2] == "g3 = z − θ = 0"
+    assert surface_labels(core.CATALOGUE["diode_bridge"]) == ["g₁ = v − u = 0", "g₂ = v + u = 0"]
+    assert surface_labels(core.CATALOGUE["gene_ring"])[2] == "g₃ = z − θ = 0"
 
 
 def test_surfaces_of_named_regions_have_no_number_as_no_sign_refers_to_it():
@@ -19,7 +19,7 @@ def test_a_long_equation_is_left_to_the_scheme():
     long = core.PiecewiseSystem(
         "long", ("x", "y"), surfaces=("x", "y - sin(x)*cos(x)*exp(x + y)"), regions={"--": core.Region(("1", "1"))}
     )
-    assert surface_labels(long) == ["g1 = x = 0", "g2 = 0"]
+    assert surface_labels(long) == ["g₁ = x = 0", "g₂ = 0"]
 
 
 def test_a_single_surface_is_named_in_the_legend_alone():

@@ -133,8 +133,8 @@ def test_a_projection_is_named_on_the_axes():
     view, start = Watched(), ((0.0, 2.0, 1.0),)
     view.draw(start, system="rigid_body")
     view.draw(start, system="rigid_body", axes=(0, 2))
-    assert view.figure.yaxis[0].axis_label == "y3"
-    assert "y2 not shown" in view.figure.xaxis[0].axis_label
+    assert view.figure.yaxis[0].axis_label == "y₃"
+    assert "y₂ not shown" in view.figure.xaxis[0].axis_label
     assert view.starts.data["y"] == [1.0]
 
 

@@ -95,7 +95,7 @@ def test_points_on_several_surfaces_differ_in_colour_and_marker_and_the_legend_n
             mark = view.cloud.marks[2 * start + surface]
             assert set(np.round(mark.data_source.data["x"], 6)) == {x}
             assert mark.glyph.marker == marker
-            name = f"g{surface + 1} = x {'+-'[surface]} 1 = 0".replace("-", "−")
+            name = f"g{'₁₂'[surface]} = x {'+-'[surface]} 1 = 0".replace("-", "−")
             assert mark.name == (name if count == 1 else f"start {start + 1}: {name}")
         first = outcome.portions[start].surface[0]
         assert view.firsts.data["colour"][start] == START_COLOURS[2 * start + first]

@@ -50,7 +50,7 @@ def test_variables_have_greek_letters_wherever_formulas_have_them():
     assert axis_labels(table, (0, 1)) == ("φ (v not shown)", "y")
     assert "plane of φ, y" in portrait_note(table, (0, 1))
     assert readable("y - a*sin(phi)", table) == "y − a·sin(φ)"
-    assert [variable_name(name) for name in ("theta", "omega", "x1", "u")] == ["θ", "ω", "x1", "u"]
+    assert [variable_name(name) for name in ("theta", "omega", "x1", "u")] == ["θ", "ω", "x₁", "u"]
 
 
 @every_system
@@ -121,6 +121,7 @@ def test_any_two_variables_span_a_portrait():
     assert not shows_surface(kepler, (2, 3))
     assert shows_surface(kepler, (1, 0))
     assert axis_labels(kepler, (3, 1)) == ("v (x, u not shown)", "y")
+    assert axis_labels(core.CATALOGUE["three_bodies"], XY) == ("x₁ (10 other variables not shown)", "y₁")
     x = np.arange(8.0).reshape(2, 4)
     assert np.array_equal(in_plane(x, (1, 3)), x[:, [1, 3]])
     assert np.array_equal(in_plane(x, (3, 1)), x[:, [3, 1]])

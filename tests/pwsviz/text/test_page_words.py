@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 import core
 from pwsviz.figures.summaries import method_notes, run_lines
 from pwsviz.results.run_summary import Summary
-from pwsviz.scene.names import short_name
+from pwsviz.scene.names import LABELS, short_name
+from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import value_of
 from pwsviz.text.words import as_text, complaint, duration, listed, plural, rounded_up
@@ -89,8 +90,18 @@ def test_words_for_counts_and_times():
         (core.Parameter("omega2_plus", 1.0, latex=r"\omega^2_{+}"), "ω²₊"),
         (core.Parameter("radius", 1.0, latex="r"), "r"),
         (core.Parameter("k", 1.0), "k"),
+        (core.Parameter("k12", 1.0), "k₁₂"),
         (core.Parameter("strange", 1.0, latex=r"\frac{1}{2}"), "strange"),
     ],
 )
 def test_parameters_are_named_as_plain_text_can(parameter, shown):
     assert short_name(parameter) == shown
+
+
+def test_texts_of_systems_presets_and_integrators_have_the_apostrophe_of_print():
+    systems = [
+        text for one in core.CATALOGUE.values() for text in (one.name, one.doc, *(q.doc for q in one.parameters))
+    ]
+    presets = [text for one in PRESETS.values() for text in (one.title, one.look, one.try_)]
+    texts = [*systems, *presets, *(one.doc for one in core.METHODS.values()), *LABELS.values()]
+    assert [text for text in texts if "'" in text] == []
