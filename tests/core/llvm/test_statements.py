@@ -11,7 +11,8 @@ import sympy
 
 import core
 from core.codegen.functions import module_text
-from core.compilation.compiled import _load, _texts
+from core.compilation.compiled import _load
+from core.compilation.texts import texts_of_modes
 from core.kernels.abi import ORDER, PER_UNIT, TOLERANCE, Frame
 from core.kernels.doubledouble import arithmetic, elementary
 from core.kernels.stack_array import stack_array
@@ -117,7 +118,7 @@ def test_jitted_functions_come_out_to_the_same_bits_as_by_numba(name, draws):
 def test_steps_come_out_to_the_same_bits_as_by_numba(name, method, draws):
     system = core.CATALOGUE[name]
     frame = Frame(system.dimension, 1)
-    text = next(text for rows, text in _texts(system.laws, METHODS[method], False, (0, 1)) if rows == [1])
+    text = next(text for rows, text in texts_of_modes(system.laws, METHODS[method], False, (0, 1)) if rows == [1])
     numba_text = text.replace("@native", "@cfunc(CALL, error_model='numpy')").replace(
         "from core.llvm.native import native", "from numba import cfunc\nfrom core.kernels.abi import CALL"
     )
