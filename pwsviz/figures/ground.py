@@ -72,7 +72,7 @@ class Ground:
         self._surface_labels: list[str] = []
         self._arrow_lines = field
         self._level_keys = {1: _keys(plot, line_alpha=0.45), 2: _keys(plot, line_alpha=0.9, line_width=1.5)}
-        usual_keys, own_keys = (_coloured(keys, list(SIDES)) for keys in self._level_keys.values())
+        usual_keys, own_keys = (list(keys.values()) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
             ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field), ("ψ = const.", usual_keys),
             ("ψ of run", own_keys), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
@@ -178,8 +178,8 @@ class Ground:
         for k, (entry, part) in enumerate(zip(self._line_entries, parts, strict=True)):
             there = [side for side, lines in part.items() if np.isfinite(lines).any()]
             entry.visible = bool(there)
-            if there and k in self._level_keys and entry.renderers != (keys := _coloured(self._level_keys[k], there)):
-                entry.renderers = keys
+            if there and k in self._level_keys:
+                _colour(self._level_keys[k], there)
         text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
@@ -212,13 +212,16 @@ def _keys(plot: figure, **look: Any) -> dict[int, GlyphRenderer[Any]]:
     return {side: plot.add_glyph(nowhere, Line(line_color=colour, **look)) for side, colour in SIDES.items()}
 
 
-def _coloured(keys: dict[int, GlyphRenderer[Any]], there: list[int]) -> list[GlyphRenderer[Any]]:
-    """Return the key of lines in the colour of the side on which they are; if on both, half of it in each colour."""
+def _colour(keys: dict[int, GlyphRenderer[Any]], there: list[int]) -> None:
+    """Give the key of lines the colour of the side on which they are; if on both, half of it each colour.
+
+    The entry keeps its renderers: of others, Bokeh would go through all models of the page.
+    """
     half = LEGEND_GLYPH // 2
     for side, key in keys.items():
-        key.glyph.line_dash = [half, half] if len(there) == len(keys) else []
+        alone = [] if side in there else [0, LEGEND_GLYPH]
+        key.glyph.line_dash = [half, half] if len(there) == len(keys) else alone
         key.glyph.line_dash_offset = half if side > 0 else 0
-    return [keys[side] for side in there]
 
 
 def _line_source() -> ColumnDataSource:

@@ -28,7 +28,7 @@ from pwsviz.text.words import as_text, complaint
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import bar_pane
 
-REST = 0.25
+REST = 1.5
 """Seconds without a change of a run until it is examined whether its steps are too long."""
 
 REMIND = 300

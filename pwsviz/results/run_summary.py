@@ -48,14 +48,14 @@ def summary_of(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Summar
         seconds=float(run.seconds),
         worst_error=float(np.fmax.reduce(error[shades_of(run.system, run.mode) != 0], initial=np.nan)),
         status=run.status,
-        message=on_page(run.message) if run.status is not core.Status.COMPLETED else "",
+        message=on_page(run.outcome) if run.status is not core.Status.COMPLETED else "",
         begins=_beginning(run),
     )
 
 
 def warning_of(run: core.Trajectory) -> str:
-    """Return what is said against the step size of a run; empty if it stopped early, where its message says it."""
-    return on_page(step_warning(run)) if run.status is core.Status.COMPLETED else ""
+    """Return what is said against the step size of a run; empty if that is nothing. It takes longer than many a run."""
+    return on_page(step_warning(run))
 
 
 def _beginning(run: core.Trajectory) -> str:

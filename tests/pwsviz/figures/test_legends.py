@@ -98,6 +98,7 @@ def test_the_key_of_level_sets_is_half_in_the_colour_of_each_side_on_which_they_
     for window, sides in ((Window(-2, 2, -2, 2), [-1, 1]), (Window(-0.2, 0.2, -0.2, 0.2), [-1])):
         view.show_backdrop(Results().backdrop(problem, window, levels, (0, 1)))
         keys = [renderer.glyph for renderer in view.ground._line_entries[1].renderers]
-        assert [key.line_color for key in keys] == [SIDES[side] for side in sides]
-        assert [key.line_dash for key in keys] == ([[half, half]] * 2 if len(sides) == 2 else [[]])
-    assert [key.line_dash_offset for key in keys] == [0]
+        assert [key.line_color for key in keys] == list(SIDES.values())
+        dashes = [[half, half]] * 2 if len(sides) == 2 else [[], [0, LEGEND_GLYPH]]
+        assert [key.line_dash for key in keys] == dashes, "a dash of no length is not seen"
+    assert [key.line_dash_offset for key in keys] == [0, half]
