@@ -361,7 +361,10 @@ class Explorer(pn.viewable.Viewer):
         ask.on_click(lambda _: self.help.open())
         tagline = markup_pane(TAGLINE_CSS)
         tagline.object = f"<p>{escape(ABOUT)}</p>"
-        return [undo, redo, export, ask, tagline]
+        parts: list[Any] = [undo, redo, export, ask, tagline]
+        for part in parts:
+            part.align = "center"
+        return parts
 
     @staticmethod
     def _about() -> pn.pane.HTML:
