@@ -86,11 +86,14 @@ def _which_start(pictures: Pictures) -> str:
     count, index = pictures.inputs.start_count, pictures.inputs.index
     if count == 1:
         return ""
-    stops: dict[str, set[int]] = {}
+    words: dict[int, list[str]] = {}
     for number, orbit in pictures.numbered:
         if orbit.end is not None and number != index + 1:
-            stops.setdefault(ENDS[orbit.end.status].word, set()).add(number)
-    told = "; ".join(f"{listed([str(k) for k in sorted(who)])}: {word}" for word, who in stops.items())
+            words.setdefault(number, []).append(ENDS[orbit.end.status].word)
+    stops: dict[str, list[str]] = {}
+    for number, of_methods in sorted(words.items()):
+        stops.setdefault(" or ".join(dict.fromkeys(of_methods)), []).append(str(number))
+    told = "; ".join(f"{listed(numbers)}: {why}" for why, numbers in stops.items())
     return f"Start {index + 1} of {count}." + (f" Others that stop early: {told}." if told else "")
 
 

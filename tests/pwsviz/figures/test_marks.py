@@ -90,3 +90,9 @@ def test_starts_beyond_a_wall_are_named():
     assert "Start 2 lies beyond the wall" in told[2, 1.0]
     assert "The start lies beyond the wall" in told[1, -1.0]
     assert "beyond" not in told[1, 1.0]
+
+
+def test_a_start_from_which_methods_stop_for_different_reasons_is_named_once():
+    scene = Scene(system="predator_prey", starts=((0.5, 1.0), (-0.5, 1.0)), methods=["dmm2", "rk2"])
+    told = figures_of(Results().pictures(PortraitInputs.of(scene)))
+    assert "Start 1 of 2. Others that stop early: 2: no solution or blow-up." in told
