@@ -13,6 +13,7 @@ from core.diagnostics.crossing_rates import constant_sign, rate_on_surface, rati
 from core.integration.trajectory import Trajectory
 from core.kernels.arrays import Floats
 from core.symbolic import Laws, eliminated
+from core.symbolic.zero_testing import is_zero
 from core.system import PiecewiseSystem
 
 __all__ = ["beyond_walls", "inhabited", "start_warning", "starts_beyond_wall"]
@@ -75,7 +76,7 @@ def _rate_back(laws: Laws, mode: int, number: int) -> sympy.Expr | None:
     if way.jump is None or way.back is None:  # a one-way guard leads on, wherever the reset map has led
         return None
     g, reset = laws.surfaces[way.surface], dict(zip(laws.x, way.jump, strict=True))
-    if sympy.simplify(eliminated(g.xreplace(reset), g, laws.x)) != 0:
+    if not is_zero(eliminated(g.xreplace(reset), g, laws.x)):
         return None
     before = rate_on_surface(laws, region, way)
     after = eliminated(region.rate_of(g).xreplace(reset), g, laws.x)
