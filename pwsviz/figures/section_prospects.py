@@ -21,7 +21,7 @@ def prospects(system: core.PiecewiseSystem) -> str:
     words = []
     if _is_flow_in_the_plane(system):
         words.append(
-            "Laws in the plane without t lead to closed curves or to rest: after a transient few points differ."
+            "Bounded motion in the plane without t tends to rest or a closed curve: few later points differ."
         )
     if _conserves(system):
         words.append(
