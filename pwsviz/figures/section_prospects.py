@@ -20,9 +20,7 @@ def prospects(system: core.PiecewiseSystem) -> str:
     """Return why a section can show little, or what it depends on; nothing if neither is known."""
     words = []
     if _is_flow_in_the_plane(system):
-        words.append(
-            "Bounded motion in the plane without t tends to rest or a closed curve: few later points differ."
-        )
+        words.append("Bounded motion in the plane without t tends to rest or a closed curve: few later points differ.")
     if _conserves(system):
         words.append(
             "In each region ψ is constant, so points depend on its level at the start: other starts may have others."

@@ -5,7 +5,7 @@ import pytest
 import core
 from pwsviz.figures.section_prospects import prospects
 
-FEW, OTHERS = "few points differ", "other starts may have others"
+FEW, OTHERS = "few later points differ", "other starts may have others"
 
 
 @pytest.mark.parametrize(
