@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike
 
 from core.interface.arguments import listed, number, plain_numbers
 from core.kernels.arrays import Floats
-from core.symbolic.declaration import Declaration, RegionText, TransitionText, accepted, miscounted
+from core.symbolic.declaration import Declaration, accepted
+from core.symbolic.declared_texts import RegionText, TransitionText
+from core.symbolic.entry_checks import miscounted
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
 from core.symbolic.parts import Parameter, Region, Transition, latex_of_name, text_of, texts_of

@@ -13,7 +13,6 @@ from core.codegen.derivatives import jacobian
 from core.codegen.functions import Names, function_text, level_residual_lines
 from core.codegen.linear_solve import (
     FEW,
-    LEVEL_TOLERANCE,
     WRITTEN_OUT,
     by_cofactors,
     least_change,
@@ -21,6 +20,7 @@ from core.codegen.linear_solve import (
     size_line,
     with_pivots,
 )
+from core.codegen.newton_loop import continuation, verdict
 from core.codegen.passing import PassingCode
 from core.codegen.printing import assignments, magnitude, named, printed
 from core.codegen.rounding import rounding_bound
@@ -32,27 +32,6 @@ from core.symbolic.mode import Mode
 
 __all__ = ["StepCode"]
 
-#: Largest number of corrections of Newton's method.
-_MAX_CORRECTIONS = 30
-#: A correction that no longer shrinks is round-off, and accepted, below this part of the state.
-_STAGNATION = 16 * 2.0**-52
-#: Convergence is quadratic if a correction is below this part of the increment …
-_CLOSE = 0.1
-#: … and the next one below this part of the correction.
-_CLOSING = 1e-2
-#: The solution is the one connected to h = 0 if the second correction is below this part of the first: Kantorovich's
-#: theorem requires a quarter.
-_CONTRACTION = 0.1
-#: A first correction below this part of the increment needs no such proof.
-_NEARBY = 1e-3
-#: The equations are linear if the second correction is below this part of the first.
-_LINEAR = 1e-6
-#: A step is divided if the first correction exceeds this part of the increment.
-_FAR = 0.05
-#: Largest factor by which the determinant of the equations, 1 at h = 0, may change in one part of a step.
-_NEAR = 0.6
-#: Largest number of parts of a step in which a solution is followed from h = 0.
-_MOST_PARTS = 1024
 #: A projection to the levels below this part of the increment is the last: the error it leaves is its square.
 _SETTLED = 1e-8
 #: Largest number of projections of a step to the levels.
@@ -200,12 +179,12 @@ class StepCode:
         slopes = self.field(self.t)
         start = [f"{u} = h*{f}" for u, f in zip(unknowns, stages * slopes, strict=False)]
         start += [f"{u} = 0.0" for u in multipliers]
-        inner += _verdict(len(unknowns), d, "scale > 0.0" if self._few and len(unknowns) == d <= _SMALL else "True")
+        inner += verdict(len(unknowns), d, "scale > 0.0" if self._few and len(unknowns) == d <= _SMALL else "True")
         self._lines += ["full, parts, part, scale, before = h, 1, 1, 1.0, 1.0", "t1 = t + h", *start]
         self._lines.append(size_line(self.x))
         self._lines += ["while True:", "    last, corrections, solved = math.inf, 0, False"]
         self._lines += ["    while True:", *(f"        {line}" for line in inner)]
-        self._lines += [f"    {line}" for line in _continuation(unknowns, start)]
+        self._lines += [f"    {line}" for line in continuation(unknowns, start)]
         self._evaluations.append("corrections")
         return list(self.increment)
 
@@ -372,72 +351,3 @@ class StepCode:
         lines += ["t1 = t + h", *self._beside(Symbol("t1"), self.end), *self._assign(targets, values)]
         lines.append(f"return {' + '.join(self._evaluations) or '0'}")
         return self._called + function_text("step", lines)
-
-
-def _verdict(n: int, d: int, on_branch: str) -> list[str]:
-    """Lines that end Newton's loop, and set `solved` to whether it has converged to the solution connected to h = 0.
-
-    The next correction is predicted as K·size², with K = size/last² from the last two corrections, and with
-    K = last/whole² from the two before, since one of these may be small by chance.
-    """
-    # If the first correction is large, or the determinant changes much, the part is too long, unless linear.
-    changed = f" or not {_NEAR} * before < scale < before / {_NEAR}" if on_branch != "True" else ""
-    far = [f"if second and size > {_LINEAR} * last and (last > {_FAR} * whole{changed}):", "    break"]
-    kept = ""
-    check = []
-    if n - d > 1:  # a ψ whose multiplier is omitted must be kept all the same
-        largest = f"max({', '.join(f's{k}' for k in range(d, n))})" if n <= WRITTEN_OUT else "largest"
-        check.append(f"kept = independent or residual <= {LEVEL_TOLERANCE} * {largest} * max(whole, state)")
-        kept = "kept and "
-    return [
-        f"size = max({', '.join(f'abs(r{k})' for k in range(d))}, 0.0)",
-        f"whole = max({', '.join(f'abs(d{k})' for k in range(d))}, 0.0)",
-        "corrections += 1",
-        "if not size < math.inf:",
-        "    break",
-        f"second = corrections == 2 and last > {_STAGNATION} * max(whole, state)",
-        f"if second and size > {_CONTRACTION} * last and last > {_NEARBY} * whole:",
-        "    break",
-        *far,
-        *check,
-        f"fast = last <= {_CLOSE} * whole and size <= {_CLOSING} * last",
-        "fast = fast and size * size * size < 1e-17 * whole * last * last",
-        "fast = fast and size * size * last < 1e-16 * whole * whole * whole",
-        f"if {kept}(size == 0.0 or fast):",
-        f"    solved = {on_branch}",
-        "    break",
-        f"exhausted = corrections >= {_MAX_CORRECTIONS}",
-        f"if {kept}(size >= last or exhausted) and size <= {_STAGNATION} * max(whole, state):",
-        f"    solved = {on_branch}",
-        "    break",
-        "if exhausted:",
-        "    break",
-        "last = size",
-    ]
-
-
-def _continuation(unknowns: Sequence[Symbol], start: Sequence[str]) -> list[str]:
-    """Lines that go on to the next part of the step, or start again with more parts, and end the loop over parts.
-
-    Of several solutions the method's is the one connected to h = 0. Newton's method finds it if Euler's step is close,
-    if it converges at once from there (Kantorovich: the second correction is well below the first), and if the
-    determinant of the equations is near 1, as at h = 0. Otherwise the solution is continued from a part of the step to
-    a larger one, starting from the solution scaled in proportion, in parts so short that these conditions hold.
-    """
-    further = [f"{u} *= part / (part - 1.0)" for u in unknowns]
-    return [
-        "if solved:",
-        "    if part == parts:",
-        "        break",
-        "    part, before = part + 1, scale",
-        "    h = full * (part / parts)",
-        "    t1 = t + h",
-        *(f"    {line}" for line in further),
-        "else:",
-        f"    if parts == {_MOST_PARTS}:",
-        f"        return {abi.NO_SOLUTION}",
-        "    part, parts, before = 1, 4 * parts, 1.0",
-        "    h = full / parts",
-        "    t1 = t + h",
-        *(f"    {line}" for line in start),
-    ]

@@ -1,6 +1,8 @@
 """Expressions: the whitelist parser, tests whether one is zero, laws, the discrete gradient and multiplier."""
 
-from core.symbolic.declaration import SIDES, Declaration, Problem, RegionText, TransitionText, Verdict, miscounted
+from core.symbolic.declaration import Declaration, Verdict
+from core.symbolic.declared_texts import SIDES, Problem, RegionText, TransitionText
+from core.symbolic.entry_checks import miscounted
 from core.symbolic.expressions import OPERATORS, TIME, parse
 from core.symbolic.impacts import keeps
 from core.symbolic.laws import Laws, Way

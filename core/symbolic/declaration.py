@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import product
-from types import MappingProxyType
 from typing import NamedTuple
 
 import sympy
 from sympy import Expr, Symbol
 
-from core.symbolic.expressions import TIME, check_name, parse
+from core.symbolic.declared_texts import SIGNS, DeclaredTexts, Problem, Texts
+from core.symbolic.entry_checks import (
+    MAX_DIMENSION,
+    MAX_REGIONS,
+    MAX_SURFACES,
+    wrong_counts,
+    wrong_names,
+    wrong_regions,
+)
+from core.symbolic.expressions import TIME, parse
 from core.symbolic.laws import Laws, RegionLaw, Way, derive
 from core.symbolic.mode import rate_along
 from core.symbolic.regular import regular
@@ -21,19 +28,8 @@ from core.symbolic.source_text import quoted, to_text
 from core.symbolic.stream_function import stream_function
 from core.symbolic.zero_testing import Domain, counterexample, has_values, independent, is_larger, is_zero, tidied
 
-__all__ = [
-    "MAX_DIMENSION", "MAX_GUARDS", "MAX_SURFACES", "SIDES", "Declaration", "Problem", "RegionText", "TransitionText",
-    "Verdict", "accepted", "miscounted",
-]  # fmt: skip
+__all__ = ["Declaration", "Verdict", "accepted"]
 
-#: Largest number of variables.
-MAX_DIMENSION = 24
-#: Largest number of surfaces.
-MAX_SURFACES = 6
-#: Largest number of regions that have names.
-MAX_REGIONS = 64
-#: Largest number of guards of one region.
-MAX_GUARDS = 6
 #: Most characters that a message quotes of a field that is wrong as a whole.
 _SHOWN = 400
 #: Most nodes of an expression tree of dψ/dt that a message shows.
@@ -41,41 +37,8 @@ _SHOWN_NODES = 200
 #: Most nodes of switching functions of which common factors are sought.
 _FACTORED_NODES = 100
 
-#: Sign of g -> the word for that side in the names of fields.
-SIDES: Mapping[int, str] = MappingProxyType({-1: "minus", 1: "plus"})
-#: Sign of a switching function in the key of a region -> the sign as a number.
-_SIGNS = {"-": -1, "+": 1}
+#: The sign of the other side of a surface.
 _OTHER = {"-": "+", "+": "-"}
-
-Texts = tuple[str, ...]
-
-
-class RegionText(NamedTuple):
-    """A region as text: its key, d expressions of its field, and its conserved quantities."""
-
-    name: str
-    f: Texts
-    psi: Texts = ()
-
-
-class TransitionText(NamedTuple):
-    """A transition as text: where a guard of a region falls to zero, the region that follows, and the jump or ()."""
-
-    mode: str
-    guard: str
-    to: str
-    jump: Texts = ()
-
-
-class Problem(NamedTuple):
-    """Something that is wrong with a declaration."""
-
-    field: str
-    """Field of the declaration in which it is."""
-    message: str
-    """What is wrong and how to correct it, without a full stop."""
-    entry: int | None = None
-    """Index of the expression that the message names first; None where the message is about the whole field."""
 
 
 class Verdict(NamedTuple):
@@ -87,53 +50,8 @@ class Verdict(NamedTuple):
     """dψ/dt where ψ is conserved nowhere; None also where dψ/dt is too long to show."""
 
 
-def _as_declared(field: str, entry: int | None) -> str:
-    """Name of a field or of one of its entries, as in Python: ``f_plus[1]``."""
-    return field if entry is None or field == "g" or field.endswith(".guard") else f"{field}[{entry}]"
-
-
-@dataclass(frozen=True)
-class Declaration:
-    """The texts of a system, valid or not.
-
-    Parameters
-    ----------
-    bounds
-        Least and greatest value of each parameter; None where it has none.
-    surfaces
-        The switching functions; () where transitions are declared.
-    regions
-        Its key has one sign a surface, in the order of `surfaces`; any names where transitions are declared.
-    jumps
-        (number of the surface, d expressions) where the state jumps.
-    transitions
-        The ways between regions that have names.
-    called
-        (field, index or None) -> the name that messages give to the field or to that entry of it.
-    longest
-        Most nodes in the trees of all first derivatives of one expression; None for no limit.
-    """
-
-    variables: tuple[str, ...]
-    parameters: tuple[str, ...]
-    bounds: tuple[tuple[float, float] | None, ...]
-    surfaces: Texts
-    regions: tuple[RegionText, ...]
-    jumps: tuple[tuple[int, Texts], ...] = ()
-    transitions: tuple[TransitionText, ...] = ()
-    called: Callable[[str, int | None], str] = _as_declared
-    longest: int | None = None
-
-    @classmethod
-    def of_sides(
-        cls, variables: Texts, parameters: Texts, bounds: tuple[tuple[float, float] | None, ...], f_minus: Texts,
-        f_plus: Texts, g: Texts, psi_minus: Texts = (), psi_plus: Texts = (), jump: Texts = (),
-        called: Callable[[str, int | None], str] = _as_declared, longest: int | None = None,
-    ) -> Declaration:  # fmt: skip
-        """A system with one surface, g = 0: its regions are “-” and “+”."""
-        regions = (RegionText("-", f_minus, psi_minus), RegionText("+", f_plus, psi_plus))
-        jumps = ((0, jump),) if jump else ()
-        return cls(variables, parameters, bounds, g, regions, jumps, (), called, longest)
+class Declaration(DeclaredTexts):
+    """The texts of a system, their expressions, and what is wrong with either."""
 
     @cached_property
     def problems(self) -> tuple[Problem, ...]:
@@ -161,7 +79,7 @@ class Declaration:
         """The laws of a declaration without problems, shared by all declarations that differ in `bounds` only."""
         surfaces, ways = self._ways
         names = [region.name for region in self.regions]
-        signs = [() if self.transitions else tuple(_SIGNS[s] for s in name) for name in names]
+        signs = [() if self.transitions else tuple(SIGNS[s] for s in name) for name in names]
         regions = tuple(
             RegionLaw(name, sides, tuple(map(regular, self._law(name, "f"))), self._law(name, "psi"), tuple(ways[name]))
             for name, sides in zip(names, signs, strict=True)
@@ -191,119 +109,16 @@ class Declaration:
 
     # Names of fields -------------------------------------------------------------------------------------------------
 
-    @property
-    def two_sided(self) -> bool:
-        """Whether there is one surface, with a region on either side: fields are then named f_minus, g and so on."""
-        names = [region.name for region in self.regions]
-        return not self.transitions and names == ["-", "+"] and {number for number, _ in self.jumps} <= {0}
-
-    def field_of(self, region: str, part: str) -> str:
-        """Name of the field that holds a region's f or psi."""
-        return f"{part}_{SIDES[_SIGNS[region]]}" if self.two_sided else f"regions[{region!r}].{part}"
-
-    @cached_property
-    def texts(self) -> Mapping[str, Texts]:
-        """Field -> its expressions."""
-        found: dict[str, Texts] = {self.field_of(region.name, "f"): region.f for region in self.regions}
-        found["g" if self.two_sided else "surfaces"] = self.surfaces
-        found |= {self.field_of(region.name, "psi"): region.psi for region in self.regions}
-        found |= {"jump" if self.two_sided else f"jumps[{k}]": texts for k, texts in self.jumps}
-        for k, transition in enumerate(self.transitions):
-            found[f"transitions[{k}].guard"] = (transition.guard,)
-            if transition.jump:
-                found[f"transitions[{k}].jump"] = transition.jump
-        return found
-
-    def given(self, field: str) -> tuple[str, ...]:
-        """What a message quotes of a field: its expressions, or the keys of regions and transitions."""
-        if field == "regions":
-            return tuple(region.name for region in self.regions)
-        if field == "transitions":
-            return tuple(f"{way.mode} to {way.to}" for way in self.transitions)
-        found = self.texts.get(field, getattr(self, field, ()))
-        return tuple(map(str, found))
-
     # Names and expressions -------------------------------------------------------------------------------------------
 
     @cached_property
     def _faults(self) -> tuple[Problem, ...]:
         """What is wrong with names, counts and expressions; only without these is conservation tested."""
         if len(self.regions) > MAX_REGIONS:
-            return tuple(self._of_regions())
+            return tuple(wrong_regions(self))
         unreadable = [found for entries in self._read.values() for found in entries if isinstance(found, Problem)]
-        first = (*self._of_names(), *self._of_counts(), *unreadable, *self._of_regions())
+        first = (*wrong_names(self), *wrong_counts(self), *unreadable, *wrong_regions(self))
         return first or tuple(self._of_guards())
-
-    def _of_names(self) -> Iterator[Problem]:
-        for role, names in (("variable", self.variables), ("parameter", self.parameters)):
-            for name in names:
-                try:
-                    check_name(name, role)
-                except ValueError as reason:
-                    yield Problem(f"{role}s", str(reason))
-        for twice in sorted(name for name, times in Counter((*self.variables, *self.parameters)).items() if times > 1):
-            field = "parameters" if twice in self.parameters else "variables"
-            yield Problem(field, f"{twice!r} stands for two things: names must differ")
-
-    def _of_regions(self) -> Iterator[Problem]:
-        names, k = [region.name for region in self.regions], len(self.surfaces)
-        if not names:
-            yield Problem("regions", "there are none; declare one at least")
-        elif len(names) > MAX_REGIONS:
-            yield Problem("regions", f"{len(names)} regions: {MAX_REGIONS} at most are possible")
-        elif self.transitions:
-            yield from self._of_transitions(names)
-        elif not self.two_sided:
-            if not 1 <= k <= MAX_SURFACES:
-                yield Problem("surfaces", f"{k} surfaces: from 1 to {MAX_SURFACES} are possible")
-            for name in names:
-                if len(name) != k or set(name) - set("-+"):
-                    yield Problem(
-                        "regions", f"{name!r} is no region: one sign, - or +, for each of {k} surfaces is needed"
-                    )
-            for number, _ in self.jumps:
-                if number not in range(k):
-                    yield Problem("jumps", f"{number!r} is no surface: they have the numbers 0 to {k - 1}")
-
-    def _of_transitions(self, names: Sequence[str]) -> Iterator[Problem]:
-        if self.surfaces or self.jumps:
-            yield Problem(
-                "transitions", "give either transitions, or surfaces and jumps, from which transitions follow"
-            )
-        for k, transition in enumerate(self.transitions):
-            for name in (transition.mode, transition.to):
-                if name not in names:
-                    words = f"{name!r} is no region; there are {', '.join(map(repr, names))}"
-                    yield Problem("transitions", f"transition {k}: {words}")
-        for name, guards in Counter(transition.mode for transition in self.transitions).items():
-            if guards > MAX_GUARDS:
-                yield Problem("transitions", f"region {name!r} has {guards} guards: {MAX_GUARDS} at most are possible")
-        for name in names:
-            if name not in {transition.mode for transition in self.transitions}:
-                yield Problem("transitions", f"region {name!r} has no guard, so a run would never leave it")
-
-    def _of_counts(self) -> Iterator[Problem]:
-        d = len(self.variables)
-        if not 1 <= d <= MAX_DIMENSION:
-            yield Problem("variables", f"{d} variables: from 1 to {MAX_DIMENSION} are possible")
-            return
-        for field in self.texts:
-            if self._kind(field) in ("f", "jump") and (
-                words := miscounted(self.texts[field], "expression", self.variables)
-            ):
-                yield Problem(field, words)
-        if self.two_sided and len(self.surfaces) != 1:
-            yield Problem("g", "type one expression, as in: x**2 + y**2 - 1; the law changes where it is zero")
-        for field, texts in self.texts.items():
-            if self._kind(field) == "psi" and len(texts) >= d:
-                yield Problem(field, f"there are {len(texts)} here; with {_count(d, 'variable')}, {d - 1} at most")
-
-    def _kind(self, field: str) -> str:
-        """What a field holds: f, psi, jump, or switching functions."""
-        for kind in ("f", "psi", "jump"):
-            if field.startswith((f"{kind}_", "jumps[")) or field.endswith(f"].{kind}") or field == kind:
-                return "jump" if field.startswith("jumps[") else kind
-        return "surface"
 
     @cached_property
     def _read(self) -> dict[str, list[Expr | Problem]]:
@@ -312,7 +127,7 @@ class Declaration:
         if not 1 <= d <= MAX_DIMENSION:
             return {field: [] for field in self.texts}
         most = {"f": d, "psi": d - 1, "jump": d, "surface": 1 if self.two_sided else MAX_SURFACES}
-        kept = {field: min(len(texts), most[self._kind(field)]) for field, texts in self.texts.items()}
+        kept = {field: min(len(texts), most[self.kind(field)]) for field, texts in self.texts.items()}
         return {field: [self._expression(field, k) for k in range(n)] for field, n in kept.items()}
 
     def _expression(self, field: str, k: int) -> Expr | Problem:
@@ -322,9 +137,9 @@ class Declaration:
             return Problem(field, str(reason), k)
         if self.longest is not None and is_larger(sympy.Tuple(*self._gradient(found)), self.longest):
             words = ": its derivatives are too long to work with; write it shorter"
-        elif self._kind(field) == "surface" and not found.free_symbols & set(self._x) and field == "g":
+        elif self.kind(field) == "surface" and not found.free_symbols & set(self._x) and field == "g":
             words = f" names no variable, so g = 0 is not a surface: write one of {', '.join(self.variables)} into it"
-        elif self._kind(field) == "surface" and not found.free_symbols & {*self._x, TIME}:
+        elif self.kind(field) == "surface" and not found.free_symbols & {*self._x, TIME}:
             words = f" names no variable, so it has no zero: write one of {', '.join(self.variables)} into it"
         else:
             return found
@@ -355,7 +170,7 @@ class Declaration:
             jumps = {k: self._jump("jump" if self.two_sided else f"jumps[{k}]") for k, _ in self.jumps}
             for name, i in product(numbers, range(len(self.surfaces))):
                 beside = name[:i] + _OTHER[name[i]] + name[i + 1 :]
-                ways[name].append(Way(i, _SIGNS[name[i]], numbers.get(beside), jump=jumps.get(i)))
+                ways[name].append(Way(i, SIGNS[name[i]], numbers.get(beside), jump=jumps.get(i)))
             return tuple(self.expressions("g" if self.two_sided else "surfaces").values()), ways
         surfaces: list[Expr] = []
         for k, transition in enumerate(self.transitions):
@@ -422,7 +237,7 @@ class Declaration:
             heights: Iterable[Expr] = (u for field in guards for u in self.expressions(field).values())
         else:
             surfaces = self.expressions("g" if self.two_sided else "surfaces")
-            heights = (_SIGNS[region[k]] * u for k, u in surfaces.items() if k < len(region) and region[k] in _SIGNS)
+            heights = (SIGNS[region[k]] * u for k, u in surfaces.items() if k < len(region) and region[k] in SIGNS)
         return Domain(ranges, tuple(heights), self._law(region, "f"))
 
 
@@ -460,14 +275,3 @@ def accepted(declaration: Declaration) -> Declaration:
         raise ValueError((f"{problem.field} = {shown}: " if problem.entry is None else "") + problem.message)
     full = declaration.completed()
     return full if full is declaration else accepted(full)
-
-
-def miscounted(given: Sequence[object], noun: str, variables: Sequence[str]) -> str:
-    """Message that the number of entries is not the number of variables; empty if it is."""
-    if len(given) == len(variables):
-        return ""
-    return f"{_count(len(given), noun)} here, {len(variables)} are needed: one for each of {', '.join(variables)}"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"

@@ -17,7 +17,7 @@ import sympy
 from sympy import Add, Expr, Integer, Mul, Symbol
 
 from core.symbolic.contradictions import Signs, contradict
-from core.symbolic.declaration import MAX_SURFACES
+from core.symbolic.entry_checks import MAX_SURFACES
 from core.symbolic.expressions import SWITCHING, TIME, check_name, parse
 from core.symbolic.source_text import quoted, to_text
 from core.symbolic.zero_testing import is_zero, size_expanded
