@@ -240,16 +240,29 @@ class _Steps:
     def _states(self, t: Floats, x: Floats, mode: Integers, times: Floats) -> Floats:
         """States (k, places, d) on the scheme at the given times after k states; nan where a step has no solution."""
         states = np.empty((*times.shape, x.shape[1]))
-        for first in (0, 1):  # every other step, so that each ends before the next one begins
-            rows = slice(first, None, 2)
-            if not len(t[rows]):
-                continue
-            begin, start, number = t[rows].copy(), np.ascontiguousarray(x[rows]), np.arange(len(t[rows]))
-            track = Track(begin, start, mode[rows].copy(), number, begin, start, mode[rows].copy())
+        for rows in _one_after_another(t, times[:, -1]):
+            begin, start, number = t[rows], np.ascontiguousarray(x[rows]), np.arange(len(rows))
+            track = Track(begin, start, mode[rows], number, begin, start, mode[rows])
             found = self.stepper.find(track, times[rows].ravel())
             found.x[found.solved :] = np.nan
             states[rows] = found.x.reshape(*times[rows].shape, x.shape[1])
         return states
+
+
+def _one_after_another(begin: Floats, end: Floats) -> list[NDArray[np.intp]]:
+    """Rows of steps in groups, in each of which every step ends before the next one begins.
+
+    Neighbours meet in time, and the step to a crossing that is perturbed may overlap with several that follow.
+    """
+    groups: list[list[int]] = []
+    sign = -1.0 if len(end) and (end < begin).any() else 1.0
+    first, last = sign * begin, sign * end
+    for row in np.argsort(first, kind="stable").tolist():
+        group = next((rows for rows in groups if last[rows[-1]] < first[row]), None)
+        if group is None:
+            groups.append(group := [])
+        group.append(row)
+    return [np.array(rows, dtype=np.intp) for rows in groups]
 
 
 def _places(steps: int) -> Floats:
