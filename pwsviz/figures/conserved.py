@@ -231,7 +231,8 @@ def drawable(error: Floats) -> Floats:
 
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known."""
-    told = [words for curve in curves for words in (_drift(curve), _undefined(curve), _off_surface(curve)) if words]
+    about = (_drift, _by_crossings, _undefined, _off_surface)
+    told = [words for curve in curves for words in (say(curve) for say in about) if words]
     return "; ".join(told) + "." + _about_marks(curves) if told else ""
 
 
@@ -275,6 +276,13 @@ def _drift(curve: ErrorCurve) -> str:
     return f"{curve.method} {word} {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}"
 
 
+def _by_crossings(curve: ErrorCurve) -> str:
+    """Say that perturbed crossings change ψ, where a method conserves it between them; empty where it does not."""
+    level = float(curve.round_off.max(initial=0.0))
+    kept = core.METHODS[curve.method].conservative and curve.between <= level < np.fmax.reduce(curve.error, initial=0.0)
+    return "it conserves ψ to round-off between crossings: ψ changes at those, as they are perturbed" if kept else ""
+
+
 def _end_of(curve: ErrorCurve, known: NDArray[np.bool_]) -> float:
     """Return until when an error is known: the end of the run, or the crossing from which on it slides."""
     if known[-1]:
@@ -302,13 +310,13 @@ def _off_surface(curve: ErrorCurve) -> str:
 
 
 def _relative(error: float, size: float, up: bool = True) -> str:
-    """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
+    """Return an error relative to the size of ψ and its terms, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
     about = f"{size:.2g}"
     # Of the numbers that are printed, so that they agree.
     share = rounded_up(upper_bound(error) / float(about)) if up else rounded(float(f"{error:.1e}") / float(about))
-    return printed(f" ({share} of the size of ψ, about {about})")
+    return printed(f" ({share} of |ψ| + Σ|xₖ ∂ψ/∂xₖ|, about {about})")
 
 
 def _largest(error: Floats) -> str:
