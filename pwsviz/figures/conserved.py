@@ -231,8 +231,7 @@ def drawable(error: Floats) -> Floats:
 
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known."""
-    about = (_drift, _by_crossings, _undefined, _off_surface)
-    told = [words for curve in curves for words in (say(curve) for say in about) if words]
+    told = [words for curve in curves for words in (_drift(curve), _undefined(curve), _off_surface(curve)) if words]
     return "; ".join(told) + "." + _about_marks(curves) if told else ""
 
 
@@ -266,6 +265,9 @@ def _drift(curve: ErrorCurve) -> str:
     if core.METHODS[curve.method].conservative and (small or (error <= steady * round_off).all()):
         kind = "round-off" if small else "accumulated round-off"
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
+    if core.METHODS[curve.method].conservative and curve.between <= round_off.max():
+        reached = f"|Δψ| reaches {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}"
+        return f"{curve.method} conserves ψ to round-off between crossings, which, perturbed, change it: {reached}"
     if curve.runs_off:
         return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {until:.4g}, where it runs off"
     if 0.0 < LOST * size <= worst:
@@ -274,13 +276,6 @@ def _drift(curve: ErrorCurve) -> str:
         return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
     word = "drifts to" if late > DRIFT * early else "reaches"
     return f"{curve.method} {word} {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}"
-
-
-def _by_crossings(curve: ErrorCurve) -> str:
-    """Say that perturbed crossings change ψ, where a method conserves it between them; empty where it does not."""
-    level = float(curve.round_off.max(initial=0.0))
-    kept = core.METHODS[curve.method].conservative and curve.between <= level < np.fmax.reduce(curve.error, initial=0.0)
-    return "it conserves ψ to round-off between crossings: ψ changes at those, as they are perturbed" if kept else ""
 
 
 def _end_of(curve: ErrorCurve, known: NDArray[np.bool_]) -> float:
