@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.integrate import checked_method, checked_settings, checked_span, checked_start
+from core.integrate import checked_method, checked_settings, checked_span, checked_start, run_warning
 from core.integration.crossings import Integers
 from core.integration.events import Event, Watched, checked_events
+from core.integration.finished import trajectory_of
 from core.integration.members import Block, Members, Wanted, integrate_members, not_begun
 from core.integration.members_loop import END
 from core.integration.run_settings import Settings
@@ -39,6 +40,8 @@ MOST = 10**12
 _PARTS = 128
 #: Least members of a part: a part takes some 0.1 ms of Python.
 _LEAST = 16
+#: Members whose steps are looked into for a message, of those whose rates change most, and of all.
+_LOOKED_INTO = 4
 _RECORDS = ("end", "crossings", "events")
 _KINDS = np.array(CROSSING_KINDS)
 #: Default max_crossings and max_events where they are counted and not recorded.
@@ -137,6 +140,10 @@ class Ensemble:
     """Those that are kept, with ``record="crossings"``."""
     events: EnsembleEvents
     """Those that are kept, with ``record="events"``."""
+    unlike: Floats
+    """(n,) largest change of a rate seen in the run of each, relative to the largest such rate; see `message`."""
+    members: Members = field(repr=False)
+    """What the members began from."""
 
     def __len__(self) -> int:
         return len(self.t)
@@ -144,6 +151,34 @@ class Ensemble:
     def __repr__(self) -> str:
         ends = ", ".join(f"{count} {status.name}" for status, count in self.outcomes.items())
         return f"<Ensemble of {len(self)} members of {self.system.name!r} by {self.method}: {ends}>"
+
+    @cached_property
+    def message(self) -> str:
+        """How the members ended, and a warning where one of them has steps that are too long, as its own run says it.
+
+        Looked into are those members of which the loop has seen the rates change most from step to step, and some
+        others. It is worked out when it is first read.
+        """
+        ends = ", ".join(f"{count} {status.name}" for status, count in self.outcomes.items())
+        told = next(filter(None, map(self.warning, self._doubtful)), "")
+        return f"{len(self)} members: {ends}. {told}".strip()
+
+    def warning(self, member: int) -> str:
+        """What the run of a member warns of, with its number in front; empty where there is nothing to warn of."""
+        if self.status[member] == Status.CANCELLED:
+            return ""
+        runner = self.members.runner(member)
+        runner.advance(float(self.t[member]), keep_hits=False)
+        told = run_warning(trajectory_of(runner, "end", False, None, run_warning))
+        runner.release()
+        return f"Member {member}: {told}" if told else ""
+
+    @property
+    def _doubtful(self) -> list[int]:
+        """Numbers of the members that are looked into, those first that are most likely to have steps too long."""
+        worst = np.argsort(-np.nan_to_num(self.unlike), kind="stable")[:_LOOKED_INTO]
+        others = np.linspace(0, len(self) - 1, min(_LOOKED_INTO, len(self))).astype(int)
+        return list(dict.fromkeys([*worst.tolist(), *others.tolist()]))
 
     @cached_property
     def outcomes(self) -> dict[Status, int]:
@@ -372,8 +407,9 @@ def _joined(members: Members, blocks: list[Block]) -> Ensemble:
     last = np.concatenate([np.empty((0, d)), *(block.x for block in blocks)])
     counts = np.ascontiguousarray(ends["crossings"])
     return Ensemble(
-        members.system, members.method.name, x=last, crossing_count=counts, crossings=crossings, events=events, **own
-    )
+        members.system, members.method.name, x=last, crossing_count=counts, crossings=crossings, events=events,
+        unlike=np.ascontiguousarray(ends["unlike"]), members=members, **own,
+    )  # fmt: skip
 
 
 def _crossings(hits: NDArray[Any], places: Floats, offsets: Integers, laws: Laws) -> EnsembleCrossings:

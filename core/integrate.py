@@ -26,7 +26,7 @@ from core.symbolic.laws import Laws
 from core.system import PiecewiseSystem, Start
 from core.systems import System, system_of
 
-__all__ = ["checked_method", "checked_settings", "checked_span", "checked_start", "integrate"]
+__all__ = ["checked_method", "checked_settings", "checked_span", "checked_start", "integrate", "run_warning"]
 
 _TRANSITIONS = ("mannshardt", "none")
 _RECORDS = ("steps", "crossings", "end")
@@ -94,8 +94,8 @@ def integrate(
         p and c: every crossing time is moved, t̂ ← t̂ + c·τᵖ, and the step to it solved anew. p = None: no perturbation.
     record
         "steps": every step; "crossings": first and last state, and the crossings; "end": first and last state only.
-        With "steps", `message` also warns of a single step that leads elsewhere than shorter ones; else some steps,
-        spread evenly, are examined.
+        `message` warns of a single step that leads elsewhere than shorter ones: with "steps" wherever it lies, else if
+        there is none of 128 steps before and after it in which a surface is met.
     max_crossings, max_steps
         Numbers of crossings and of steps after which the run stops. Where not given: 5·10⁶ crossings, or 10⁹ with
         record="end"; 10⁷ steps where every step is recorded, else 10⁹.
@@ -161,7 +161,7 @@ def integrate(
     runner.advance(t1, record_steps, record != "end", told)
     if sampler is not None:
         sampler.take(final=True)
-    run = trajectory_of(runner, record if times is None else "t_eval", record != "end", sampler, _warning)
+    run = trajectory_of(runner, record if times is None else "t_eval", record != "end", sampler, run_warning)
     runner.release()
     return run
 
@@ -328,7 +328,7 @@ def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
     return number(t0, "start time"), number(t1, "end time")
 
 
-def _warning(run: Trajectory) -> str:
+def run_warning(run: Trajectory) -> str:
     """Return what `diagnostics` warns of; it is loaded when a message is first read."""
     from core.diagnostics import start_warning, step_warning
 

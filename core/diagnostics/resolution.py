@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from core.diagnostics.unlike_steps import unlike_steps
+from core.diagnostics.unlike_steps import stretches, unlike_steps
 from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
@@ -73,7 +73,24 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
 
 
 def _unlike(run: Trajectory) -> _Steps:
-    """Recorded steps that are least like the one before."""
+    """Steps that are least like the one before."""
+    return _unlike_recorded(run) if run.record == "steps" else _unlike_made_again(run)
+
+
+def _unlike_made_again(run: Trajectory) -> _Steps:
+    """Some of a run that has not recorded its steps, in the stretches that the loop has kept."""
+    steps = _Steps(run, np.empty(0), np.empty((0, run.system.dimension)), np.empty(0, dtype=np.int64), np.empty(0))
+    made = stretches(run, steps._states)
+    if not made.t.shape[1] > 2:
+        return steps
+    rows, columns = made.least_like()
+    t, h = made.t[rows, columns], made.t[rows, columns + 1] - made.t[rows, columns]
+    long = np.abs(h) > _SHORTEST * np.abs(t)
+    rows, columns = rows[long], columns[long]
+    return _Steps(run, t[long], made.x[rows, columns], made.mode[rows], h[long])
+
+
+def _unlike_recorded(run: Trajectory) -> _Steps:
     k = unlike_steps(run) if not METHODS[run.method].adaptive else np.empty(0, dtype=np.intp)
     h = np.sign(run.t[-1] - run.t[0]) * np.minimum(run.tau, np.abs(run.t[k + 1] - run.t[k]))
     cut = run.segment[k + 1] != run.segment[k]

@@ -56,6 +56,7 @@ def trajectory_of(
         "record": record,
         "tolerance": settings.tolerance if adaptive else math.nan,
         "samples": run.samples,
+        "unlike": run.unlike,
         "slides": settings.slides,
         "events": run.log.events(),
     })  # fmt: skip

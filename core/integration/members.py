@@ -131,6 +131,11 @@ class Members:
         own = {name: getattr(self, name)[which] for name in ("tau", "shift", "x", "p")}
         return replace(self, places=places, **own)
 
+    def runner(self, k: int, cancel: Callable[[], bool] | None = None) -> Runner:
+        """Make a run of a member, by its number."""
+        settings = replace(self.settings, tau=float(self.tau[k]), shift=float(self.shift[k]), cancel=cancel)
+        return Runner(self.one(k), self.method, self.t_span[0], tuple(self.x[k].tolist()), settings)
+
     def one(self, k: int) -> PiecewiseSystem:
         """The system of a member, given by its number."""
         if np.array_equal(self.p[k], self.system.parameter_array):
@@ -225,18 +230,11 @@ class _Run:
     def _prepare(self) -> None:
         """Make what all members begin from."""
         members, laws = self.members, self.members.system.laws
-        self.first = self._runner(0, members.told)  # with its functions, kept for as long as the loop calls them
+        self.first = self.members.runner(0, members.told)  # with its functions, kept for as long as the loop calls them
         self.blank = self.first.blank(members.t_span[1])
         none = Compiled(self.blank.functions[:0], ())
         self.psi_functions = compile_psi(laws, members.method) if self._follows else none
         self.psi = psi_arrays(laws, self.psi_functions, members.settings.slides)
-
-    def _runner(self, k: int, cancel: Callable[[], bool]) -> Runner:
-        """Make a run of a member, by its number."""
-        members = self.members
-        tau, shift = float(members.tau[k]), float(members.shift[k])
-        settings = replace(members.settings, tau=tau, shift=shift, cancel=cancel)
-        return Runner(members.one(k), members.method, members.t_span[0], tuple(members.x[k].tolist()), settings)
 
     def _look_into_failures(self) -> None:
         """Find out why steps of members have failed."""
@@ -245,7 +243,7 @@ class _Run:
             if self.members.told():  # nobody takes what has been found
                 break
             last_hit = failed.hits[n : n + 1], failed.places[n : n + 1]
-            runner, status = self._runner(k, self.members.told), Status(int(statuses[k]))
+            runner, status = self.members.runner(k, self.members.told), Status(int(statuses[k]))
             statuses[k] = runner.fail(status, failed.records[n : n + 1], failed.w[n], last_hit)
             runner.release()
         self.counters[FAILED] = 0
@@ -256,10 +254,10 @@ class _Run:
         return compiled_members()(
             compiled_march(), blank.functions, blank.guards, memory.record, memory.w, members.system.dimension,
             memory.coefficients, memory.nodes, memory.pieces, memory.record.copy(), memory.w.copy(), self.rows,
-            self.rows_x, self.hits, self.places, blank.envelope, memory.samples, *blank.events, blank.budget,
-            members.settings.max_steps, self.first_rows, members.places.guards, members.tau, members.shift, members.p,
-            members.x, self.ends, self.x, self.wanted, self.kept, self.kept_places, self.counters, members.told.flag,
-            *self.psi, len(laws.regions), int(laws.jumps), *self.failed,
+            self.rows_x, self.hits, self.places, blank.envelope, memory.samples, memory.looks, *blank.events,
+            blank.budget, members.settings.max_steps, self.first_rows, members.places.guards, members.tau,
+            members.shift, members.p, members.x, self.ends, self.x, self.wanted, self.kept, self.kept_places,
+            self.counters, members.told.flag, *self.psi, len(laws.regions), int(laws.jumps), *self.failed,
         )  # fmt: skip
 
     def _integrate_one(self, k: int) -> None:
@@ -276,7 +274,7 @@ class _Run:
             met = int(which(runner.hits()[0]).sum())
             return members.told() or met == wanted.most
 
-        runner = self._runner(k, stops)
+        runner = self.members.runner(k, stops)
         keeps_hits = wanted is not None and not wanted.events
         status = runner.advance(members.t_span[1], record=self._follows, keep_hits=keeps_hits)
         if status is Status.CANCELLED and members.told():
@@ -290,7 +288,7 @@ class _Run:
             status = Status.CROSSING_LIMIT if met == wanted.most and not wanted.events else status
         counts = runner.steps, runner.evaluations, runner.crossing_count, met
         change = largest_change(runner) if self._follows else np.nan
-        self.ends[k] = runner.t, status, runner.mode, *counts, runner.first_mode, change
+        self.ends[k] = runner.t, status, runner.mode, *counts, runner.first_mode, change, runner.record["unlike"][0]
         self.x[k] = runner.x
         self.counters[NEXT] = k + 1
 

@@ -43,6 +43,7 @@ END = np.dtype(
         ("kept", np.int64),  # crossings kept
         ("first_mode", np.int64),
         ("change_of_psi", np.float64),  # the largest, if it is wanted
+        ("unlike", np.float64),  # as in the record of the run
     ],
     align=True,
 )
@@ -141,8 +142,8 @@ def _signature() -> Any:
     whole = types.int64
     return whole(
         types.FunctionType(march_signature()), whole[:, ::1], guards, blank, vector, whole, matrix, matrix, matrix,
-        run, vector, row, matrix, hit, places, places, matrix, events, hit, places, vector, matrix, whole, whole,
-        whole[::1], whole[::1], vector, vector, matrix, matrix, ends, matrix, wanted, hit, places, whole[::1],
+        run, vector, row, matrix, hit, places, places, matrix, matrix, events, hit, places, vector, matrix, whole,
+        whole, whole[::1], whole[::1], vector, vector, matrix, matrix, ends, matrix, wanted, hit, places, whole[::1],
         whole[::1], *PSI_TYPES, whole, whole, whole[::1], run, matrix, hit, places,
     )  # fmt: skip
 
@@ -154,7 +155,7 @@ def compiled_members() -> Callable[..., int]:
     Returns
     -------
     members(march, functions, guards, blank, frame, d, scratch, nodes, pieces,
-            records, w, rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
+            records, w, rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
             budget, max_steps, first_rows, first_guards, tau, shift, p, x, ends, x_ends, wanted, kept, kept_places,
             counters, told, *PsiArrays, regions, jumps, failed, failed_records, failed_w, failed_hits,
             failed_places) -> int
@@ -173,7 +174,7 @@ def compiled_members() -> Callable[..., int]:
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
     def members(
         march, functions, guards, blank, frame, d, scratch, nodes, pieces,
-        records, w, rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
+        records, w, rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
         budget, max_steps, first_rows, first_guards, tau, shift, p, x, ends, x_ends, wanted, kept, kept_places,
         counters, told, levels, level_rows, level_frame, sums, followed, regions, jumps,
         failed, failed_records, failed_w, failed_hits, failed_places,
@@ -202,7 +203,7 @@ def compiled_members() -> Callable[..., int]:
                 part = min(budget, max_steps - run.steps)
                 status = march(
                     functions, guards, records, p[k], w, d, scratch, nodes, pieces, part,
-                    rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
+                    rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
                 )  # fmt: skip
                 if run.crowded == 1:
                     return ASKS
@@ -241,7 +242,7 @@ def compiled_members() -> Callable[..., int]:
             end = ends[k]
             end.t, end.status, end.mode, end.steps = run.t, status, run.mode, run.steps
             end.evaluations, end.crossings, end.kept = run.evaluations, run.crossings, counters[OWN]
-            end.first_mode = run.first_mode
+            end.first_mode, end.unlike = run.first_mode, run.unlike
             for i in range(d):
                 x_ends[k, i] = w[head + i]
             if status in (_NO_CONVERGENCE, _ESCAPED):

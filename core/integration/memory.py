@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.integration.unlike import rows_of_looks
 from core.kernels.arrays import Floats
 from core.transition.event_location import MAX_NODES
 from core.transition.records import HIT, RUN
@@ -39,6 +40,8 @@ class Memory:
         Scratch: the nodes of an event location, and the pieces of a polynomial.
     samples
         (k, 3 + d): see `Trajectory.samples`.
+    looks
+        See `unlike`.
     hits, places
         Crossings and their states.
 
@@ -65,7 +68,7 @@ class Memory:
         self.w, self.p = frame.copy(), np.empty(parameters)
         self.x, self.carry = self.w[state : state + d], self.w[state + d : state + 2 * d]
         self.nodes, self.pieces, self.coefficients = np.empty((MAX_NODES, 3)), np.empty(pieces), np.empty((1, 1))
-        self.samples = np.empty((_SAMPLES, 3 + d))
+        self.samples, self.looks = np.empty((_SAMPLES, 3 + d)), np.empty((rows_of_looks(d), 3 + d))
         self.make_room()
 
     def make_room(self) -> None:
@@ -79,4 +82,5 @@ class Memory:
     def take(self, other: Memory) -> None:
         """Take over what the run in another memory has come to."""
         self._own[:], self.w[:], self.p[:], self.samples[:] = other._own, other.w, other.p, other.samples
+        self.looks[:] = other.looks
         self.coefficients = other.coefficients.copy()

@@ -16,6 +16,7 @@ from core.integration.memory import FIELDS
 from core.integration.recorded import Chunk, Entry, Point
 from core.integration.run_settings import Settings
 from core.integration.starting import first_place
+from core.integration.unlike import begun_rows, kept_rows
 from core.kernels.abi import SINGULAR_LENGTH, SINGULARITY, STEP
 from core.kernels.arrays import Floats
 from core.methods import Method
@@ -35,6 +36,7 @@ _T, _T_CARRY, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
 _STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _MAX_CROSSINGS, _MAX_EVENTS = (
     FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "max_crossings", "max_events")
 )
+_LOOKS = tuple(FIELDS[name] for name in ("looks", "look_segment", "crossings", "changes", "part"))
 
 
 class Run:
@@ -138,6 +140,13 @@ class Run:
     def slides(self) -> bool:
         """Whether the run slides along a surface."""
         return self.mode >= len(self.system.laws.regions)
+
+    @property
+    def unlike(self) -> Floats:
+        """(k, 3 + d) see `Trajectory.unlike`."""
+        looks, segment, crossings, changes, part = (self.wholes[place] for place in _LOOKS)
+        last = begun_rows(looks) if segment == crossings else []
+        return self.memory.looks[[*last, *kept_rows(changes, part, len(self.start))]]
 
     @property
     def samples(self) -> Floats:

@@ -12,6 +12,7 @@ from typing import Any
 import numba
 from numba import njit, types
 
+from core.integration.unlike import STEPS_BETWEEN, look
 from core.kernels.abi import STEP, Frame, call
 from core.kernels.by_reference import by_reference
 from core.kernels.digest import source_digest
@@ -95,7 +96,7 @@ def march_signature() -> Any:
     whole = types.int64
     return whole(
         whole[:, ::1], guards, run, vector, vector, whole, matrix, matrix, matrix, whole,
-        row, matrix, hit, places, places, matrix, events, hit, places, vector, matrix,
+        row, matrix, hit, places, places, matrix, matrix, events, hit, places, vector, matrix,
     )  # fmt: skip
 
 
@@ -106,7 +107,7 @@ def compiled_march() -> Callable[..., int]:
     Returns
     -------
     march(functions, guards, run, p, w, d, scratch, nodes, pieces, budget,
-          rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series) -> int
+          rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series) -> int
         A Status. Takes up to `budget` steps or parts of steps, and leaves the records ready for the next call; RUNNING
         means that the budget or a buffer is used up, or that the mode to be entered is not compiled yet. See `abi` for
         functions (rows, functions), p, the frame w and scratch, `records` for the guards (rows,) and records. Without
@@ -118,7 +119,7 @@ def compiled_march() -> Callable[..., int]:
     @njit(march_signature(), cache=True, nogil=True, **OPTIONS)
     def march(
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
-        rows, rows_x, hits, places, envelope, samples, events, found, found_x, v, series,
+        rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         run = records[0]
@@ -182,6 +183,8 @@ def compiled_march() -> Callable[..., int]:
             # Nearly every step is plain and taken here: passing so many arrays to `advance` costs more than the step.
             t, plain = run.t + run.t_carry, False
             if run.adaptive == 0:
+                if run.steps & (STEPS_BETWEEN - 1) == 0:
+                    look(run, x, looks)
                 count = call(functions[run.row, STEP], t, h, p, w, scratch)
                 plain = count >= 0
                 for i in range(d):

@@ -71,6 +71,8 @@ class Trajectory:
     """Tolerance of a method that chooses its own step size; else nan."""
     samples: Floats | None = field(default=None, repr=False)
     """(k, 3 + d) time, mode, length and state at the start of some steps; the length ends at a crossing."""
+    unlike: Floats | None = field(default=None, repr=False)
+    """(k, 3 + d) time, -, mode and state where stretches of steps begin that may hold one unlike the others."""
     slides: bool = False
     """Whether the run was asked to slide along the surface where both fields point to it."""
     events: Events = field(default_factory=Events)
@@ -336,7 +338,17 @@ class Trajectory:
     @property
     def nbytes(self) -> int:
         """Bytes of its arrays, also of those that are yet to be made."""
-        own = (self.t, self.x, self.mode, self.segment, self.entered_t, self.entered_x, self.samples, self.envelope)
+        own = (
+            self.t,
+            self.x,
+            self.mode,
+            self.segment,
+            self.entered_t,
+            self.entered_x,
+            self.samples,
+            self.unlike,
+            self.envelope,
+        )
         met = (getattr(part, column.name) for part in (self.crossings, self.events) for column in fields(part))
         return sum(part.nbytes for part in (*own, *met) if isinstance(part, np.ndarray))
 

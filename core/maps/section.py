@@ -48,6 +48,11 @@ class Section:
     def __repr__(self) -> str:
         return f"<Section: {len(self)} points of {len(self.ensemble)} members in {', '.join(self.coordinates)}>"
 
+    @property
+    def message(self) -> str:
+        """How the members ended, and a warning of steps that are too long: see `Ensemble.message`."""
+        return self.ensemble.message
+
     def return_map(self, coordinate: str | None = None) -> Floats:
         """Return (m, 2) pairs of a coordinate: at a point, and at the next one of the same member.
 
@@ -86,8 +91,7 @@ def section(
 ) -> Section:
     """Find where runs meet a surface: a Poincaré section.
 
-    Where nothing switches there, the points are `events` of the runs, which are the same without them. What there is to
-    say of a member, as of steps too long for h, is in the message of the run that `integrate` makes of it.
+    Where nothing switches there, the points are `events` of the runs, which are the same without them.
 
     Parameters
     ----------

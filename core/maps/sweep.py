@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ __all__ = ["Sweep", "sweep"]
 _ON = 8.0
 #: Arguments of `section` that a sweep gives itself.
 _SET = ("parameters", "coordinates")
+#: Runs of a continuation that are looked into for a message.
+_LOOKED_INTO = 4
 _CONTINUATIONS = ("none", "up", "down")
 
 
@@ -48,9 +51,23 @@ class Sweep:
     """(d,) state in which a continuation goes on, with further values."""
     sides: Floats
     """(surfaces,) signs of the switching functions there, if the parameter moves a surface: 0 on it; else empty."""
+    ensembles: tuple[Ensemble, ...] = field(repr=False)
+    """What has run: all values together, or, with a continuation, each by itself."""
 
     def __len__(self) -> int:
         return len(self.points)
+
+    @cached_property
+    def message(self) -> str:
+        """How the runs ended, and a warning of steps that are too long, with the value of the parameter.
+
+        With a continuation, those runs are looked into in which rates change most.
+        """
+        found, counts = np.unique(np.array(self.statuses, dtype=int), return_counts=True)
+        ends = ", ".join(f"{n} {Status(code).name}" for code, n in zip(found.tolist(), counts.tolist(), strict=True))
+        worst = sorted(self.ensembles, key=lambda one: -float(np.nan_to_num(one.unlike).max(initial=0.0)))
+        told = (one.message.partition(". ")[2] for one in worst[:_LOOKED_INTO])
+        return f"{len(self.values)} values of {self.parameter}: {ends}. {next(filter(None, told), '')}".strip()
 
     def __repr__(self) -> str:
         return f"<Sweep: {len(self)} points of {self.coordinate} over {len(self.values)} values of {self.parameter}>"
@@ -125,11 +142,20 @@ def sweep(
         )  # fmt: skip
         statuses = tuple(map(Status, found.ensemble.status.tolist()))
         return Sweep(
-            parameter, coordinate, given, statuses, given[found.member], found.points[:, 0], start, np.empty(0)
+            parameter,
+            coordinate,
+            given,
+            statuses,
+            given[found.member],
+            found.points[:, 0],
+            start,
+            np.empty(0),
+            (found.ensemble,),
         )
     ends = [Status.CANCELLED] * len(given)
     order = np.argsort(given, kind="stable")[:: 1 if continuation == "up" else -1]
     parts: dict[int, Floats] = {}
+    ensembles: list[Ensemble] = []
     moves = any(symbol.name == parameter for g in own.laws.surfaces for symbol in g.free_symbols)
     here, sides = (start, np.empty(0)) if after is None else (after.following, after.sides)
     for done, k in enumerate(order.tolist(), start=1):
@@ -140,6 +166,7 @@ def sweep(
             here = start
         one = section(own, t_span, here, value, **common)
         ends[k], parts[k] = Status(int(one.ensemble.status[0])), one.points[:, 0]
+        ensembles.append(one.ensemble)
         here = one.ensemble.x[0] if ends[k] in (Status.CROSSING_LIMIT, Status.EVENT_LIMIT, Status.COMPLETED) else start
         if moves and ends[k] is Status.CROSSING_LIMIT:
             on = _going_on(own, t_span[0], one, value, settings)
@@ -151,7 +178,7 @@ def sweep(
     shown = [k for k in range(len(given)) if k in parts]
     repeated = np.repeat(given[shown], [len(parts[k]) for k in shown])
     coordinates = np.concatenate([np.empty(0), *(parts[k] for k in shown)])
-    return Sweep(parameter, coordinate, given, tuple(ends), repeated, coordinates, here, sides)
+    return Sweep(parameter, coordinate, given, tuple(ends), repeated, coordinates, here, sides, tuple(ensembles))
 
 
 def _going_on(
