@@ -92,7 +92,7 @@ class Beginning:
         run["follow"], run["slides"], run["partly_defined"] = follow, slides, laws.edged
         run["mode"] = run["first_mode"] = NO_MODE
         run["conservative"], run["adaptive"], run["monitored"] = method.conservative, method.adaptive, self.monitored
-        run["stride"], run["part"], run["events"] = 1, 1, len(events)
+        run["stride"], run["events"] = 1, len(events)
         if method.adaptive:
             w[ORDER], w[TOLERANCE] = order_of(tolerance), tolerance
             pieces = scratch_shape(order_of(tolerance))

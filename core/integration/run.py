@@ -36,7 +36,7 @@ _T, _T_CARRY, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
 _STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _MAX_CROSSINGS, _MAX_EVENTS = (
     FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "max_crossings", "max_events")
 )
-_LOOKS = tuple(FIELDS[name] for name in ("looks", "look_segment", "crossings", "changes", "part"))
+_LOOKS = tuple(FIELDS[name] for name in ("looks", "look_segment", "crossings", "changes", "doublings"))
 
 
 class Run:
@@ -144,9 +144,9 @@ class Run:
     @property
     def unlike(self) -> Floats:
         """(k, 3 + d) see `Trajectory.unlike`."""
-        looks, segment, crossings, changes, part = (self.wholes[place] for place in _LOOKS)
+        looks, segment, crossings, changes, doublings = (self.wholes[place] for place in _LOOKS)
         last = begun_rows(looks) if segment == crossings else []
-        return self.memory.looks[[*last, *kept_rows(changes, part, len(self.start))]]
+        return self.memory.looks[[*last, *kept_rows(changes, doublings, len(self.start))]]
 
     @property
     def samples(self) -> Floats:

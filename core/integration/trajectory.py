@@ -338,17 +338,8 @@ class Trajectory:
     @property
     def nbytes(self) -> int:
         """Bytes of its arrays, also of those that are yet to be made."""
-        own = (
-            self.t,
-            self.x,
-            self.mode,
-            self.segment,
-            self.entered_t,
-            self.entered_x,
-            self.samples,
-            self.unlike,
-            self.envelope,
-        )
+        states = self.t, self.x, self.mode, self.segment, self.entered_t, self.entered_x
+        own = (*states, self.samples, self.unlike, self.envelope)
         met = (getattr(part, column.name) for part in (self.crossings, self.events) for column in fields(part))
         return sum(part.nbytes for part in (*own, *met) if isinstance(part, np.ndarray))
 

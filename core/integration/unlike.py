@@ -1,7 +1,7 @@
 """Keep the stretches of a run in which the mean rates of change differ most, for `diagnostics.resolution`.
 
 A step that leaps over something narrow takes the state farther, or less far, than its neighbours do. The loop looks at
-the state once in a number of steps only, which costs a hundredth of a step.
+the state once in a number of steps only, which costs a hundredth of a step of order 4.
 """
 
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
@@ -13,13 +13,13 @@ from core.kernels.jit import internal
 
 __all__ = ["STEPS_BETWEEN", "begun_rows", "kept_rows", "look", "rows_of_looks"]
 
-#: Steps between two looks, a power of two.
-STEPS_BETWEEN = 64
+#: Steps between two looks, a power of two: a look costs as much as a step of order 4.
+STEPS_BETWEEN = 128
 #: Number of equal parts of a run, at most, of each of which the largest change of each coordinate's rate is kept.
 _PARTS = 32
-#: Rows of a table of looks, of 3 + d columns: the last look and the one before, as (t, -, mode, x); the mean rates
-#: between them, and the largest so far; then, by part and coordinate, (t, change, mode, x) of the change kept.
-_LAST, _BEFORE, _RATES, _LARGEST, _KEPT = range(5)
+#: Rows of a table of looks, of 3 + d columns: the last two looks, one after the other, as (t, -, mode, x); the mean
+#: rates between them, and the largest so far; then, by part and coordinate, (t, change, mode, x) of the change kept.
+_RATES, _LARGEST, _KEPT = 2, 3, 4
 
 
 def rows_of_looks(d: int) -> int:
@@ -27,65 +27,65 @@ def rows_of_looks(d: int) -> int:
     return _KEPT + _PARTS * d
 
 
-def begun_rows(run_looks: int) -> list[int]:
+def begun_rows(looks: int) -> list[int]:
     """Rows of the last looks of a segment, between which and the end of the run no change of rates has been seen."""
-    return [_BEFORE] if run_looks > 1 else [_LAST] if run_looks else []
+    return [looks & 1] if looks > 1 else [0] if looks else []
 
 
-def kept_rows(changes: int, part: int, d: int) -> range:
+def kept_rows(changes: int, doublings: int, d: int) -> range:
     """Rows of the changes kept."""
-    return range(_KEPT, _KEPT + -(-changes // part) * d if changes else _KEPT)
+    return range(_KEPT, _KEPT + (1 + ((changes - 1) >> doublings)) * d if changes else _KEPT)
 
 
 @internal
 def look(run, x, looks):
     """Look at the state at the end of a step, and keep the change of each coordinate's rate if it is large."""
     if run.look_segment != run.crossings:
-        run.looks = 0
-    if run.looks > 0:
-        if run.looks > 1:
-            begin_change(run, x.size, looks)
+        run.look_segment, run.looks = run.crossings, 0
+    row, before, last = -1, run.looks & 1, (run.looks + 1) & 1
+    if run.looks > 1:
+        row = row_of_change(run, x.size, looks)
+    elif run.changes + run.looks == 0:
         for i in range(x.size):
-            rate = (x[i] - looks[_LAST, 3 + i]) / (run.t - looks[_LAST, 0])
-            largest = max(abs(rate), looks[_LARGEST, 3 + i] if run.changes + run.looks > 1 else 0.0)
-            looks[_LARGEST, 3 + i] = largest
-            if run.looks > 1:
-                keep_change(run, i, abs(rate - looks[_RATES, 3 + i]), x.size, looks)
+            looks[_LARGEST, 3 + i] = 0.0
+    if run.looks > 0:
+        per = 1.0 / (run.t - looks[last, 0])
+        for i in range(x.size):
+            rate = (x[i] - looks[last, 3 + i]) * per
+            looks[_LARGEST, 3 + i] = max(looks[_LARGEST, 3 + i], abs(rate))
+            change = abs(rate - looks[_RATES, 3 + i])
             looks[_RATES, 3 + i] = rate
-        for i in range(3 + x.size):
-            looks[_BEFORE, i] = looks[_LAST, i]
-        run.looks = 2
-    else:
-        run.looks = 1
-    looks[_LAST, 0], looks[_LAST, 2] = run.t, run.mode
+            if row >= 0 and change > looks[row + i, 1]:
+                keep(looks[before], change, looks[row + i])
+                run.unlike = max(run.unlike, change / looks[_LARGEST, 3 + i])
+    looks[before, 0], looks[before, 2] = run.t, run.mode
     for i in range(x.size):
-        looks[_LAST, 3 + i] = x[i]
-    run.look_segment = run.crossings
+        looks[before, 3 + i] = x[i]
+    run.looks += 1
 
 
 @internal
-def begin_change(run, d, looks):
-    """Make room for another change; if all parts are used, join every two."""
-    if run.changes == _PARTS * run.part:
-        run.part *= 2
+def row_of_change(run, d, looks):
+    """Row for another change, of the first coordinate; if all parts are used, every two are joined."""
+    if run.changes == _PARTS << run.doublings:
+        run.doublings += 1
         for k in range(_PARTS // 2 * d):
             one = _KEPT + 2 * d * (k // d) + k % d
             if not looks[one, 1] >= looks[one + d, 1]:
                 one += d
             for i in range(3 + d):
                 looks[_KEPT + k, i] = looks[one, i]
-    if run.changes % run.part == 0:
+    row = _KEPT + (run.changes >> run.doublings) * d
+    if run.changes & ((1 << run.doublings) - 1) == 0:
         for i in range(d):
-            looks[_KEPT + run.changes // run.part * d + i, 1] = -1.0
+            looks[row + i, 1] = -1.0
     run.changes += 1
+    return row
 
 
 @internal
-def keep_change(run, i, change, d, looks):
-    """Keep the change of a coordinate's rate, if it is the largest of its part of the run."""
-    kept = looks[_KEPT + (run.changes - 1) // run.part * d + i]
-    if change > kept[1]:
-        kept[1], kept[0], kept[2] = change, looks[_BEFORE, 0], looks[_BEFORE, 2]
-        for k in range(d):
-            kept[3 + k] = looks[_BEFORE, 3 + k]
-        run.unlike = max(run.unlike, change / looks[_LARGEST, 3 + i])
+def keep(begun, change, kept):
+    """Keep the change between two stretches, with where the first of them began."""
+    for i in range(kept.size):
+        kept[i] = begun[i]
+    kept[1] = change

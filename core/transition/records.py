@@ -82,10 +82,10 @@ RUN = np.dtype(
         ("stride", np.int64),  # every stride-th step is sampled
         ("next_sample", np.int64),  # number of the next step to be sampled
         ("samples", np.int64),  # number of samples kept
-        ("looks", np.int64),  # how many of the last looks (see `unlike`) are in the same segment: 0, 1, or 2 for more …
+        ("looks", np.int64),  # number of looks (see `unlike`) in the same segment …
         ("look_segment", np.int64),  # … which began at this crossing
-        ("changes", np.int64),  # number of changes of rates seen so far, and of those in each part of the run
-        ("part", np.int64),
+        ("changes", np.int64),  # number of changes of rates seen so far, and how often their parts were doubled
+        ("doublings", np.int64),
         ("unlike", np.float64),  # largest change of a rate seen, relative to the largest such rate
         ("rows", np.int64),  # number of rows written since the last return
         ("hits", np.int64),  # number of crossings written since the last return
