@@ -32,13 +32,16 @@ LEGEND_CSS = f"""
 
 KEEP_PLACE = """
 const found = id => cb_context.index.query_one(view => view.model.id == id)
-const grid = found(legend)?.grid_el, { el, frame } = found(plot) ?? {}
+const own = found(legend), grid = own?.grid_el, { el, frame } = found(plot) ?? {}
 if (grid != null && el != null) {
   const set = (name, pixels) => el.style.setProperty(`--legend${name}`, `${pixels}px`)
   set("-width", cb_obj.outer_width)
   set("-aside", cb_obj.outer_width / 2 - frame.bbox.hcenter)  // from below the frame to below the figure
   if (grid.watcher == null) {
-    grid.watcher = new ResizeObserver(() => grid.offsetHeight > 0 && set("", grid.offsetHeight - usual))
+    grid.watcher = new ResizeObserver(() => {
+      if (grid.offsetHeight > 0) { set("", grid.offsetHeight - usual) }
+      own.update_position()  // measures it: the layout that follows would take the size it had at the layout before
+    })
     grid.watcher.observe(grid)
   }
 }
