@@ -169,6 +169,21 @@ def test_no_entry_of_a_legend_is_cut_on_a_narrow_screen(visit, view):
     assert [one["label"] for one in page.evaluate(LEGENDS) if not one["inside"]] == []
 
 
+ROOM = """() => [...Bokeh.index.query(view => view.model.type == "Legend")].filter(({el}) => el.offsetHeight > 0)
+    .map(({el, layout}) => Math.round(layout.bbox.height) - el.offsetHeight)"""
+"""By how many pixels the room of each legend that is shown is larger than the legend."""
+
+
+@pytest.mark.deep
+def test_a_figure_has_just_as_much_room_for_its_legend_as_that_needs(visit):
+    for _ in range(3):  # it was a matter of chance
+        page = visit(1400, 900)
+        for name in ("Phase portrait", "conserved quantity"):
+            await_painted(page, name)
+        page.wait_for_timeout(1000)
+        assert page.evaluate(ROOM) == [0, 0]
+
+
 KEYS = """() => {
     const view = Bokeh.index.query_one(view => view.model.type == "Legend")
     const marked = ({canvas}) => {
