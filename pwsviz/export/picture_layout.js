@@ -1,16 +1,18 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
 export const FONT = "DejaVu Sans"
-export const TEXT = 12  // pixels of text in the copy, which is then scaled so that they become the points asked for
+export const TEXT = 17  // pixels of text in the copy, which is then scaled so that they become the points asked for; it is
+// larger than on the page, as marks and lines are finer in print
 export const INK = "#000000", PAPER = "#ffffff"
 
 const RULE = "#e2e2e2"
-const SMALL = TEXT - 1  // of labels
+export const SMALL = TEXT - 1  // of labels and captions
+const ON_PAGE = 12  // pixels of names within a frame on the page; smaller ones are parts of marks
 const PASSES = 3  // layouts, each of which knows the one before: titles in lines, then the room beside them, then all
 const RIM = 3  // pixels inside of a frame that are free of names
 const SPARE = 8  // pixels beside a text, where another may begin
 const LINE = 1.3  // height of a line of text, in heights of its letters
-const NAMED = 0.28  // part of the width of the picture that the names of levels take without being broken into lines
+const NAMED = 0.12  // most of the width of the picture that the names of levels take beside the frame
 
 const text = (name, size) => ({ [`${name}_text_font`]: FONT, [`${name}_text_font_size`]: `${size}px` })
 const SIZES = {
@@ -77,11 +79,29 @@ const spread = (wished, apart, [start, end]) => {
   return places
 }
 
+// Whether an axis beside a plot names levels in it.
+const names_levels = (axis, side) => axis.ticker?.type == "FixedTicker" && axis.formatter.doFormat != null && side == "right"
+
+// The levels of an axis that are seen, downwards, and the lines of their names.
+const levels_of = (axis, { start, end }, width) => {
+  const levels = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
+  const names = axis.formatter.doFormat(levels, { loc: 0 })
+  const labels = names.map(name => wrapped(name, NAMED * width, SMALL))
+  return { levels, names, labels, fit: labels.flat().every(line => width_of(line, SMALL) <= NAMED * width) }
+}
+
+// Names of levels for which there is no room beside a plot, in a sentence; null where there are none.
+const unnamed_levels = ({ frame, model }, width) => {
+  const names = model.right.filter(axis => names_levels(axis, "right")).flatMap(axis => {
+    const { names, fit } = levels_of(axis, frame.y_scale.source_range, width)
+    return fit ? [] : names
+  })
+  return names.length > 0 ? `Dotted${names.length > 1 ? ", from above" : ""}: ${names.join("; ")}.` : null
+}
+
 // Names of levels beside a plot: in lines, and apart from one another.
-const named_levels = (axis, seen, width) => {
-  const { ticker, formatter } = axis, { scale } = seen, { start, end } = scale.source_range
-  const levels = [...ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)  // downwards
-  const labels = formatter.doFormat(levels, { loc: 0 }).map(label => wrapped(label, NAMED * width, SMALL))
+const named_levels = (axis, { scale }, width) => {
+  const { start, end } = scale.source_range, { levels, labels } = levels_of(axis, scale.source_range, width)
   const high = labels.map(lines => lines.length * LINE * SMALL), apart = high.slice(1).map((one, k) => (one + high[k]) / 2)
   const places = spread(levels.map(tick => scale.compute(tick)), apart, [end, start].map(one => scale.compute(one)))
   const moved = places.map(place => scale.invert(place))
@@ -101,9 +121,7 @@ const fitted_axis = (axis, side, seen, width) => {
   const room = across ? 2 * Math.min((left + width - right) / 2, width - (left + width - right) / 2) : seen.tall
   const phrases = wrapped(axis.axis_label ?? "", room, TEXT, /(?<=,) /)  // a formula stays on one line where it can
   const title = { axis_label: phrases.flatMap(phrase => wrapped(phrase, room, TEXT)).join("\n") || null }
-  if (axis.ticker.type == "FixedTicker" && axis.formatter.doFormat != null && !across) {
-    return { ...title, ...named_levels(axis, seen, width) }
-  }
+  if (names_levels(axis, side)) return { ...title, ...named_levels(axis, seen, width) }
   return { ...title, major_label_policy: new NoOverlap({ min_distance: SPARE / 2 }) }
 }
 
@@ -139,6 +157,7 @@ const copy_of = (view, width, printed, height, seen) => {
     if (kind == "bar") return copied(one, changes)
     return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
   }
+  const room_for = (one, side) => !names_levels(one, side) || levels_of(one, model.y_range, width).fit
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
   return copied(model, {
     ...looks.plot, min_border_left: seen.left, min_border_right: seen.right,
@@ -148,7 +167,7 @@ const copy_of = (view, width, printed, height, seen) => {
     x_range: range(model.x_range), y_range: range(model.y_range), toolbar_location: null,
     toolbar: new model.toolbar.constructor({ tools: [] }),
     ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
-      place => [place, model[place].map(one => part(one, place))])),
+      place => [place, model[place].filter(one => room_for(one, place)).map(one => part(one, place))])),
   })
 }
 
@@ -186,6 +205,7 @@ const keep_inside = (svg, frame) => {
   for (const words of svg.querySelectorAll("text")) {
     words.setAttribute("font-family", FONT)
     if (words.closest("[clip-path]") == null) continue
+    if (parseFloat(words.getAttribute("font-size")) >= ON_PAGE) words.setAttribute("font-size", `${SMALL}px`)
     const box = words.getBoundingClientRect()
     const across = moved(box.left, box.right, left, left + frame.width - 2 * RIM)
     const down = moved(box.top, box.bottom, top, top + frame.height - 2 * RIM)
@@ -224,7 +244,7 @@ export const drawn = async (views, width, printed) => {
       host.append(svg)
       drop_unseen(svg)
       keep_inside(svg, frame.bbox)
-      return { svg, width, height }
+      return { svg, width, height, note: unnamed_levels(view, width) }
     }))
   }
   return pictures

@@ -2,7 +2,7 @@
 // A copy of the figure is laid out anew at the width and the text size asked for (by `picture_layout.js`); it is drawn as
 // vectors.
 
-import { drawn, FONT, INK, PAPER, TEXT, wrapped } from "./picture_layout.js"
+import { drawn, FONT, INK, PAPER, SMALL, TEXT, wrapped } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
@@ -31,7 +31,8 @@ const composed = async (views, wish) => {
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
   const pictures = await drawn(views, width, wish.printed)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
-  const lines = wrapped(wish.caption, picture.width - 2 * GAP, TEXT - 1), step = LEADING * (TEXT - 1)
+  const words = [...pictures.map(one => one.note), wish.caption].filter(Boolean).join(" ")
+  const lines = wrapped(words, picture.width - 2 * GAP, SMALL), step = LEADING * SMALL
   const height = picture.height + (lines.length > 0 ? 2 * GAP + step * lines.length : 0)
   const svg = node("svg", {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
@@ -49,7 +50,7 @@ const composed = async (views, wish) => {
     top += one.height
   }
   lines.forEach((line, k) => svg.append(node("text", {
-    x: GAP, y: picture.height + GAP + step * (k + 0.8), fill: ink, "font-family": FONT, "font-size": `${TEXT - 1}px`,
+    x: GAP, y: picture.height + GAP + step * (k + 0.8), fill: ink, "font-family": FONT, "font-size": `${SMALL}px`,
   }, line)))
   return { svg, width: picture.width, height }
 }

@@ -211,7 +211,7 @@ class OrderView:
             text_font_size="12px",
             text_align="right",
             text_baseline="bottom",
-            x_offset=-2,
+            x_offset=-6,
         )
         self.floor = mark_levels(plot, {1e-15: "fits above"})
 
@@ -279,13 +279,15 @@ class OrderView:
         curves = np.log([used, errors]) if len(errors) else np.empty((2, 0))
         spans = np.log([far / near, top / bottom])
         ends = [np.log([[start, far], [height, top]]) for start, height in zip(starts, heights, strict=True)]
-        named = np.exp([_freest(line, curves, spans) for line in ends]).reshape(-1, 2).T
+        guides = [line[:, :1] + (line[:, 1:] - line[:, :1]) * np.linspace(0.0, 1.0, 99) for line in ends]
+        others = [np.hstack([curves, *guides[:k], *guides[k + 1 :]]) for k in range(len(ends))]
+        named = np.exp([_freest(*both, spans) for both in zip(ends, others, strict=True)]).reshape(-1, 2).T
         self.guide_names.data = {"x": named[0], "y": named[1], "text": [f"slope {slope}" for slope in slopes]}
         self.corners.data = {"x": [near, far], "y": [bottom, top]}
 
 
 def _freest(line: Floats, curves: Floats, spans: Floats) -> Floats:
-    """Return the place (2,) on a line (2, 2), its ends in columns, whose name is far from curves (2, m)."""
+    """Return the place (2,) on a line (2, 2), its ends in columns, whose name is far from points (2, m) of curves."""
     places = line[:, :1] + (line[:, 1:] - line[:, :1]) * NAMED
     middles = places / spans[:, None] + [[-0.06], [0.03]]  # of the names
     away = np.hypot(*(middles[:, :, None] - (curves / spans[:, None])[:, None])).min(axis=1, initial=CLEAR)

@@ -149,6 +149,11 @@ def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visi
                 a, b, c, d = text["box"]
                 assert left <= a <= b <= right, (points, text["words"])
                 assert top <= c <= d <= bottom, (points, text["words"])
+            words = " ".join(text["words"] for text in texts)
+            assert ("Dotted, from above: round-off; machine ε; below plot range, or 0." in words) == (k == 1), (
+                "names of levels are below a narrow plot, which they would halve"
+            )
+            assert "round-off" not in [text["words"] for text in texts]
             for one, other in combinations(texts, 2):
                 across = min(one["box"][1], other["box"][1]) - max(one["box"][0], other["box"][0])
                 down = min(one["box"][3], other["box"][3]) - max(one["box"][2], other["box"][2])
