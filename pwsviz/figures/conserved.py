@@ -265,9 +265,6 @@ def _drift(curve: ErrorCurve) -> str:
     if core.METHODS[curve.method].conservative and (small or (error <= steady * round_off).all()):
         kind = "round-off" if small else "accumulated round-off"
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
-    if core.METHODS[curve.method].conservative and curve.between <= round_off.max():
-        reached = f"|Δψ| reaches {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}"
-        return f"{curve.method} conserves ψ to round-off between crossings, which, perturbed, change it: {reached}"
     if curve.runs_off:
         return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {until:.4g}, where it runs off"
     if 0.0 < LOST * size <= worst:
@@ -305,13 +302,13 @@ def _off_surface(curve: ErrorCurve) -> str:
 
 
 def _relative(error: float, size: float, up: bool = True) -> str:
-    """Return an error relative to the size of ψ and its terms, in brackets; empty where that is about 1, or unknown."""
+    """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
     about = f"{size:.2g}"
     # Of the numbers that are printed, so that they agree.
     share = rounded_up(upper_bound(error) / float(about)) if up else rounded(float(f"{error:.1e}") / float(about))
-    return printed(f" ({share} of |ψ| + Σ|xₖ ∂ψ/∂xₖ|, about {about})")
+    return printed(f" ({share} of the size of ψ, about {about})")
 
 
 def _largest(error: Floats) -> str:

@@ -83,8 +83,6 @@ class ErrorCurve:
     """Whether the run may have gone very far."""
     undefined: float = np.nan
     """Time from which on ψ is not defined where the run is, though one is known there; NaN if there is none."""
-    between: float = np.nan
-    """Largest |change of ψ| from one crossing to the next, where crossings are perturbed; else NaN."""
 
     @property
     def round_off(self) -> Floats:
@@ -392,11 +390,9 @@ def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve
     when, sizes = run.psi_sizes()
     size = np.interp(t, when, np.maximum.accumulate(sizes))
     crossings, runs_off = run.crossings.t, run.status in RUNS_OFF
-    undefined, between = _undefined(run, error), np.nan
-    if inputs.scheme.perturbation_order is not None:
-        between = float(np.fmax.reduce(np.abs(run.conserved_error()), axis=None, initial=0.0))
+    undefined = _undefined(run, error)
     method, t_end = inputs.scheme.method, float(run.t[-1])
-    return ErrorCurve(method, t, reduced, t_end, crossings, shades, names, size, runs_off, undefined, between)
+    return ErrorCurve(method, t, reduced, t_end, crossings, shades, names, size, runs_off, undefined)
 
 
 def _undefined(run: core.Trajectory, error: Floats) -> float:
