@@ -38,7 +38,7 @@ _APART_KEPT = 1e-6
 _TOLERANCES = 1e3
 #: Distance below which it is round-off for any method, relative to the state.
 _ROUNDING = 2.0**-44
-#: Height below zero at the start of a step, as part of its largest size in it: a perturbation has put the state there.
+#: Height below zero at an end of a step, as part of its largest size in it: a perturbation has put the state there.
 _BEHIND = 2.0**-40
 #: Shortest step that is examined, relative to the time: of a shorter one rounding hides what happens in it.
 _SHORTEST = 2.0**-46
@@ -61,8 +61,7 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     samples = run.samples
     if samples is None:
         return ()
-    samples = samples[np.abs(samples[:, 2]) > _SHORTEST * np.abs(samples[:, 0])]
-    kept = _Steps(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
+    kept = _steps(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
     if run.status is Status.ESCAPED:  # no step is short enough for the field where the solution escapes
         return tuple(kept.too_long_for_g())
     first = _first_steps(run)
@@ -92,25 +91,30 @@ def _unlike_made_again(run: Trajectory) -> _Steps:
 
 def _unlike_recorded(run: Trajectory) -> _Steps:
     k = unlike_steps(run) if not METHODS[run.method].adaptive else np.empty(0, dtype=np.intp)
-    h = np.sign(run.t[-1] - run.t[0]) * np.minimum(run.tau, np.abs(run.t[k + 1] - run.t[k]))
+    k = k[run.mode[k] >= 0]
+    h = run.t[k + 1] - run.t[k]
     cut = run.segment[k + 1] != run.segment[k]
     h[cut] = run.crossings.t[run.segment[k[cut]]] - run.t[k[cut]]
-    long = (np.abs(h) > _SHORTEST * np.abs(run.t[k])) & (run.mode[k] >= 0)
-    k, h = k[long], h[long]
-    return _Steps(run, run.t[k], run.x[k], run.mode[k], h)
+    return _steps(run, run.t[k], run.x[k], run.mode[k], h)
 
 
 def _first_steps(run: Trajectory) -> _Steps:
     """Steps of the run's size from where it has entered a side."""
     crossings = run.crossings
-    if METHODS[run.method].adaptive or len(crossings) < 2:
-        return _Steps(run, np.empty(0), np.empty((0, run.system.dimension)), np.empty(0, dtype=np.int64), np.empty(0))
-    k = np.unique(np.linspace(0, len(crossings) - 2, _MOST_ENTRIES).astype(np.int64))
-    length = crossings.t[k + 1] - crossings.t[k]
-    h = np.sign(length) * np.minimum(run.tau, np.abs(length))
-    long = np.abs(h) > _SHORTEST * np.abs(crossings.t[k])
-    k, h = k[long], h[long]
-    return _Steps(run, crossings.t[k], crossings.x_after[k], crossings.mode[k], h)
+    count = 0 if METHODS[run.method].adaptive else len(crossings) - 1
+    k = np.unique(np.linspace(0, count - 1, _MOST_ENTRIES).astype(np.int64)) if count > 0 else np.empty(0, np.int64)
+    return _steps(run, crossings.t[k], crossings.x_after[k], crossings.mode[k], crossings.t[k + 1] - crossings.t[k])
+
+
+def _steps(run: Trajectory, t: Floats, x: Floats, mode: Integers, h: Floats) -> _Steps:
+    """Steps towards the end of a run, none longer than τ; those that are too short to be examined are left out.
+
+    A perturbation of a crossing lengthens the step to it, or ends it before it began: that is no fault of τ.
+    """
+    way = -1.0 if run.t[-1] < run.t[0] else 1.0
+    h = way * np.clip(way * h, 0.0, np.inf if METHODS[run.method].adaptive else run.tau)
+    long = np.abs(h) > _SHORTEST * np.abs(t)
+    return _Steps(run, t[long], x[long], mode[long], h[long])
 
 
 class _Steps:
@@ -128,7 +132,8 @@ class _Steps:
         ends, and finds no crossing where the cubic is positive. Here the height on the scheme itself is compared with
         this cubic. It is unresolved where it is negative before the end, where the cubic is at most three times the
         difference of the two, and where the height may dip below zero between two places. A variable-step method has a
-        polynomial in place of the cubic, so that the second test does not apply.
+        polynomial in place of the cubic, so that the second test does not apply. Where the height is negative at the
+        start or at the end, a perturbation has put the state there, or the end of the step: nothing is hidden in it.
         """
         hidden = np.zeros(len(self.t), dtype=bool)
         places = _places(len(self.t))
@@ -158,7 +163,7 @@ class _Steps:
 
     def _hides_roots(self, places: Floats, g: Floats, rate: Floats) -> NDArray[np.bool_]:
         """Whether heights (k, places), with their rates per step, are unresolved within steps."""
-        behind = g[:, 0] < -_BEHIND * np.abs(g).max(axis=1)
+        behind = (g[:, [0, -1]] < -_BEHIND * np.abs(g).max(axis=1, keepdims=True)).any(axis=1)
         hidden = np.asarray((g <= 0.0)[:, 1:-1].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1))
         if not self.method.adaptive:
             cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])

@@ -1,8 +1,11 @@
 """Whether steps are short enough for the field is told truly, beside crossings that are perturbed, too."""
 
+import numpy as np
 import pytest
 
 import core
+
+FIXED = [name for name, method in core.METHODS.items() if not method.adaptive]
 
 
 @pytest.mark.parametrize("method", ["dmm2", "rk4", "gauss4"])
@@ -14,6 +17,22 @@ def test_steps_to_perturbed_crossings_which_overlap_with_those_behind_are_not_ca
         assert "too long" not in run.message, run.message
 
 
-def test_a_step_that_a_perturbation_has_made_too_long_is_named_with_its_length():
-    run = core.integrate(core.CATALOGUE["harmonic_oscillator"], (0.0, 80.0), tau=0.2, perturbation_order=1)
-    assert "A step of 0.4 is too long for this field" in run.message
+@pytest.mark.parametrize("seed", range(24))
+def test_a_perturbation_of_the_crossings_alone_makes_no_step_too_long_for_the_field(seed):
+    draw = np.random.default_rng(seed)
+    system = core.CATALOGUE[("harmonic_oscillator", "damped_oscillator", "diode_circuit", "two_walls")[seed % 4]]
+    options = {"tau": 10 ** draw.uniform(-2.5, -1.0), "method": FIXED[seed % len(FIXED)]}
+    end, scale = draw.choice([20.0, -20.0]), draw.choice([1.0, -1.0])
+    plain = core.integrate(system, (0.0, end), **options)
+    for order in (0.5, 1, 2):
+        run = core.integrate(system, (0.0, end), perturbation_order=order, perturbation_scale=scale, **options)
+        assert "too long for this field" in plain.message or "too long for this field" not in run.message, run.message
+
+
+@pytest.mark.parametrize("key", ["gene_ring", "henon_heiles"])
+def test_a_step_that_ends_beyond_the_surface_by_a_perturbation_is_not_called_too_long_for_the_surface(key):
+    options = {"tau": 0.1376, "method": "gauss4"}
+    plain = core.integrate(core.CATALOGUE[key], (0.0, 40.0), **options)
+    run = core.integrate(core.CATALOGUE[key], (0.0, 40.0), perturbation_order=1, **options)
+    assert "too long" not in plain.message
+    assert "too long" not in run.message, run.message
