@@ -40,6 +40,10 @@ class Scheme(ABC):
     symmetric: bool = False
     needs_conserved: bool = False
 
+    def keeps(self, mode: Mode) -> bool:
+        """Whether it keeps all conserved quantities of a mode to round-off."""
+        return self.conservative
+
     @abstractmethod
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write the text of one step to `step`; returns the d increments of the state."""
@@ -65,6 +69,10 @@ class Method:
     def conservative(self) -> bool:
         """Whether it keeps the conserved quantities to round-off."""
         return self.scheme.conservative
+
+    def keeps(self, mode: Mode) -> bool:
+        """Whether it keeps all conserved quantities of a mode to round-off, be it for their form."""
+        return self.scheme.keeps(mode)
 
     @property
     def symmetric(self) -> bool:

@@ -7,15 +7,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import Expr, Float, Integer, Rational, Symbol, sqrt, symbols
+from sympy import Expr, Float, Integer, Poly, Rational, Symbol, sqrt, symbols
 
 from core.codegen.printing import fma
 from core.codegen.step import StepCode
 from core.methods.base import Method, Scheme, written_sum
 from core.methods.dop853 import ROWS, WEIGHTS
+from core.symbolic.expressions import TIME
 from core.symbolic.mode import Mode
 
 __all__ = ["CLASSICAL", "DOP853", "GAUSS4", "RK2", "RK4", "RK8", "ButcherTableau"]
+
+#: Bound on the rounding of a product of coefficients.
+_ROUNDING = 1e-15
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,18 @@ class ButcherTableau(Scheme):
         """Whether each stage depends on earlier ones only."""
         return not any(a for i, row in enumerate(self.rows) for a in row[i:])
 
+    @cached_property
+    def symplectic(self) -> bool:
+        """Whether bᵢaᵢⱼ + bⱼaⱼᵢ = bᵢbⱼ: then every quadratic conserved quantity is kept (Cooper 1987)."""
+        _, rows, b = self.in_floats
+        a = [[*row, *[0.0] * (len(b) - len(row))] for row in rows]
+        pairs = [(i, j) for i in range(len(b)) for j in range(len(b))]
+        return all(abs(b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j]) < _ROUNDING for i, j in pairs)
+
+    def keeps(self, mode: Mode) -> bool:
+        """Whether all conserved quantities are linear in the state, or, for a symplectic tableau, quadratic."""
+        return all(_is_polynomial(psi, mode.variables, 2 if self.symplectic else 1) for psi in mode.conserved)
+
     def write(self, mode: Mode, step: StepCode) -> Sequence[Expr]:
         """Write one step: stage by stage if explicit, else all stages by Newton's method."""
         return self._write_explicit(step) if self.explicit else self._write_implicit(step)
@@ -78,6 +94,11 @@ class ButcherTableau(Scheme):
             residuals += [u - step.h * f for u, f in zip(own, slopes, strict=True)]
         step.solve(residuals, stages=stages)
         return _combined(self.weights, parts, d)
+
+
+def _is_polynomial(psi: Expr, x: Sequence[Symbol], degree: int) -> bool:
+    """Whether ψ is a polynomial in the state, of this degree at most, and does not depend on time."""
+    return not psi.has(TIME) and psi.is_polynomial(*x) and bool(Poly(psi, *x).total_degree() <= degree)
 
 
 def _short(number: Expr) -> Expr:

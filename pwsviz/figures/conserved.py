@@ -11,7 +11,6 @@ from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 from numpy.typing import NDArray
 
-import core
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
@@ -38,7 +37,7 @@ from pwsviz.figures.style import (
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.animation import Landmarks
-from pwsviz.results.results import ROUND_OFF, ErrorCurve
+from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import rounded, rounded_up, upper_bound
 
@@ -58,7 +57,7 @@ NOWHERE = 1e-300
 """Height of a mark that is not to be seen: below the axis."""
 
 STEADY = 1e-12
-"""|Δψ|, relative to the size of ψ, up to which it is round-off, whether it grows in time or not."""
+"""|Δψ|, relative to the size of ψ’s terms, up to which it is round-off, whether it grows in time or not."""
 
 SEEN_TO_RISE = 1.1
 """Ratio of |Δψ| in the last third of the time to that in the first one beyond which a curve is seen to rise: by less
@@ -68,10 +67,10 @@ DRIFT = 2.0
 """The same ratio beyond which a rise is no wave any more, but a drift: one in proportion to time has 3."""
 
 LOST = 0.1
-"""|Δψ|, relative to the size of ψ, from which on nothing is said of a bound: less than a digit of ψ is right."""
+"""|Δψ|, relative to the size of ψ’s terms, from which on no bound is told: less than a digit of ψ is right."""
 
 NEAR_ONE = 10.0
-"""Factor by which the size of ψ must differ from 1 for a drift to be stated relative to it, too."""
+"""Factor by which the size of ψ’s terms must differ from 1 for a drift to be stated relative to it, too."""
 
 SUMMARY = "Absolute change of the conserved quantity against time, on a logarithmic axis"
 
@@ -232,7 +231,11 @@ def drawable(error: Floats) -> Floats:
 def conserved_text(curves: Sequence[ErrorCurve]) -> str:
     """Return the drift of ψ of each integrator in a sentence, and what is not drawn; empty if no ψ is known."""
     told = [words for curve in curves for words in (_drift(curve), _undefined(curve), _off_surface(curve)) if words]
-    return "; ".join(told) + "." + _about_marks(curves) if told else ""
+    if not told:
+        return ""
+    words = "; ".join(told) + "."
+    terms = " The size of ψ’s terms is |ψ| + Σ |xₖ ∂ψ/∂xₖ|." * ("ψ’s terms" in words)
+    return words + terms + _about_marks(curves)
 
 
 def _about_marks(curves: Sequence[ErrorCurve]) -> str:
@@ -247,7 +250,8 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
 def _drift(curve: ErrorCurve) -> str:
     """Say whether the error of one integrator is round-off, stays below a bound, rises or drifts; empty without ψ.
 
-    A small error of a method that does not conserve ψ is no round-off: it is only seen to stay below a bound.
+    A small error of a method that does not conserve ψ is no round-off: it is only seen to stay below a bound. Where
+    crossings are perturbed, ψ may be kept between them only.
     """
     known = (np.isfinite(curve.error) | np.isinf(curve.error)) & ~curve.sliding
     t, error, round_off = curve.t[known], curve.error[known], curve.round_off[known]
@@ -261,18 +265,37 @@ def _drift(curve: ErrorCurve) -> str:
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if worst == 0:
         return f"{curve.method} conserves ψ exactly"
-    small, steady = bool((error <= round_off).all()), STEADY / (ROUND_OFF * MACHINE_EPSILON)
-    if core.METHODS[curve.method].conservative and (small or (error <= steady * round_off).all()):
-        kind = "round-off" if small else "accumulated round-off"
+    small = bool((error <= round_off).all())
+    if curve.keeps and (kind := _kind_of_rounding(error, round_off)):
         return f"{curve.method} conserves ψ to {kind}, |Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
     if curve.runs_off:
         return f"|Δψ| of {curve.method} is at most {rounded_up(worst)} up to t = {until:.4g}, where it runs off"
+    if curve.keeps and curve.between is not None and (kind := _kind_of_rounding(curve.between[known], round_off)):
+        change = f"that |Δψ| reaches {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}"
+        return f"{curve.method} conserves ψ to {kind} between crossings; the perturbed crossings change it, so {change}"
+    share = _share_of_crossings(curve, known)
     if 0.0 < LOST * size <= worst:
-        return f"{curve.method} does not keep ψ: |Δψ| reaches {rounded(worst)}{_relative(worst, size, up=False)}"
+        reached = f"{rounded(worst)}{_relative(worst, size, up=False)}"
+        return f"{curve.method} does not keep ψ: |Δψ| reaches {reached}{share}"
     if small or late <= SEEN_TO_RISE * early:
-        return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}"
+        return f"{curve.method} stays below {rounded_up(worst)}{_relative(worst, size)}{share}"
     word = "drifts to" if late > DRIFT * early else "reaches"
-    return f"{curve.method} {word} {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}"
+    return f"{curve.method} {word} {rounded(worst)}{_relative(worst, size, up=False)} by t = {until:.4g}{share}"
+
+
+def _share_of_crossings(curve: ErrorCurve, known: NDArray[np.bool_]) -> str:
+    """Say how much of a change arises between crossings where these are perturbed; empty where they are not."""
+    if curve.between is None:
+        return ""
+    most = float(np.nanmax(curve.between[known]))
+    return f", of which at most {rounded_up(most)} between two crossings, since the perturbed crossings change ψ, too"
+
+
+def _kind_of_rounding(error: Floats, round_off: Floats) -> str:
+    """Say as what rounding explains an error: round-off, or accumulated round-off; empty where it does not."""
+    if (error <= round_off).all():
+        return "round-off"
+    return "accumulated round-off" * bool((error <= STEADY / (ROUND_OFF * MACHINE_EPSILON) * round_off).all())
 
 
 def _end_of(curve: ErrorCurve, known: NDArray[np.bool_]) -> float:
@@ -302,13 +325,13 @@ def _off_surface(curve: ErrorCurve) -> str:
 
 
 def _relative(error: float, size: float, up: bool = True) -> str:
-    """Return an error relative to the size of ψ, in brackets; empty where that is about 1, or unknown."""
+    """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
     about = f"{size:.2g}"
     # Of the numbers that are printed, so that they agree.
     share = rounded_up(upper_bound(error) / float(about)) if up else rounded(float(f"{error:.1e}") / float(about))
-    return printed(f" ({share} of the size of ψ, about {about})")
+    return printed(f" ({share} of the size of ψ’s terms, about {about})")
 
 
 def _largest(error: Floats) -> str:

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from threading import BoundedSemaphore
 
-import numpy as np
-from numpy.typing import NDArray
-
 import core
-from pwsviz.geometry.envelope import envelope
 from pwsviz.geometry.first_view import first_plane
-from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import PLANE, Axes
-from pwsviz.geometry.shades import shade_names, shades_of
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
-from pwsviz.results.orbits import RUNS_OFF, Levels, Orbit, drawn_within, orbit_of
+from pwsviz.results.error_curve import ErrorCurve, error_curve
+from pwsviz.results.orbits import Levels, Orbit, drawn_within, orbit_of
 from pwsviz.results.requests import (
     CostInputs,
     InitialValueProblem,
@@ -44,9 +39,6 @@ from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import MAX_STEPS
 from pwsviz.tasks.cancellation import Cancel, Cancelled, Report, never, silent
 
-ROUND_OFF = 2.0
-"""Round-off of ψ in machine epsilons of `Trajectory.psi_size`: the effect of a few roundings of the state."""
-
 STUDIES_AT_ONCE = max(1, (os.cpu_count() or 1) - 1)
 """Long computations at the same time, over all sessions; one processor stays free for short ones, such as sliders."""
 
@@ -61,38 +53,6 @@ FEWEST_FRAMES = 300
 
 MOST_FRAMES = 2000
 """Most of them of one run."""
-
-
-@dataclass(frozen=True)
-class ErrorCurve:
-    """|Change of ψ| that the integrator has made up to each time, at screen resolution."""
-
-    method: str
-    t: Floats
-    error: Floats
-    t_end: float
-    crossings: Floats
-    sides: NDArray[np.int64]
-    """(1 + len(crossings),) shade of the mode occupied from the start, and from each crossing on; 0 where it slides, or
-    ended. Of one surface it is the side."""
-    names: Mapping[int, str] = field(default_factory=lambda: {-1: "g < 0", 1: "g > 0", 0: "sliding"})
-    """What a legend calls each shade."""
-    psi_size: Floats = field(default_factory=lambda: np.ones(1))
-    """(n,) greatest `Trajectory.psi_sizes` up to each of the times, or (1,) of all: its round-off is that of Δψ."""
-    runs_off: bool = False
-    """Whether the run may have gone very far."""
-    undefined: float = np.nan
-    """Time from which on ψ is not defined where the run is, though one is known there; NaN if there is none."""
-
-    @property
-    def round_off(self) -> Floats:
-        """(n,) size of the round-off of ψ at each of the times; 0 if no ψ is known."""
-        return np.broadcast_to(ROUND_OFF * MACHINE_EPSILON * self.psi_size, self.t.shape)
-
-    @property
-    def sliding(self) -> NDArray[np.bool_]:
-        """(n,) which of the times lie in sliding, where the error is |g| and what else sliding keeps."""
-        return np.asarray(self.sides[np.searchsorted(self.crossings, self.t)] == 0)
 
 
 @dataclass(frozen=True)
@@ -260,7 +220,7 @@ class Results:
     def error_curve(self, inputs: RunInputs, cancel: Cancel = never) -> ErrorCurve:
         """Return the error for the plot against time."""
         return self._get(
-            "curve", inputs, cancel, lambda: _curve(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
+            "curve", inputs, cancel, lambda: error_curve(inputs, self.run(inputs, cancel), self.error(inputs, cancel))
         )
 
     def summary(self, inputs: RunInputs, cancel: Cancel = never) -> Summary:
@@ -381,24 +341,3 @@ def _run(inputs: RunInputs, cancel: Cancel) -> core.Trajectory:
     if cancel():
         raise Cancelled
     return run
-
-
-def _curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> ErrorCurve:
-    t, reduced = envelope(run.t, error)
-    shades = shades_of(run.system, np.concatenate([run.mode[:1], run.crossings.mode]))
-    names = shade_names(run.system)
-    when, sizes = run.psi_sizes()
-    size = np.interp(t, when, np.maximum.accumulate(sizes))
-    crossings, runs_off = run.crossings.t, run.status in RUNS_OFF
-    undefined = _undefined(run, error)
-    method, t_end = inputs.scheme.method, float(run.t[-1])
-    return ErrorCurve(method, t, reduced, t_end, crossings, shades, names, size, runs_off, undefined)
-
-
-def _undefined(run: core.Trajectory, error: Floats) -> float:
-    """Return from when on ψ is not defined though it is known; one that has overflowed does not count."""
-    known = np.array([bool(mode.conserved) for mode in run.system.laws.regions])
-    inside = (run.mode >= 0) & (run.mode < len(known))
-    lost = np.isnan(error) & inside & known[np.where(inside, run.mode, 0)]
-    lost &= ~np.maximum.accumulate(np.isinf(error))
-    return float(run.t[np.argmax(lost)]) if lost.any() else np.nan

@@ -13,8 +13,8 @@ from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.geometry.projection import conserved_note
 from pwsviz.results.animation import Landmarks
+from pwsviz.results.error_curve import ErrorCurve
 from pwsviz.results.requests import ErrorInputs, run_inputs
-from pwsviz.results.results import ErrorCurve
 from pwsviz.tabs.base import Tab
 from pwsviz.tasks.cancellation import Cancel, Report
 

@@ -59,3 +59,20 @@ def test_names_are_keys():
 def test_an_unknown_method_is_refused_with_the_known_ones():
     with pytest.raises(ValueError, match="known are dmm2"):
         method_named("euler")
+
+
+@pytest.mark.parametrize(
+    ("system", "method", "kept"),
+    [
+        ("harmonic_oscillator", "gauss4", True),  # quadratic
+        ("harmonic_oscillator", "rk4", False),
+        ("elliptic_curve", "gauss4", False),  # cubic
+        ("damped_oscillator", "gauss4", False),  # depends on time
+        ("elliptic_curve", "dmm2", True),
+    ],
+)
+def test_which_conserved_quantities_a_method_keeps_follows_from_its_scheme_and_their_form(system, method, kept):
+    chosen = core.CATALOGUE[system]
+    assert all(core.METHODS[method].keeps(mode) for mode in chosen.laws.regions) is kept
+    run = core.integrate(chosen, (0.0, 20.0), tau=0.05, method=method)
+    assert bool(np.nanmax(run.change_of_psi()) < 1e-13 * run.psi_size()) is kept

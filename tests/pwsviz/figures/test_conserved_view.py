@@ -12,14 +12,15 @@ from pwsviz.figures.conserved import CEILING, FLOOR, MOST_BANDS, NOWHERE, Conser
 from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.results.animation import landmarks
+from pwsviz.results.error_curve import ErrorCurve
 from pwsviz.results.requests import run_inputs
-from pwsviz.results.results import ErrorCurve, Results
+from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 
 
 @cache
-def computed(**settings):
-    results, scene = Results(), Scene(**settings)
+def computed(methods=("dmm2", "rk2"), **settings):
+    results, scene = Results(), Scene(methods=list(methods), **settings)
     inputs = run_inputs(scene)
     return results.error_curves(inputs), results.run(inputs[0])
 
@@ -33,8 +34,10 @@ def shown(with_landmarks=True, **settings):
 def curve(error, method="dmm2", t_end=20.0, size=1.0, runs_off=False):
     error, t = np.asarray(error, dtype=float), np.linspace(0, t_end, len(error))
     size = np.broadcast_to(size, t.shape)
+    keeps = core.METHODS[method].conservative
+    level = np.asarray(size)
     return ErrorCurve(
-        method, t, error, t_end, np.empty(0), np.array([-1]), psi_size=np.asarray(size), runs_off=runs_off
+        method, t, error, t_end, np.empty(0), np.array([-1]), psi_size=level, runs_off=runs_off, keeps=keeps
     )
 
 
@@ -111,7 +114,8 @@ def test_round_off_that_grows_with_psi_is_a_curve_and_what_stays_below_it_is_rou
     assert run.status is core.Status.ESCAPED
     assert curves[0].error[-1] > 1e-7
     assert re.fullmatch(
-        r"dmm2 conserves ψ to round-off, \|Δψ\| ≤ .×10⁻. \(.×10⁻¹. of the size of ψ, about [\d.]+×10..\)\.",
+        r"dmm2 conserves ψ to round-off, \|Δψ\| ≤ .×10⁻. \(.×10⁻¹. of the size of ψ’s terms, about [\d.]+×10..\)\. "
+        r"The size of ψ’s terms is .*\.",
         conserved_text(curves[:1]),
     )
     drawn = view.round_off.data
@@ -169,21 +173,27 @@ def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
 
 def test_what_is_round_off_depends_on_the_size_of_psi():
     def words(errors, size):
-        return conserved_text([curve(errors, size=size)])
+        said, *what = conserved_text([curve(errors, size=size)]).split(" The size of ")
+        assert bool(what) == ("ψ’s terms" in said)
+        return said
 
     large, small = 4e-8 * np.arange(9), 1e-16 * np.arange(9)
-    assert words(large, 1e9) == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4×10⁻⁷ (4×10⁻¹⁶ of the size of ψ, about 10⁹)."
-    assert words(large / 1e8, 30.0).endswith("(2×10⁻¹⁶ of the size of ψ, about 30).")
+    assert (
+        words(large, 1e9)
+        == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4×10⁻⁷ (4×10⁻¹⁶ of the size of ψ’s terms, about 10⁹)."
+    )
+    assert words(large / 1e8, 30.0).endswith("(2×10⁻¹⁶ of the size of ψ’s terms, about 30).")
     # 7.5e-16 of 13.4 are 5.6e-17; but the numbers that are printed are 8×10⁻¹⁶ and 13.
-    assert words([0.0, 7.5e-16], 13.4).endswith("≤ 8×10⁻¹⁶ (7×10⁻¹⁷ of the size of ψ, about 13).")
+    assert words([0.0, 7.5e-16], 13.4).endswith("≤ 8×10⁻¹⁶ (7×10⁻¹⁷ of the size of ψ’s terms, about 13).")
     assert words(large, 1.0) == "dmm2 drifts to 3.2×10⁻⁷ by t = 20."
-    assert words(small, 1e-9) == "dmm2 drifts to 8×10⁻¹⁶ (8×10⁻⁷ of the size of ψ, about 10⁻⁹) by t = 20."
+    assert words(small, 1e-9) == "dmm2 drifts to 8×10⁻¹⁶ (8×10⁻⁷ of the size of ψ’s terms, about 10⁻⁹) by t = 20."
 
 
 def test_no_bound_is_praised_where_less_than_a_digit_of_psi_is_right():
     lost = curve([0.0, 2.7e5, 2.7e5, 2.6e5], "rk2", size=6.5e5)
     assert conserved_text([lost]) == (
-        "rk2 does not keep ψ: |Δψ| reaches 2.7×10⁵ (0.42 of the size of ψ, about 6.5×10⁵)."
+        "rk2 does not keep ψ: |Δψ| reaches 2.7×10⁵ (0.42 of the size of ψ’s terms, about 6.5×10⁵). "
+        "The size of ψ’s terms is |ψ| + Σ |xₖ ∂ψ/∂xₖ|."
     )
 
 
@@ -230,3 +240,23 @@ def test_of_several_runs_that_slide_each_is_named():
 
 def test_where_no_conserved_quantity_is_known_nothing_is_said():
     assert conserved_text([curve([np.nan, np.nan])]) == ""
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_change_of_psi_by_perturbed_crossings_is_not_blamed_on_a_method_that_keeps_psi_between_them(order):
+    settings = {"system": "harmonic_oscillator", "methods": ("dmm2", "gauss4", "rk2"), "perturbation_order": order}
+    curves, run = computed(**settings)
+    assert np.abs(run.exit_error()).max() < 1e-14 < 1e-8 < curves[0].error.max()
+    words = conserved_text(curves)
+    for name in ("dmm2", "gauss4"):
+        assert f"{name} conserves ψ to round-off between crossings; the perturbed crossings change it, so that" in words
+    assert re.search(r"rk2 drifts to .*, of which at most .* between two crossings, since the perturbed", words)
+    unperturbed = conserved_text(computed(**settings | {"perturbation_order": None})[0])
+    assert "perturbed" not in unperturbed
+    assert "gauss4 conserves ψ to round-off, |Δψ| ≤" in unperturbed, "it keeps every quadratic ψ"
+
+
+def test_gauss4_is_said_to_conserve_only_what_it_keeps():
+    (curve, *_), _ = computed(system="elliptic_curve", methods=("gauss4",))
+    assert not curve.keeps
+    assert "stays below" in conserved_text([curve])
