@@ -38,7 +38,7 @@ class Drift(Brief):
     """|Δψ| against time: the change of ψ by the integrator, summed over the segments of a run.
 
     It is computed in double-double at the ends of steps and at crossings; rounding each state to double contributes
-    about eps times the size of ψ.
+    about eps times the size of ψ’s terms (`psi_size`).
     """
 
     tau: float

@@ -22,7 +22,7 @@ from core.studies.stability.verdict import ENDINGS, Expected, expected_of, judge
 
 __all__ = ["LargestTau", "count", "run"]
 
-#: Largest |Δψ|, relative to the size of ψ, with which a conservative method counts as conserving it.
+#: Largest |Δψ|, relative to the size of ψ’s terms, with which a conservative method counts as conserving it.
 _KEPT = 1e-10
 #: Ratio of a step size that fails to one that works at which bisection ends.
 _BRACKET = 1.01
