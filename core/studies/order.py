@@ -76,11 +76,23 @@ class OrderStudy:
     """Error that is round-off of run and reference."""
     reference: str
     """Name of the reference solution."""
+    size: float = math.nan
+    """Largest coordinate of the states compared."""
 
     @property
     def fit_above(self) -> float:
         """Errors above this enter the fits: 50 times `floor`, as round-off adds up along a run."""
         return _ABOVE_FLOOR * self.floor
+
+    @property
+    def fit_below(self) -> float:
+        """Errors of the state below this enter the fits: 0.3 times `size`."""
+        return _BELOW_SIZE * self.size
+
+    @property
+    def time_fit_below(self) -> float:
+        """Errors of crossing times below this enter the fits: 0.3 times `size`, or 0.3 if that is less than 1."""
+        return _BELOW_SIZE * max(self.size, 1.0)
 
     def __repr__(self) -> str:
         slopes = ", ".join(f"{slope:.2f}" for slope in self.state_slope)
@@ -150,7 +162,7 @@ def order_study(
         state_slope, window = _fits(steps, state_error, floor, size)
         return OrderStudy(
             chosen.name, steps, numbers, times, time_error.copy(), state_error.copy(), time_slope, state_slope,
-            time_window, window, floor, exact.name,
+            time_window, window, floor, exact.name, size,
         )  # fmt: skip
 
     for j, setting in enumerate(settings):

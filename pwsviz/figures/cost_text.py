@@ -19,7 +19,7 @@ Up = Literal["state", "time", "invariant"]
 
 ACROSS: Mapping[str, str] = {"seconds": "run time (s)", "evaluations": "evaluations of the field"}
 UP: Mapping[str, str] = {
-    "state": "state error at the end, ‖x − x̂‖₂",
+    "state": "state error at the end, ‖x − x*‖₂",
     "time": "error of the last crossing time, |t* − t̂|",
     "invariant": "largest |Δψ| between crossings",
 }

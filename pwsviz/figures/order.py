@@ -46,9 +46,9 @@ UNKNOWN = "–"
 """In place of a slope that is not known."""
 
 
-STATE_ERROR = ("state error", "‖x − x̂‖₂")
+STATE_ERROR = ("state error", "‖x − x*‖₂")
 TIME_ERROR = ("crossing time error", "|t* − t̂|")
-"""What an order plot may show: the error in words, and in symbols with its norm; a hat marks what is computed."""
+"""What an order plot may show: the error in words, and in symbols with its norm; a star marks the solution."""
 
 ROOM = 2.0
 """Factor between the largest error and the point in which the lines of integer slopes meet."""
@@ -72,6 +72,8 @@ class Row:
     slope: float
     window: tuple[float, float]
     """Least and greatest step size of the fit."""
+    fit_below: float = np.inf
+    """Errors below this enter the fit."""
 
     @property
     def label(self) -> str:
@@ -116,7 +118,7 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
     names = [("before the first crossing", "before")]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     return [
-        Row(name, short, study.state_error[k], float(study.state_slope[k]), _ends(study.window[k]))
+        Row(name, short, study.state_error[k], float(study.state_slope[k]), _ends(study.window[k]), study.fit_below)
         for k, (name, short) in enumerate(names)
     ]
 
@@ -124,7 +126,14 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
 def time_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the error of the time of each studied crossing."""
     return [
-        Row(name, name, study.time_error[k], float(study.time_slope[k]), _ends(study.time_window[k]))
+        Row(
+            name,
+            name,
+            study.time_error[k],
+            float(study.time_slope[k]),
+            _ends(study.time_window[k]),
+            study.time_fit_below,
+        )
         for k, name in enumerate(f"crossing {count}" for count in study.crossings)
     ]
 
@@ -150,6 +159,7 @@ def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[
             "fit_from": np.array([row.window[0] for _, row in drawn]),
             "fit_to": np.array([row.window[1] for _, row in drawn]),
             "fit_above": np.array([one.fit_above for one, _ in drawn]),
+            "fit_below": np.array([row.fit_below for _, row in drawn]),
             "reference": np.array([one.reference for one, _ in drawn]),
         }
 

@@ -67,18 +67,27 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
     words = f"{shown[0].method}: {slopes}. " if len(shown) == 1 else ""
     words += f"Compared with: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
-    above = max(one.fit_above for one in shown)
-    fits = any(math.isfinite(row.slope) for one in shown for row in one.rows)
-    words += (
-        f" {'Fits use errors' if fits else 'No slope is fitted, as too few errors are'} above {above:.2g}, 50 times "
-    )
-    words += (
-        "the round-off of one state or the estimated error of what it is compared with: round-off adds up along a run."
-    )
+    words += f" {fit_rule(shown)}."
     if early:
         usual = listed([str(k) for k in STUDY_CROSSINGS])
         words += f" The trajectory has fewer crossings than the usual ones, {usual}."
     return words
+
+
+def fit_rule(shown: Sequence[Studied]) -> str:
+    """Return which errors enter the fits, or of which there are too few."""
+    above = max(one.fit_above for one in shown)
+    below = min(row.fit_below for one in shown for row in one.rows)
+    limits = (
+        f"above {above:.2g}, 50 times the round-off of one state or the estimated error of what it is compared with, "
+        f"as round-off adds up along a run, and below {below:.2g}, beyond which hardly a digit is right"
+    )
+    if not any(math.isfinite(row.slope) for one in shown for row in one.rows):
+        return f"No slope is fitted, as too few errors are {limits}"
+    return (
+        f"Fits use errors {limits}. They go from the finest step size to where the slope changes, or to the coarsest "
+        "where it is irregular"
+    )
 
 
 def method_notes(scene: Scene) -> str:

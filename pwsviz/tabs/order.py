@@ -23,7 +23,7 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
-from pwsviz.figures.summaries import study_text
+from pwsviz.figures.summaries import fit_rule, study_text
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.tabs.base import LongTab
@@ -110,7 +110,8 @@ class OrderTab(LongTab):
         crossings = at_surface(scene.locate, scene.slides, scene.perturbation_order, scene.perturbation_scale)
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
-        return f"integrated by {methods} with {taus}; {crossings}; compared with: {first.reference}"
+        rule = fit_rule(studied(outcome, self._rows))
+        return f"integrated by {methods} with {taus}; {crossings}; compared with: {first.reference}. {rule}"
 
     def program(self) -> str:
         """Return the lines that repeat the study."""

@@ -197,3 +197,15 @@ def test_progress_tells_the_study_so_far_after_each_step_size():
     assert [(done, total) for done, total, _ in seen] == [(1, 3), (2, 3), (3, 3)]
     assert [int(np.isfinite(partial.state_error[0]).sum()) for *_, partial in seen] == [1, 2, 3]
     np.testing.assert_array_equal(seen[-1][2].state_error, study.state_error)
+
+
+def test_errors_of_a_fit_lie_between_its_limits():
+    study = core.order_study(SYSTEMS[0], np.geomspace(1.0, 1e-3, 16), method="rk2", crossings=(1, 10))
+    for errors, windows, below in (
+        (study.state_error, study.window, study.fit_below),
+        (study.time_error, study.time_window, study.time_fit_below),
+    ):
+        assert (errors >= below).any(), "else the limit is not put to the test"
+        for row, (least, greatest) in zip(errors, windows, strict=True):
+            used = row[(study.taus >= least) & (study.taus <= greatest)]
+            assert study.fit_above < used.min() <= used.max() < below

@@ -66,7 +66,7 @@ def test_the_axes_are_named_by_what_stands_on_them_and_nothing_is_built_anew():
         view.show(BOTH, across, up)
         labels.add((view.figure.xaxis[0].axis_label, view.figure.yaxis[0].axis_label))
     assert labels == {
-        ("run time (s)", "state error at the end, ‖x − x̂‖₂"),
+        ("run time (s)", "state error at the end, ‖x − x*‖₂"),
         ("evaluations of the field", "error of the last crossing time, |t* − t̂|"),
         ("run time (s)", "largest |Δψ| between crossings"),
     }
