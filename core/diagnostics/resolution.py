@@ -78,18 +78,17 @@ def _unlike(run: Trajectory) -> _Steps:
 
 def _unlike_made_again(run: Trajectory) -> _Steps:
     """Some of a run that has not recorded its steps, in the stretches that the loop has kept."""
-    steps = _Steps(run, np.empty(0), np.empty((0, run.system.dimension)), np.empty(0, dtype=np.int64), np.empty(0))
-    made = stretches(run, steps._states)
+    none = _Steps(run, np.empty(0), np.empty((0, run.system.dimension)), np.empty(0, dtype=np.int64), np.empty(0))
+    made = stretches(run, none.states)
     if not made.t.shape[1] > 2:
-        return steps
+        return none
     rows, columns = made.least_like()
-    t, h = made.t[rows, columns], made.t[rows, columns + 1] - made.t[rows, columns]
-    long = np.abs(h) > _SHORTEST * np.abs(t)
-    rows, columns = rows[long], columns[long]
-    return _Steps(run, t[long], made.x[rows, columns], made.mode[rows], h[long])
+    t, x = made.t[rows, columns], made.x[rows, columns]
+    return _steps(run, t, x, made.mode[rows], made.t[rows, columns + 1] - t)
 
 
 def _unlike_recorded(run: Trajectory) -> _Steps:
+    """Of all steps of a run."""
     k = unlike_steps(run) if not METHODS[run.method].adaptive else np.empty(0, dtype=np.intp)
     k = k[run.mode[k] >= 0]
     h = run.t[k + 1] - run.t[k]
@@ -151,7 +150,7 @@ class _Steps:
         """Whether a height of a mode, given by its number, is unresolved in some steps, all of that mode."""
         t, x, h, system = self.t[rows], self.x[rows], self.h[rows, None], self.run.system
         times = t[:, None] + h * places
-        states = np.concatenate([x[:, None], self._states(t, x, self.mode[rows], times[:, 1:])], axis=1)
+        states = np.concatenate([x[:, None], self.states(t, x, self.mode[rows], times[:, 1:])], axis=1)
         law, hidden = system.laws.mode(number).written, np.zeros(len(rows), dtype=bool)
         for k, height in enumerate(law.heights):
             wanted = (height, law.rate_of(height))
@@ -175,7 +174,7 @@ class _Steps:
         system, places = self.run.system, _places(len(self.t))
         names = (*system.variables, *system.values)
         times = self.t[:, None] + self.h[:, None] * places
-        states = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
+        states = np.concatenate([self.x[:, None], self.states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
         for k, text in enumerate(self.run.events.functions):
             function, values = parse(text, names), np.empty_like(times)
             for number in np.unique(self.mode).tolist():
@@ -225,7 +224,7 @@ class _Steps:
         """
         places = _places(3 * len(self.t)) if self.method.adaptive else _FEW
         times = self.t[:, None] + self.h[:, None] * places
-        whole = np.concatenate([self.x[:, None], self._states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
+        whole = np.concatenate([self.x[:, None], self.states(self.t, self.x, self.mode, times[:, 1:])], axis=1)
         with np.errstate(all="ignore"):
             apart = np.abs(np.cumsum(self._by_steps_between(times, whole) - whole[:, 2:], axis=1)).max(axis=1)
             way = np.abs(whole - whole[:, :1]).max(axis=1)
@@ -256,10 +255,10 @@ class _Steps:
         """States at all places except the first two, each by a step from the place before."""
         t, x = times[:, 1:-1], whole[:, 1:-1]
         mode = np.repeat(self.mode, t.shape[1])
-        found = self._states(t.ravel(), x.reshape(-1, x.shape[2]), mode, times[:, 2:].reshape(-1, 1))
+        found = self.states(t.ravel(), x.reshape(-1, x.shape[2]), mode, times[:, 2:].reshape(-1, 1))
         return found.reshape(x.shape)
 
-    def _states(self, t: Floats, x: Floats, mode: Integers, times: Floats) -> Floats:
+    def states(self, t: Floats, x: Floats, mode: Integers, times: Floats) -> Floats:
         """States (k, places, d) on the scheme at the given times after k states; nan where a step has no solution."""
         states = np.empty((*times.shape, x.shape[1]))
         for rows in _one_after_another(t, times[:, -1]):
