@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 
 import core
-from pwsviz.geometry.shades import region_name
-from pwsviz.scene.names import readable, short_name
+from pwsviz.scene.equations import equations, indexed
+from pwsviz.scene.names import short_name
 from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
-from pwsviz.text.math_names import numbered
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, listed
 
@@ -23,8 +20,6 @@ LONGEST = 400
 
 OMITTED = "its equations are in the CSV and NPZ files"
 """What a caption says in place of longer equations."""
-
-LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def release() -> str:
@@ -52,7 +47,7 @@ def about(scene: Scene, address: str = "", how: str = "") -> dict[str, str]:
     except ValueError:  # too large for a link; its parts follow
         link = "none, the scene is too large"
     parts = {"program": release(), "link": link, "scene": digest(scene)}
-    parts |= {"system": scene.declaration.name, "equations": _equations(scene)}
+    parts |= {"system": scene.declaration.name, "equations": equations(scene.declaration)}
     return parts | {
         "variables": f"{', '.join(scene.declaration.variables)}; a column of such a name has its values",
         "parameters": _parameters(scene),
@@ -75,41 +70,7 @@ def caption(scene: Scene, title: str, how: str = "") -> str:
     values = f"; {parts['parameters']}" if parts["parameters"] else ""
     how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
     laws = parts["equations"] if len(parts["equations"]) <= LONGEST else OMITTED
-    return printed(_indexed(f"{title}, {parts['system']}: {laws}{values}. {how}"))
-
-
-def _indexed(text: str) -> str:
-    """Return a text with lowered indices, as x₁ for x1, and with √ for the root; the files have columns named x1."""
-    indexed = re.sub(r"(?<!\w)([^\W\d_])(\d)(?![A-Za-z0-9_.])", lambda name: name[1] + name[2].translate(LOWERED), text)
-    return indexed.replace("sqrt(", "√(")
-
-
-def _equations(scene: Scene) -> str:
-    """Return the laws of all regions, as “g < 0: x′ = 2·y, ψ₋ = …; g > 0: …; g = …”; of equal sides once."""
-    system = scene.declaration
-    words = {"-": ("g < 0", "ψ₋"), "+": ("g > 0", "ψ₊")} if system.two_sided else {}
-    regions = list(zip(system.laws.regions, system.regions.values(), strict=True))
-    if system.two_sided and regions[0][1] == regions[1][1]:
-        words, regions = {regions[0][0].name: ("on both sides", "ψ")}, regions[:1]
-    laws = []
-    for mode, region in regions:
-        where, psi = words.get(mode.name, (f"region {region_name(mode)}", "ψ"))
-        rates = [
-            f"{variable}′ = {readable(rate, system)}" for variable, rate in zip(system.variables, region.f, strict=True)
-        ]
-        laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {readable(one, system)}" for one in region.psi)]))
-    names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
-    laws += [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
-    laws += [f"reset map at {names[k]} = 0: {_map(jump, system)}" for k, jump in system.jumps.items()]
-    for way in system.transitions:
-        jump = f", reset map {_map(way.jump, system)}" if way.jump else ""
-        laws.append(f"{way.mode} to {way.to} where {readable(way.guard, system)} = 0{jump}")
-    return "; ".join(laws)
-
-
-def _map(jump: Iterable[str], system: core.PiecewiseSystem) -> str:
-    """Return the state after a jump, as “(x, −ε·v)”."""
-    return f"({', '.join(readable(part, system) for part in jump)})"
+    return printed(indexed(f"{title}, {parts['system']}: {laws}{values}. {how}"))
 
 
 def _parameters(scene: Scene) -> str:

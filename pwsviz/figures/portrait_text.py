@@ -18,6 +18,7 @@ from pwsviz.geometry.projection import (
     surfaces_shown,
 )
 from pwsviz.results.results import Pictures
+from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import readable
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import listed
@@ -25,6 +26,9 @@ from pwsviz.text.words import listed
 __all__ = ["SUMMARY", "figures_of", "portrait_note", "portrait_text"]
 
 SUMMARY = "Phase portrait"
+
+LONGEST = 240
+"""Characters of equations below the portrait, about three lines; longer ones are in the view Scheme only."""
 
 
 def portrait_text(
@@ -98,8 +102,9 @@ def _which_start(pictures: Pictures) -> str:
 
 
 def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
-    """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
-    sentences = []
+    """Return the equations of a system, and in words what the portrait leaves out or shows at t = 0 only."""
+    laws = indexed(equations(system))
+    sentences = [f"{laws}." if len(laws) <= LONGEST else "The equations are in the view Scheme."]
     if system.dimension > PLANE:
         plane = ", ".join(variable_name(system.variables[k]) for k in axes)
         sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")

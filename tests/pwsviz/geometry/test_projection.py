@@ -170,3 +170,9 @@ def test_the_conserved_view_names_the_regions_of_which_nothing_is_known():
         )
         assert named in conserved_note(system)
     assert "region off:" in conserved_note(RELAY)
+
+
+def test_the_equations_stand_below_the_portrait_unless_they_are_long():
+    assert portrait_note(core.CATALOGUE["elliptic_curve"], XY).endswith("g = x² + y² − r².")
+    assert "reset map at g = 0" in portrait_note(core.CATALOGUE["bouncing_ball"], XY)
+    assert portrait_note(core.CATALOGUE["three_bodies"], XY).startswith("The equations are in the view Scheme.")
