@@ -23,7 +23,7 @@ from pwsviz.scene.names import readable
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.words import listed
 
-__all__ = ["SUMMARY", "figures_of", "portrait_note", "portrait_text"]
+__all__ = ["SUMMARY", "figures_of", "law_note", "portrait_note", "portrait_text"]
 
 SUMMARY = "Phase portrait"
 
@@ -101,10 +101,15 @@ def _which_start(pictures: Pictures) -> str:
     return f"Start {index + 1} of {count}." + (f" Others that stop early: {told}." if told else "")
 
 
-def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
-    """Return the equations of a system, and in words what the portrait leaves out or shows at t = 0 only."""
+def law_note(system: core.PiecewiseSystem) -> str:
+    """Return the equations of a system, or where they are if they are long."""
     laws = indexed(equations(system))
-    sentences = [f"{laws}." if len(laws) <= LONGEST else "The equations are in the view Scheme."]
+    return f"{laws}." if len(laws) <= LONGEST else "The equations are in the view Scheme."
+
+
+def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
+    """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
+    sentences = []
     if system.dimension > PLANE:
         plane = ", ".join(variable_name(system.variables[k]) for k in axes)
         sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")

@@ -10,7 +10,7 @@ from typing import Any
 import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.portrait_text import figures_of, portrait_note
+from pwsviz.figures.portrait_text import figures_of, law_note, portrait_note
 from pwsviz.figures.summaries import run_lines
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import Axes
@@ -121,7 +121,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.shown = outcome
         self._mark_starts()
         self._aim_first(outcome)
-        self.note.object = as_text(portrait_note(system, axes), "about")
+        self.note.object = as_text(f"{law_note(system)} {portrait_note(system, axes)}", "about")
         self._tell(outcome)
         self._cover()
         self._submit_frames()

@@ -7,7 +7,7 @@ import pytest
 
 import core
 from core.diagnostics import inhabited
-from pwsviz.figures.portrait_text import portrait_note
+from pwsviz.figures.portrait_text import law_note, portrait_note
 from pwsviz.geometry.phase_plane import Window, backdrop, closed_surface
 from pwsviz.geometry.projection import (
     axis_labels,
@@ -173,6 +173,6 @@ def test_the_conserved_view_names_the_regions_of_which_nothing_is_known():
 
 
 def test_the_equations_stand_below_the_portrait_unless_they_are_long():
-    assert portrait_note(core.CATALOGUE["elliptic_curve"], XY).endswith("g = x² + y² − r².")
-    assert "reset map at g = 0" in portrait_note(core.CATALOGUE["bouncing_ball"], XY)
-    assert portrait_note(core.CATALOGUE["three_bodies"], XY).startswith("The equations are in the view Scheme.")
+    assert law_note(core.CATALOGUE["elliptic_curve"]).endswith("g = x² + y² − r².")
+    assert "reset map at g = 0" in law_note(core.CATALOGUE["bouncing_ball"])
+    assert law_note(core.CATALOGUE["three_bodies"]).startswith("The equations are in the view Scheme.")
