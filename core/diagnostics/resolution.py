@@ -239,7 +239,7 @@ class _Steps:
         if part[worst] > (_APART_KEPT if self.method.adaptive else _APART):
             yield (
                 f"A step of {abs(self.h[worst]):.3g} is too long for this field: from t = {self.t[worst]:.6g} on it "
-                f"leads elsewhere than shorter ones, by {min(part[worst], 1.0):.1g} of the way; {self._advice}"
+                f"differs from shorter ones by {_share(part[worst])}; {self._advice}"
             )
 
     @property
@@ -268,6 +268,11 @@ class _Steps:
             found.x[found.solved :] = np.nan
             states[rows] = found.x.reshape(*times[rows].shape, x.shape[1])
         return states
+
+
+def _share(part: float) -> str:
+    """A part of the length of a step, in words."""
+    return f"{part:.1g} of its length" if part < 1.0 else "its whole length or more"
 
 
 def _one_after_another(begin: Floats, end: Floats) -> list[NDArray[np.intp]]:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Cause", "Ending", "cause_of", "cause_of_failure", "ending_of", "outcome", "reason"]
 
+#: Part of the largest size of a coordinate along a run below which it is zero to rounding.
+_ROUNDING = 16.0 * float(np.finfo(float).eps)
 #: A pole is searched beyond the end of the run by this part of the time since the mode was entered.
 _MARGIN = 0.1
 #: Steps ahead of a failed step within which the solution must run away to be the cause of the failure.
@@ -97,6 +99,8 @@ class Ending(NamedTuple):
     status: Status
     last: Point
     cause: Cause
+    sizes: tuple[float, ...] = ()
+    """Largest size of each coordinate along the run, as far as it is recorded."""
 
     @property
     def slides(self) -> bool:
@@ -134,8 +138,14 @@ def outcome(end: Ending) -> str:
     if status is Status.COMPLETED:
         return f"{where}: {status.reason}. {remarks}".strip()
     places = zip(end.system.variables, last.x, strict=True)
-    where += ", " + ", ".join(f"{name} = {v:.6g}" for name, v in places)
+    sizes = end.sizes or (0.0,) * len(last.x)
+    where += ", " + ", ".join(_coordinate(*place, size) for place, size in zip(places, sizes, strict=True))
     return " ".join(filter(None, (f"{where}: {reason(end)}.", _advice(end), remarks)))
+
+
+def _coordinate(name: str, value: float, size: float) -> str:
+    """The value of a coordinate, of which the largest along the run is of this size."""
+    return f"{name} = 0 to rounding" if 0.0 < abs(value) <= _ROUNDING * size else f"{name} = {value:.6g}"
 
 
 def reason(end: Ending) -> str:

@@ -169,7 +169,9 @@ class Trajectory:
     def outcome(self) -> str:
         """Where it stopped, why, and what to do about it."""
         last = Point(float(self.t[-1]), tuple(self.x[-1].tolist()), int(self.mode[-1]))
-        return outcome(Ending(self.system, METHODS[self.method], self.status, last, self.cause))
+        with np.errstate(invalid="ignore"):
+            sizes = np.nan_to_num(np.abs(np.concatenate([self.x, self.crossings.x]))).max(axis=0)
+        return outcome(Ending(self.system, METHODS[self.method], self.status, last, self.cause, tuple(sizes)))
 
     @cached_property
     def warning(self) -> str:

@@ -19,6 +19,6 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(1.0, 0.0),
     jump=("0", "-restitution*v"),
-    doc="A ball falls and bounces, each time with the same fraction ε of its speed. If ε < 1, infinitely many bounces "
+    doc="A ball falls and bounces; each bounce multiplies its speed by ε. If ε < 1, infinitely many bounces "
     "take a finite time, and the run ends where they accumulate.",
 )

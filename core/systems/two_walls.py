@@ -15,7 +15,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("restitution", 0.95, (0.2, 1.0), "fraction of the speed after an impact", r"\epsilon"),
     ),
     x0=(0.0, 2.0),
-    doc="A mass on a spring bounces between walls at x = −1 and x = 1, each time with the same fraction ε of its "
-    "speed; between impacts the energy is conserved. If ε < 1, the swings shrink to the one that just reaches the "
+    doc="A mass on a spring bounces between walls at x = −1 and x = 1; each bounce multiplies its speed by ε, "
+    "and between impacts the energy is conserved. If ε < 1, the swings shrink to the one that just reaches the "
     "walls, and the impacts become ever softer.",
 )

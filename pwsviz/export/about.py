@@ -30,7 +30,9 @@ def release() -> str:
         return "pwsviz from source"
 
 
-def about(scene: Scene, address: str = "", how: str = "") -> dict[str, str]:
+def about(
+    scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, slid: bool = True
+) -> dict[str, str]:
     """Return what recomputes a scene, each part under its name: for the header of a file.
 
     Parameters
@@ -41,6 +43,10 @@ def about(scene: Scene, address: str = "", how: str = "") -> dict[str, str]:
         Address of the page, without a query.
     how : str
         How a study was made; runs of the scene are described by its own settings.
+    every_start : bool
+        Whether it shows runs from all starts, or from the selected one alone.
+    slid : bool
+        Whether one of the runs slides; if none does, sliding is not mentioned.
     """
     try:
         link = f"{address}?{query(scene)}"
@@ -51,22 +57,22 @@ def about(scene: Scene, address: str = "", how: str = "") -> dict[str, str]:
     return parts | {
         "variables": f"{', '.join(scene.declaration.variables)}; a column of such a name has its values",
         "parameters": _parameters(scene),
-        "starts": _starts(scene),
-        "integration": how or _integration(scene),
+        "starts": _starts(scene, every_start),
+        "integration": how or _integration(scene, slid),
     }
 
 
-def caption(scene: Scene, title: str, how: str = "") -> str:
+def caption(scene: Scene, title: str, how: str = "", *, every_start: bool = True, slid: bool = True) -> str:
     """Return the caption of a picture: its title, the equations, the parameters and the method.
 
     Parameters
     ----------
-    scene, how
+    scene, how, every_start, slid
         As in `about`.
     title : str
         What the picture shows.
     """
-    parts = about(scene, how=how)
+    parts = about(scene, how=how, every_start=every_start, slid=slid)
     values = f"; {parts['parameters']}" if parts["parameters"] else ""
     how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
     laws = parts["equations"] if len(parts["equations"]) <= LONGEST else OMITTED
@@ -78,18 +84,22 @@ def _parameters(scene: Scene) -> str:
     return printed(", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items()))
 
 
-def _starts(scene: Scene) -> str:
-    points = "; ".join(f"({', '.join(f'{x:.15g}' for x in start)})" for start in scene.starts)
+def _starts(scene: Scene, every: bool) -> str:
+    """Return all starts; or the selected one, with its number among them."""
+    count, chosen = len(scene.starts), min(scene.selected, len(scene.starts) - 1)
+    used = scene.starts if every else scene.starts[chosen : chosen + 1]
+    points = "; ".join(f"({', '.join(f'{x:.15g}' for x in start)})" for start in used)
     names = ", ".join(scene.declaration.variables)
-    return printed(f"started at ({names}) = {points}")
+    which = f", start {chosen + 1} of {count}" if len(used) < count else ""
+    return printed(f"started at ({names}) = {points}{which}")
 
 
-def _integration(scene: Scene) -> str:
+def _integration(scene: Scene, slid: bool) -> str:
     """Return the integrators, the step size and what happens at crossings."""
     used = scene.used
     steps = [f"step size τ = {scene.tau:.15g}"] if not all(map(_adaptive, used)) else []
     steps += [f"tolerance {scene.tolerance:.3g} (taylor)"] if any(map(_adaptive, used)) else []
-    crossings = at_surface(scene.locate, scene.slides, scene.perturbation_order, scene.perturbation_scale)
+    crossings = at_surface(scene.locate, scene.slides and slid, scene.perturbation_order, scene.perturbation_scale)
     return f"integrated by {listed(used)} with {' and '.join(steps)} to t = {scene.t_end:.15g}; {crossings}"
 
 

@@ -54,13 +54,12 @@ def figures_of(pictures: Pictures, warnings: Sequence[str] = ()) -> str:
 
 
 def _warned(pictures: Pictures, warnings: Sequence[str]) -> str:
-    """Say of which starts that are not selected there is a warning."""
-    own = pictures.inputs.index + 1
-    told = {number for (number, _), words in zip(pictures.numbered, warnings, strict=False) if words and number != own}
-    return (
-        f"Others with a warning, which is shown when they are selected: {listed(list(map(str, sorted(told))))}."
-        * bool(told)
-    )
+    """Say of which starts that are not selected there is a warning; those that stop early are named as such."""
+    told_already = {number for number, orbit in pictures.numbered if orbit.end is not None}
+    told = {number for (number, _), words in zip(pictures.numbered, warnings, strict=False) if words}
+    told -= {pictures.inputs.index + 1, *told_already}
+    those = "it" if len(told) == 1 else "one of them"
+    return f"There is a warning of {_named(pictures, told)}: select {those} to read it." if told else ""
 
 
 def _without_psi(pictures: Pictures) -> str:
@@ -97,8 +96,8 @@ def _which_start(pictures: Pictures) -> str:
     stops: dict[str, list[str]] = {}
     for number, of_methods in sorted(words.items()):
         stops.setdefault(" or ".join(dict.fromkeys(of_methods)), []).append(str(number))
-    told = "; ".join(f"{listed(numbers)}: {why}" for why, numbers in stops.items())
-    return f"Start {index + 1} of {count}." + (f" Others that stop early: {told}." if told else "")
+    told = "; ".join(f"{listed(numbers)} ({why})" for why, numbers in stops.items())
+    return f"Start {index + 1} of {count}." + (f" Others stop early: {told}." if told else "")
 
 
 def law_note(system: core.PiecewiseSystem) -> str:

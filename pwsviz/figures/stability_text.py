@@ -59,7 +59,7 @@ def _ends_early(study: core.StabilityStudy) -> str:
         return ""
     told = ", ".join(f"{ENDS[status].word}: {ends.count(status)}" for status in dict.fromkeys(ends))
     until = f"the solution itself ends before t = {study.t_span[1]:.4g} ({told})"
-    return f"From {len(ends)} of {len(expected)} starts {until}; a run that ends so, too, is correct. "
+    return f"From {len(ends)} of {len(expected)} starts {until}; a run that ends in the same way counts as correct. "
 
 
 def _drift_words(drift: Drift) -> str:
@@ -124,7 +124,7 @@ def _until(study: core.StabilityStudy, largest: LargestTau) -> str:
     end, horizon = study.t_span[1], largest.horizon
     if largest.expected is not core.Status.COMPLETED:
         return f"to t = {horizon:.4g}, to see whether the runs stop where the solution does"
-    moved = f", as a crossing is too close to t = {end:.4g} to be counted there" * (horizon != end)
+    moved = f", as one crossing lies too close to t = {end:.4g} for a run to be judged there" * (horizon != end)
     return f"to t = {horizon:.4g}{moved}"
 
 

@@ -288,13 +288,15 @@ class Explorer(pn.viewable.Viewer):
     def _pieces(self) -> list[Piece]:
         """Return what can be exported: the run of the portrait, and the view beside it."""
         panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view].title
-        shown, tables = panel.shown, portrait_tables(list)
+        shown, tables, slid = panel.shown, portrait_tables(list), True
         if shown is not None:
             runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
             tables = {**portrait_tables(runs), **drawn_table(shown)}
-        pieces = [Piece("Phase portrait", tables, [panel.portrait.figure])]
+            slid = any(one.run.sliding.any() for one in runs())
+        pieces = [Piece("Phase portrait", tables, [panel.portrait.figure], slid=slid)]
         if view.outcome is not None:
-            pieces.append(Piece(title, view.tables(), view.pictures(), view.how(view.outcome)))
+            how = view.how(view.outcome)
+            pieces.append(Piece(title, view.tables(), view.pictures(), how, view.every_start, view.slid))
         return pieces
 
     def settle(self, timeout: float) -> bool:

@@ -50,6 +50,15 @@ class Piece(NamedTuple):
     """Saved as one picture, one below the other."""
     how: str = ""
     """How a study was made; empty if it shows runs of the scene."""
+    every_start: bool = True
+    """Whether it shows runs from all starts, or from the selected one alone."""
+    slid: bool = True
+    """Whether one of the runs slides."""
+
+    @property
+    def origin(self) -> dict[str, Any]:
+        """What `about` and `caption` are told of it."""
+        return {"how": self.how, "every_start": self.every_start, "slid": self.slid}
 
 
 class ExportDialog(pn.viewable.Viewer):
@@ -116,11 +125,11 @@ class ExportDialog(pn.viewable.Viewer):
 
     def _row(self, piece: Piece) -> pn.FlexBox:
         buttons = [
-            self._download(f"CSV {name}".strip(), f"{piece.title} {name}", "csv", partial(_write_csv, table), piece.how)
+            self._download(f"CSV {name}".strip(), f"{piece.title} {name}", "csv", partial(_write_csv, table), piece)
             for name, table in piece.tables.items()
         ]
         if piece.tables:
-            buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece.how))
+            buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece))
         if piece.figures:
             buttons += [*(self._picture(piece, kind) for kind in KINDS), self._copy_caption(piece)]
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
@@ -146,21 +155,21 @@ class ExportDialog(pn.viewable.Viewer):
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
-        wish["caption"] = caption(self.scene, piece.title, piece.how)
+        wish["caption"] = caption(self.scene, piece.title, **piece.origin)
         button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(piece.figures))
         return button
 
     def _copy_caption(self, piece: Piece) -> Any:
         """Return a button that copies the caption of a picture as text, without the server."""
         button = pmui.Button(label="Copy caption", icon="content_copy", variant="text", size="small", sx=PLAIN_SX)
-        words = caption(self.scene, piece.title, piece.how)
+        words = caption(self.scene, piece.title, **piece.origin)
         button.js_on_click(args={"words": words}, code="navigator.clipboard.writeText(words)")
         return button
 
     def _download(
-        self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes], how: str
+        self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes], piece: Piece
     ) -> Any:
-        origin = about(self.scene, self._address, how)
+        origin = about(self.scene, self._address, **piece.origin)
 
         async def data() -> io.BytesIO:
             """Write the file in a thread: a million rows take seconds, which must not block other sessions.

@@ -17,7 +17,7 @@ from pwsviz.figures.order import STATE_ERROR, TIME_ERROR, OrderView, Rows, order
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
 from pwsviz.report.numbers import run_numbers, slope_numbers
-from pwsviz.results.requests import RunInputs, run_inputs, study_inputs
+from pwsviz.results.requests import RunInputs, other_inputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import Preset
@@ -65,7 +65,8 @@ def draw_panel(preset: Preset, results: Results) -> Panel:
     draw = _portrait if preset.figure in PORTRAITS else _DRAW[scene.view]
     plot, numbers, tables = draw(scene, results)
     plot.name = preset.key
-    return Panel(preset, plot, numbers, tables, query(scene), about(scene))
+    slid = any(results.run(one).sliding.any() for one in (*run_inputs(scene), *other_inputs(scene)))
+    return Panel(preset, plot, numbers, tables, query(scene), about(scene, slid=slid))
 
 
 Drawn = tuple[figure, Numbers, Tables]

@@ -65,9 +65,10 @@ def choice_name(setting: str, choice: object) -> str:
 
 
 def readable(text: str, system: core.PiecewiseSystem) -> str:
-    """Return an expression as it is printed: powers raised, a dot for each product, names by their symbols."""
+    """Return an expression as it is printed: powers raised, a dot for products but 2y, names by their symbols."""
     symbols = {name: variable_name(name) for name in system.variables}
     symbols |= {q.name: short_name(q) for q in system.parameters}
     text = re.sub(r"[A-Za-z_]\w*", lambda name: symbols.get(name[0], name[0]), text)
     text = re.sub(r"\*\*(\d+)(?![\d.])", lambda power: power[1].translate(RAISED), text)
+    text = re.sub(r"(?<![\w.^/*)])(?<!\de-)(?<!\*-)(\d+(?:\.\d+)?)\*(?=[^\W\d])(?!e\d)", r"\1", text)
     return text.replace("**", "^").replace("*", "·").replace("-", "−")

@@ -13,6 +13,7 @@ import core
 from pwsviz.export.files import Table, Tables
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.style import describe
+from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene
 from pwsviz.tasks.cancellation import Cancel, Report
@@ -46,11 +47,14 @@ class Tab(pn.viewable.Viewer):
         Settings of the scene that change what is drawn but not what is computed.
     quiet, patience : float
         Seconds, as in `latest_wins.Job`.
+    every_start : bool
+        Whether it shows runs from all starts, or from the selected one alone.
     """
 
     settings: tuple[str, ...] = ()
     quiet = 0.0
     patience = 0.1
+    every_start = False
 
     def __init__(self, scene: Scene, results: Results) -> None:
         super().__init__()
@@ -99,6 +103,11 @@ class Tab(pn.viewable.Viewer):
     def how(self, outcome: Outcome) -> str:
         """Return how a study was made, for files and captions; empty if it shows the runs of the scene."""
         return ""
+
+    @property
+    def slid(self) -> bool:
+        """Whether one of the runs from the selected start slides."""
+        return any(bool(self.results.run(one).sliding.any()) for one in run_inputs(self.scene))
 
     def pictures(self) -> list[figure]:
         """Return the figures on screen that are saved as one picture; the first by default."""

@@ -70,7 +70,7 @@ class CostTab(LongTab):
 
     def how(self, outcome: core.WorkPrecision) -> str:
         """Return what the runs do at crossings, and what they are compared with."""
-        crossings = at_surface(self.scene.locate, self.scene.slides)
+        crossings = at_surface(self.scene.locate, self.scene.slides and outcome.met.slides > 0)
         return f"{compared_with(outcome)}; step sizes and tolerances are those of the points; {crossings}"
 
     def table(self) -> Table | None:

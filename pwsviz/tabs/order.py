@@ -107,7 +107,9 @@ class OrderTab(LongTab):
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""
         first, scene = outcome[0], self.scene
-        crossings = at_surface(scene.locate, scene.slides, scene.perturbation_order, scene.perturbation_scale)
+        crossings = at_surface(
+            scene.locate, scene.slides and self.slid, scene.perturbation_order, scene.perturbation_scale
+        )
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
         rule = fit_rule(studied(outcome, self._rows))

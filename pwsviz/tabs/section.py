@@ -46,6 +46,7 @@ class SectionTab(LongTab):
     """Where the runs of all starts meet a surface."""
 
     settings = ("section_axes", "section_map")
+    every_start = True
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
@@ -184,7 +185,7 @@ class SectionTab(LongTab):
         turns = [coordinate_names(system)[k] for k in self.plane if k in angles(system)]
         several = len(own_surfaces(system)) > 1 and not scene.section_of
         on = ", on the surface of the nearest point" if several else ""
-        note = f" Full turns of {listed(turns)} are left out." if turns else ""
+        note = f" {listed(turns)} {'is' if len(turns) == 1 else 'are'} shown modulo 2π." if turns else ""
         at = ", at t = 0" if over_time else ""
         return f"A click starts a trajectory there{on}{at}. A number marks the first point of each start.{note}"
 

@@ -49,7 +49,7 @@ def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     assert (
         "two of them hard: its equations are in the CSV and NPZ files; D = 0.6, ε = 0.5. Started at (x₁, y₁, " in told
     )
-    assert "g > 0: x′ = 2·y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
+    assert "g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
 
 
 @every_system
@@ -86,3 +86,11 @@ def test_a_region_called_as_a_parameter_keeps_its_name():
     parts = equations(system)
     assert parts[0].startswith("region power: x′ = P, y′ = 0")
     assert parts[2] == "power to reset where 1 − x = 0"
+
+
+def test_the_start_of_a_study_is_named_and_sliding_only_where_a_run_slides():
+    scene = Scene(starts=((-1.0, -1.0), (-1.0, -0.5)), selected=1)
+    assert about(scene)["starts"] == "started at (x, y) = (−1, −1); (−1, −0.5)"
+    assert about(scene, every_start=False)["starts"] == "started at (x, y) = (−1, −0.5), start 2 of 2"
+    assert "sliding" in caption(scene, "Phase portrait")
+    assert "sliding" not in caption(scene, "Phase portrait", slid=False)

@@ -62,7 +62,7 @@ def test_the_header_says_what_was_computed_and_what_each_column_is():
     comments, _ = read_csv(csv_bytes({"t": [0.0], "seconds": [1.0]}, about(scene, "http://here/app")))
     said = dict(line.removeprefix("# ").split(": ", 1) for line in comments)
     assert said["link"].startswith("http://here/app?v=2")
-    assert said["equations"].startswith("g < 0: x′ = 2·y, y′ = 3·x² + a₋, ψ₋ = ")
+    assert said["equations"].startswith("g < 0: x′ = 2y, y′ = 3x² + a₋, ψ₋ = ")
     assert "a₋ = −3, a₊ = −2" in said["parameters"]
     assert said["starts"] == "started at (x, y) = (−1, −1); (−1.2, 0)"
     assert "dmm2 and rk2 with step size τ = 0.02 to t = 20" in said["integration"]

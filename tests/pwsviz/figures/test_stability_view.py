@@ -293,7 +293,7 @@ def test_tables_of_the_map_tell_limits_and_shares(study):
     ("system", "end", "told"),
     [
         ("elliptic_curve", 19.0, "to t = 19"),
-        ("elliptic_curve", 20.0, "to t = 20.07, as a crossing is too close to t = 20 to be counted there"),
+        ("elliptic_curve", 20.0, "to t = 20.07, as one crossing lies too close to t = 20 for a run to be judged there"),
         ("type_sliding", 20.0, "to t = 25, to see whether the runs stop where the solution does"),
     ],
 )
@@ -305,7 +305,7 @@ def test_a_study_that_counts_crossings_to_another_time_than_the_end_says_why(sys
 def test_a_map_of_solutions_that_end_early_says_so(study):
     ends = np.array([core.Status.ESCAPED, core.Status.ESCAPED, core.Status.SLIDING, NO_START, core.Status.COMPLETED])
     early = replace(study, map=replace(study.map, expected=ends))
-    told = "From 3 of 5 starts the solution itself ends before t = 20 (blow-up: 2, sliding: 1); a run that ends so, too"
+    told = "From 3 of 5 starts the solution itself ends before t = 20 (blow-up: 2, sliding: 1)"
     assert told in stability_text(early, "map")
     completed = replace(study, map=replace(study.map, expected=np.full(5, core.Status.COMPLETED)))
     assert "ends before" not in stability_text(completed, "map")
