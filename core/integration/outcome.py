@@ -138,7 +138,8 @@ def outcome(end: Ending) -> str:
     if status is Status.COMPLETED:
         return f"{where}: {status.reason}. {remarks}".strip()
     places = zip(end.system.variables, last.x, strict=True)
-    sizes = end.sizes or (0.0,) * len(last.x)
+    # Where crossings accumulate, what decreases from one to the next ends as round-off; elsewhere it may be meant.
+    sizes = end.sizes if status is Status.ZENO and end.sizes else (0.0,) * len(last.x)
     where += ", " + ", ".join(_coordinate(*place, size) for place, size in zip(places, sizes, strict=True))
     return " ".join(filter(None, (f"{where}: {reason(end)}.", _advice(end), remarks)))
 
@@ -156,6 +157,8 @@ def reason(end: Ending) -> str:
         return f"{end.status.reason}, and {end.cause.why_cornered}"
     if end.status is Status.EVENT:
         return f"the event {end.cause.event!r} took place, which ends the run"
+    if _lacks_psi(end):
+        return "the next step has no solution, since ψ is not defined here and the method keeps it"
     if end.cause.removable:
         return f"the next step passes a place where the field is 0/0: {end.cause.singular}"
     if end.cause.singular:
@@ -179,9 +182,9 @@ def _advice(end: Ending) -> str:
                 f"{field} is not defined a step ahead. If that is beyond the surface, write it so that it has a value "
                 "there too: (u**2)**0.75 for u**1.5."
             )
-    if status is Status.NO_CONVERGENCE and end.method.conservative and not _psi_is_defined(end):
+    if _lacks_psi(end):
         others = ", ".join(name for name, one in METHODS.items() if not one.conservative)
-        return f"ψ is not defined here, and the method keeps it: take one that does without ψ ({others})."
+        return f"Take a method that does without ψ ({others})."
     if status is Status.NO_CONVERGENCE and (zeros := _zeros_of_mode(end)):
         ends = f"The field is not bounded where {zeros} vanishes: a solution that comes there ends."
         return f"{ends} {_plain_advice(end)}"
@@ -203,12 +206,13 @@ def _plain_advice(end: Ending) -> str:
     return end.status.advice_without_tau if end.method.adaptive else end.status.advice
 
 
-def _psi_is_defined(end: Ending) -> bool:
-    """Whether all ψ of the region are, at the last state."""
+def _lacks_psi(end: Ending) -> bool:
+    """Whether a step of a method that keeps ψ fails where a ψ of the region is not defined."""
     last, laws = end.last, end.system.laws
-    if end.slides or last.mode == NO_MODE:
-        return True
-    return bool(np.isfinite(end.system.conserved(laws.name(last.mode), last.t, np.array(last.x))).all())
+    fails = end.status is Status.NO_CONVERGENCE and end.method.conservative
+    if not fails or end.slides or last.mode == NO_MODE:
+        return False
+    return not bool(np.isfinite(end.system.conserved(laws.name(last.mode), last.t, np.array(last.x))).all())
 
 
 def _zeros_of_mode(end: Ending) -> str:

@@ -15,7 +15,7 @@ from core.integration.between_steps import states_at
 from core.integration.conserved_error import level_residual_along, psi_size, with_exits
 from core.integration.crossings import Crossings, Integers, side_columns, with_columns
 from core.integration.events import Events
-from core.integration.outcome import Cause, Ending, outcome
+from core.integration.outcome import Cause, Ending, outcome, reason
 from core.integration.recorded import Entry, Once, Point, States, distinct
 from core.integration.tally import Tally, kinds_of
 from core.interface.arguments import numbers
@@ -165,13 +165,22 @@ class Trajectory:
         object.__setattr__(run, "__dict__", values)
         return run
 
-    @cached_property
-    def outcome(self) -> str:
-        """Where it stopped, why, and what to do about it."""
+    @property
+    def _ending(self) -> Ending:
         last = Point(float(self.t[-1]), tuple(self.x[-1].tolist()), int(self.mode[-1]))
         with np.errstate(invalid="ignore"):
             sizes = np.nan_to_num(np.abs(np.concatenate([self.x, self.crossings.x]))).max(axis=0)
-        return outcome(Ending(self.system, METHODS[self.method], self.status, last, self.cause, tuple(sizes)))
+        return Ending(self.system, METHODS[self.method], self.status, last, self.cause, tuple(sizes))
+
+    @cached_property
+    def outcome(self) -> str:
+        """Where it stopped, why, and what to do about it."""
+        return outcome(self._ending)
+
+    @property
+    def reason(self) -> str:
+        """Why it ended: a clause of `outcome`."""
+        return reason(self._ending)
 
     @cached_property
     def warning(self) -> str:

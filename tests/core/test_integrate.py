@@ -319,3 +319,18 @@ def test_a_method_that_keeps_psi_says_so_where_psi_is_not_defined(method):
     assert run.status is Status.NO_CONVERGENCE
     assert "ψ is not defined here" in run.message
     assert core.integrate("predator_prey", (0.0, 20.0), (0.0, 1.0), 0.05, "rk2").status is Status.COMPLETED
+
+
+def test_where_crossings_accumulate_a_speed_that_is_round_off_is_called_so_but_no_small_number_elsewhere():
+    ball = core.integrate("bouncing_ball", (0.0, 20.0))
+    assert ball.status is Status.ZENO
+    assert "v = 0 to rounding" in ball.message
+    prey = core.integrate("predator_prey", (0.0, 5.0), (-1.0, 1.0), method="dmm2")
+    assert 0.0 < prey.x[-1, 1] < 1e-16
+    assert "to rounding" not in prey.message
+
+
+def test_the_reason_of_a_run_is_a_clause_of_its_outcome():
+    for system, start in (("bouncing_ball", None), ("type_sliding", None), ("predator_prey", (-1.0, 1.0))):
+        run = core.integrate(system, (0.0, 40.0), start)
+        assert f": {run.reason}. " in run.outcome

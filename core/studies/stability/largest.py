@@ -98,7 +98,7 @@ def _largest(plan: Plan, expected: Expected, method: str, given_up: GivenUp) -> 
         return ""
 
     if expected.status not in ENDINGS:
-        return np.nan, np.nan, f"the reference itself gives up: {expected.status.reason}"
+        return np.nan, np.nan, f"nothing to compare with, as the reference ends early: {expected.reason}"
     works, beyond, reason = np.nan, np.nan, ""
     for tau in plan.taus:
         reason = trouble(tau)

@@ -83,6 +83,8 @@ class Expected:
     """End time of runs: about that of the study, but far enough from crossings that small errors do not count."""
     size: float
     """`Trajectory.psi_size` of the solution."""
+    reason: str = Status.COMPLETED.reason
+    """Why the reference ended."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ def expected_of(
     run = reference_run(system, x0, (t0, beyond), sliding=sliding, cancel=cancel)
     t, size = run.crossings.t, run.psi_size()
     if run.status is not Status.COMPLETED and run.t[-1] <= t1:
-        return Expected(run.status, CrossingSequence.of(run), beyond, size)
+        return Expected(run.status, CrossingSequence.of(run), beyond, size, run.reason)
     before, after = t[t <= t1], t[t > t1]
     start = float(before[-1]) if len(before) else t0
     end = float(after[0]) if len(after) else float(run.t[-1])

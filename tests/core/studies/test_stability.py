@@ -429,3 +429,10 @@ def test_a_start_beyond_a_wall_has_a_warning_and_its_own_values():
     assert "The start lies beyond a wall" in run.message
     assert "beyond a wall" not in core.integrate("bouncing_ball", (0.0, 1.0)).message
     assert ranges("bouncing_ball", (-1.0, 0.0))[0] < -1.0
+
+
+def test_where_psi_is_not_defined_this_is_the_reason_that_there_is_no_reference():
+    system = core.CATALOGUE["predator_prey"]
+    study = core.stability_study(system, (0.0, 5.0), x0=(-1.0, 1.0), methods=("rk2",), parts=("largest_tau",))
+    assert study.largest_tau is not None
+    assert "ψ is not defined here" in study.largest_tau.reason[0]
