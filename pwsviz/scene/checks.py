@@ -11,7 +11,6 @@ import param
 import core
 from core.integrate import checked_start
 from pwsviz.scene.names import EXTERNAL_SOLVERS, choice_name, short_name
-from pwsviz.scene.sweeping import SWEEP_SETTINGS
 from pwsviz.scene.sweeping import checked as checked_of_sweep
 from pwsviz.scene.validation import (
     number,
@@ -25,7 +24,7 @@ from pwsviz.scene.validation import (
     whole_number,
     window,
 )
-from pwsviz.scene.views import VIEWS
+from pwsviz.scene.views import SWEEP_SETTINGS, VIEWS
 
 if TYPE_CHECKING:
     from pwsviz.scene.scene import Scene

@@ -1,8 +1,8 @@
 """The link: a scene as the query of an address (the part after “?”), and back.
 
-A link names only the settings that differ from the defaults of its system, in words and exact decimals. On reading,
-`Scene.accept` checks each value by itself: a value that is refused is reported to the user and replaced, the others
-are kept.
+A link names only the settings that what is shown depends on and that differ from the defaults of its system, in words
+and exact decimals. On reading, `Scene.accept` checks each value by itself: a value that is refused is reported to the
+user and replaced, the others are kept.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ from typing import Any
 from urllib.parse import quote, unquote
 
 import core
-from pwsviz.scene.checks import MAX_STARTS, Start
+from pwsviz.scene.checks import MAX_STARTS, OWN, Start
 from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS, choice_name, short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.scene.serialization import packed, shown, unpacked, visible
-from pwsviz.scene.sweeping import COUNTS, SWEEP_SETTINGS
+from pwsviz.scene.sweeping import COUNTS
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
+from pwsviz.scene.views import VIEWS
 from pwsviz.text.advice import on_page
 
 VERSION = 2
@@ -42,12 +43,10 @@ MAX_DIGITS = 40
 _FIRST = ("methods", "own", "system")
 """Applied first: the methods, before a system that cannot use all of them and would keep its unused ones chosen; then
 the system, which sets the defaults of the other settings."""
-_WORDS = ("view", "study_method", "cost_across", "cost_up", "stability_part", "stability_shown")
+_OF_VIEWS = tuple(dict.fromkeys(name for view in VIEWS.values() for name in view.settings))
 _LAST = (
-    "selected", "axes", "window", "tolerance", "locate", "slide", "perturbation_order", "perturbation_scale", "peers",
-    *_WORDS, "stability_coordinate", "order_all",
-    "section_of", "section_direction", "section_axes", "section_points", "section_discard", "section_map",
-    *SWEEP_SETTINGS,
+    "selected", "axes", "window", "tolerance", "locate", "slide", "perturbation_order", "perturbation_scale", "view",
+    *_OF_VIEWS,
 )  # fmt: skip
 _SETTINGS = (*_FIRST, "starts", "tau", "t_end", *_LAST)
 _LISTS = {"methods": core.METHODS, "peers": EXTERNAL_SOLVERS}
@@ -70,7 +69,7 @@ def query(scene: Scene) -> str:
     usual, pieces = Scene(), [_piece("v", str(VERSION))]
 
     def differs(key: str) -> bool:
-        return _text(scene, key) != _text(usual, key)
+        return _matters(scene, key) and _text(scene, key) != _text(usual, key)
 
     for key in filter(differs, _FIRST):  # lazily: the defaults depend on the settings before
         pieces.append(_piece(key, _text(scene, key)))
@@ -86,9 +85,21 @@ def query(scene: Scene) -> str:
 
 def digest(scene: Scene) -> str:
     """Return six letters and digits that tell a scene from others, those too large for a link, too."""
-    settings = [f"{key}={_text(scene, key)}" for key in _SETTINGS]
+    settings = [f"{key}={_text(scene, key)}" for key in _SETTINGS if _matters(scene, key)]
     settings += [f"{name}={_decimal(value)}" for name, value in scene.values.items()]
     return hashlib.sha256("&".join(settings).encode()).hexdigest()[:6]
+
+
+def _matters(scene: Scene, key: str) -> bool:
+    """Whether what the page shows depends on a setting, and not only what another view or system would show."""
+    match key:
+        case "own":
+            return bool(scene.system == OWN)
+        case "tolerance":
+            return any(core.METHODS[name].adaptive for name in scene.used)
+        case "perturbation_scale":
+            return scene.perturbation_order is not None
+    return key not in _OF_VIEWS or key in VIEWS[scene.view].settings
 
 
 def _piece(key: str, text: str) -> str:

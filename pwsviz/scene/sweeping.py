@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pwsviz.scene.scene import Scene
 
 __all__ = [
-    "AFRESH", "COUNTS", "MOST_POINTS", "SWEEP_SETTINGS", "checked", "swept_coordinate",
+    "AFRESH", "COUNTS", "MOST_POINTS", "checked", "swept_coordinate",
     "swept_direction", "swept_parameter", "swept_range", "usual_range",
 ]  # fmt: skip
 
@@ -32,9 +32,6 @@ COUNTS = {
 
 AFRESH: Mapping[str, Any] = {"sweep_parameter": "", "sweep_range": None, "sweep_coordinate": "", "sweep_of": ""}
 """Settings that mean something only for one system, with their values for a new one."""
-
-SWEEP_SETTINGS = (*AFRESH, "sweep_direction", "sweep_continuation", *COUNTS, "sweep_end")
-"""All of them."""
 
 LARGEST = 1e6
 """Largest |value| of a parameter without bounds."""
@@ -87,7 +84,7 @@ def swept_direction(scene: Scene) -> int:
 
 
 def checked(scene: Scene, name: str, part: str, value: object) -> object:
-    """Return one of `SWEEP_SETTINGS` as it is applied, as `pwsviz.scene.checks.checked` does.
+    """Return one of `pwsviz.scene.views.SWEEP_SETTINGS` as it is applied, as `pwsviz.scene.checks.checked` does.
 
     `part` is "0" for the first value of a range alone, "1" for its last; else it is empty.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["VIEWS", "View"]
+__all__ = ["SWEEP_SETTINGS", "VIEWS", "View"]
 
 
 class View(NamedTuple):
@@ -13,17 +13,30 @@ class View(NamedTuple):
     title: str
     tab: str
     """Constructor of its tab as "module:name", for it stands above the scene and is loaded when a page is made."""
+    settings: tuple[str, ...] = ()
+    """The settings of the scene that it reads, and the portrait does not."""
 
+
+_ORDER = ("study_method", "order_all")
+_STABILITY = ("stability_part", "stability_shown", "stability_coordinate")
+_SECTION = (
+    "section_of", "section_direction", "section_axes", "section_points", "section_discard", "section_map",
+)  # fmt: skip
+SWEEP_SETTINGS = (
+    "sweep_parameter", "sweep_range", "sweep_coordinate", "sweep_of", "sweep_direction", "sweep_continuation",
+    "sweep_values", "sweep_points", "sweep_discard", "sweep_end",
+)  # fmt: skip
+"""The parameter stands before its range, which a link can only set once the parameter is known."""
 
 VIEWS = {
     "conserved": View("Conserved quantity", "pwsviz.tabs.conserved:ConservedTab"),
     "state": View("State", "pwsviz.tabs.state:StateTab"),
-    "order": View("Order", "pwsviz.tabs.order:state_order_tab"),
-    "time": View("Crossing time", "pwsviz.tabs.order:time_order_tab"),
-    "cost": View("Cost", "pwsviz.tabs.cost:CostTab"),
-    "section": View("Section", "pwsviz.tabs.section:SectionTab"),
-    "stability": View("Stability", "pwsviz.tabs.stability:StabilityTab"),
-    "sweep": View("Sweep", "pwsviz.tabs.sweep:SweepTab"),
-    "scheme": View("Scheme", "pwsviz.tabs.scheme:SchemeTab"),
+    "order": View("Order", "pwsviz.tabs.order:state_order_tab", _ORDER),
+    "time": View("Crossing time", "pwsviz.tabs.order:time_order_tab", _ORDER),
+    "cost": View("Cost", "pwsviz.tabs.cost:CostTab", ("peers", "cost_across", "cost_up")),
+    "section": View("Section", "pwsviz.tabs.section:SectionTab", ("study_method", *_SECTION)),
+    "stability": View("Stability", "pwsviz.tabs.stability:StabilityTab", ("study_method", *_STABILITY)),
+    "sweep": View("Sweep", "pwsviz.tabs.sweep:SweepTab", ("study_method", *SWEEP_SETTINGS)),
+    "scheme": View("Scheme", "pwsviz.tabs.scheme:SchemeTab", ("study_method",)),
 }
 """Each view by its key, in display order; links contain the key."""

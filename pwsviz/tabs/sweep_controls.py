@@ -12,12 +12,8 @@ from pwsviz.geometry.section_crossings import is_one_way
 from pwsviz.geometry.section_plane import own_surfaces
 from pwsviz.scene.names import LABELS, SWEEP_CONTINUATIONS, SWEEP_DIRECTIONS, readable, short_name
 from pwsviz.scene.scene import Scene
-from pwsviz.scene.sweeping import (
-    SWEEP_SETTINGS,
-    swept_coordinate,
-    swept_parameter,
-    swept_range,
-)
+from pwsviz.scene.sweeping import swept_coordinate, swept_parameter, swept_range
+from pwsviz.scene.views import SWEEP_SETTINGS
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.typed import as_typed

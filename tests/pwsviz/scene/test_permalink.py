@@ -10,12 +10,15 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import core
+from pwsviz.results.requests import run_inputs
+from pwsviz.results.results import Results
 from pwsviz.scene.checks import MAX_STARTS, OWN
 from pwsviz.scene.names import EXTERNAL_SOLVERS, LABELS
-from pwsviz.scene.permalink import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt, query, read
+from pwsviz.scene.permalink import _SETTINGS, MAX_COMPLAINTS, MAX_LENGTH, adopt, digest, query, read
 from pwsviz.scene.scene import PERTURBATION_ORDERS, Scene
 from pwsviz.scene.validation import MAX_STEPS, require_few_steps
 from pwsviz.scene.views import VIEWS
+from pwsviz.tabs import make_tab
 from tests.pwsviz.own_systems import OWN_SYSTEMS
 
 # Scenes, as people make them -----------------------------------------------------------------------------------------
@@ -104,6 +107,16 @@ def made(actions):
     return scene
 
 
+def shown_by(scene):
+    """Return all that the page shows of a scene depends on: the system, the runs, and what the view asks for."""
+    tab = make_tab(scene.view, scene, Results())
+    chosen = {*tab.settings, "starts", "selected", "axes", "window", "methods", "tau", "t_end", "slide", "view"}
+    return [
+        scene.declaration, scene.values, run_inputs(scene), tab.inputs(), tab.program(),
+        {name: getattr(scene, name) for name in sorted(chosen)},
+    ]  # fmt: skip
+
+
 def bits(settings):
     """Return settings so that -0.0 differs from 0.0, and every float from its neighbour."""
     return repr(settings)
@@ -115,14 +128,40 @@ def bits(settings):
 @example([("t_end", 1.5), ("tau", 1e-6), ("system", "type_upward")])
 @example([("use regions", "Strips"), ("values", (0, 0.7)), ("place", (0.5, -0.0))])
 @example([("use regions", "Relay"), ("x0.0", 1 / 3), ("system", "chua")])
-def test_every_scene_comes_back_bit_by_bit(actions):
-    scene = made(actions)
+def test_what_every_scene_shows_comes_back_bit_by_bit(actions):
+    scene, other = made(actions), Scene()
     link = query(scene)
     found, complaints = read(link)
+    other.restore(found)
     assert complaints == []
-    assert bits(found) == bits(scene.settings())
-    assert found["own"] == scene.own
+    assert bits(shown_by(other)) == bits(shown_by(scene))
     assert re.fullmatch(r"[A-Za-z0-9_.~=&%,;:*/()-]*", link)
+    assert query(other) == link, "nothing in it is of another view or system"
+
+
+OF_OTHERS = {
+    "view": {
+        "study_method": "rk2", "order_all": True, "peers": [], "cost_up": "time", "stability_part": "drift",
+        "stability_shown": "slope", "stability_coordinate": 1, "section_of": "x", "section_map": True,
+        "section_points": 7, "sweep_values": 7, "sweep_of": "x",
+    },
+    "methods": {"tolerance": 1e-9},
+    "perturbation_order": {"perturbation_scale": 2.0},
+}  # fmt: skip
+
+
+def test_a_link_leaves_out_settings_that_nothing_shown_depends_on():
+    usual = digest(Scene())
+    for setting, others in OF_OTHERS.items():
+        for name, value in others.items():
+            scene = Scene()
+            scene.accept(name, value if name != "stability_shown" else Scene.param[name].objects[-1])
+            assert query(scene) == "v=2", (setting, name)
+            assert digest(scene) == usual, "files of equal scenes have one name"
+    scene = Scene()
+    scene.use(own_system())
+    scene.accept("system", "elliptic_curve")
+    assert "own=" not in query(scene), "nor one's own system beside another"
 
 
 def test_a_link_holds_every_setting_there_is():

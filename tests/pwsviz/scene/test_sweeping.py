@@ -131,7 +131,7 @@ def test_every_system_suggests_something(system):
 
 
 def test_the_direction_is_automatic_unless_it_is_chosen_and_links_tell_both():
-    scene = Scene(system="chua")
+    scene = Scene(system="chua", view="sweep")
     assert (scene.sweep_direction, swept_direction(scene)) == ("auto", 1)
     assert "sweep_direction" not in query(scene)
     for chosen in (0, -1):
