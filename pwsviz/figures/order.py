@@ -37,7 +37,8 @@ LINES = (
     Line(GREEN, (3, 3), "triangle", 1.6),
     Line(ORANGE, (10, 4, 2, 4), "diamond", 1.6),
 )
-"""Looks of the curves of one integrator; they do not stand for integrators, whose looks are in `style`."""
+"""Looks of the curves of one integrator: before the first crossing, and then of each studied one, here and in the plot
+of crossing times. They do not stand for integrators, whose looks are in `style`."""
 
 MARK = 6
 """Pixels of the mark of a measured error."""
@@ -74,6 +75,7 @@ class Row:
     """Least and greatest step size of the fit."""
     fit_below: float = np.inf
     """Errors below this enter the fit."""
+    look: Line = LINES[0]
 
     @property
     def label(self) -> str:
@@ -113,12 +115,26 @@ def studied(studies: Sequence[core.OrderStudy], rows: Rows) -> list[Studied]:
     ]
 
 
+def look_after(k: int) -> Line:
+    """Return the look of what is told after the k-th of the studied crossings, from 1; 0 is before the first."""
+    first, *others = LINES
+    return others[(k - 1) % len(others)] if k else first
+
+
 def state_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the state error before the first crossing and after each of the studied ones."""
     names = [("before the first crossing", "before")]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
     return [
-        Row(name, short, study.state_error[k], float(study.state_slope[k]), _ends(study.window[k]), study.fit_below)
+        Row(
+            name,
+            short,
+            study.state_error[k],
+            float(study.state_slope[k]),
+            _ends(study.window[k]),
+            study.fit_below,
+            look_after(k),
+        )
         for k, (name, short) in enumerate(names)
     ]
 
@@ -133,6 +149,7 @@ def time_rows(study: core.OrderStudy) -> list[Row]:
             float(study.time_slope[k]),
             _ends(study.time_window[k]),
             study.time_fit_below,
+            look_after(k + 1),
         )
         for k, name in enumerate(f"crossing {count}" for count in study.crossings)
     ]
@@ -308,9 +325,9 @@ class _Drawn:
     """The drawn form of one curve: its look, and where it has a point."""
 
     def __init__(self, one: Studied, k: int, several: bool) -> None:
-        look = LINES[k % len(LINES)]
-        self.taus, self.row, self.marker = one.taus, one.rows[k], look.marker
-        self.line = line_of(one.method) if several else look
+        self.taus, self.row = one.taus, one.rows[k]
+        self.marker = self.row.look.marker
+        self.line = line_of(one.method) if several else self.row.look
         self.label = one.method if several else self.row.label
         self.there = np.isfinite(self.row.error) & (self.row.error > 0)
 

@@ -1,4 +1,4 @@
-"""The lecture mode: the page fills the screen and its type is large, so that it can be read from the last row."""
+"""The lecture mode: the page fills the screen, and its type, lines and marks are large: seen from the last row."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ KEY = "l"
 """Key that turns the lecture mode on and off, when no text is being typed."""
 
 LARGER = 1.5
-"""Factor of the size of all type."""
+"""Factor of the size of all type, and in figures of the lines and marks."""
 
 LOOK_AGAIN = 400
 """Milliseconds between looks for figures that have come since."""
@@ -22,17 +22,26 @@ class Lecture(pn.custom.JSComponent):
 
     _esm = (
         """
-const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label_text_font_size", "text_font_size"]
+const SIZES = ["axis_label_text_font_size", "major_label_text_font_size", "label_text_font_size", "text_font_size",
+               "line_width", "axis_line_width", "major_tick_line_width", "size"]
 export function render({ model }) {
   const usual = new Map()  // (figure part, property) -> its own size
   let timer = null
+  const { CustomJSTransform } = Bokeh.loader["models/transforms/customjs_transform"]
+  const larger = new CustomJSTransform({ func: "return LARGER * x", v_func: "return xs.map(x => LARGER * x)" })
+  const enlarged = size => {
+    if (typeof size == "number") return size * LARGER
+    if (typeof size == "string") return size.replace(/[0-9.]+/, number => number * LARGER)
+    return typeof size.value == "string" ? { ...size, value: enlarged(size.value) } : { ...size, transform: larger }
+  }
+  const { Glyph } = Bokeh.loader["models/glyphs/glyph"]
   const enlarge = () => {
     for (const part of Bokeh.documents.flatMap(document => [...document._all_models.values()])) {
-      if (usual.has(part) || !/Axis$|^Legend$/.test(part.type)) continue
-      const sizes = Object.fromEntries(SIZES.filter(name => name in part.attributes).map(name => [name, part[name]]))
+      if (usual.has(part) || !(/Axis$|^Legend$|^Span$/.test(part.type) || part instanceof Glyph)) continue
+      const names = SIZES.filter(name => name in part.attributes && part[name] != null)
+      const sizes = Object.fromEntries(names.map(name => [name, part[name]]))
       usual.set(part, sizes)
-      part.setv(Object.fromEntries(Object.entries(sizes).map(
-        ([name, size]) => [name, String(size).replace(/[0-9.]+/, number => number * LARGER)])), { sync: false })
+      part.setv(Object.fromEntries(names.map(name => [name, enlarged(sizes[name])])), { sync: false })
     }
   }
   const turn = on => {

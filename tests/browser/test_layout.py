@@ -69,19 +69,27 @@ def test_a_system_without_psi_opens_on_its_state_against_time(visit):
     page.get_by_text("rk2 up to t = 19.1: x from").wait_for()
 
 
+WIDTHS = """() => [...Bokeh.index.query(view => ["GlyphRenderer", "Span"].includes(view.model.type))]
+    .map(view => view.glyph ?? view)
+    .flatMap(({visuals: {line}, size}) => [line?.line_width, size].map(one => one?.get?.(0) ?? one?.value ?? 0))"""
+"""Widths in pixels of the lines of all figures, and sizes of their marks."""
+
+
 @pytest.mark.deep
 def test_a_key_turns_the_lecture_mode_on_and_off(visit):
     page = visit()
     await_painted(page, "Phase portrait")
     await_built(page)
-    usual = page.evaluate(TYPE)
+    usual, widths = page.evaluate(TYPE), page.evaluate(WIDTHS)
     page.keyboard.press("l")
     page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
     assert page.evaluate(TYPE) == pytest.approx([1.5 * size for size in usual])
+    assert page.evaluate(WIDTHS) == pytest.approx([1.5 * width for width in widths]), "lines and marks grow with it"
     for leave in ("l", "Escape"):
         page.keyboard.press(leave)
         page.wait_for_function("() => document.documentElement.style.fontSize == ''")
         assert page.evaluate(TYPE) == usual
+        assert page.evaluate(WIDTHS) == widths
         page.keyboard.press("l")
         page.wait_for_function("() => document.documentElement.style.fontSize == '150%'")
 

@@ -34,6 +34,18 @@ def test_order_plot_has_a_curve_and_a_fit_for_each_number_of_crossings():
         assert all("slope 2.0" in label or "slope 1.9" in label for label in view.curves.data["label"])
 
 
+def test_a_crossing_has_one_look_in_the_plots_of_states_and_of_times():
+    studies = Results().studies(study_inputs(Scene()))
+    plots = []
+    for rows in (state_rows, time_rows):
+        view = OrderView("error")
+        view.show(studied(studies, rows))
+        plots.append(list(zip(*(view.curves.data[name] for name in ("colour", "dash", "marker")), strict=True)))
+    states, times = plots
+    assert states[1:] == times
+    assert len({colour for colour, _, _ in states}) == len(states)
+
+
 def test_names_of_slopes_stand_away_from_the_edge_and_from_a_curve_that_runs_along_their_lines():
     taus = np.logspace(-4, -1, 31)
     error = np.minimum(1.0, 20 * taus)  # along slope 1, to half of its end
