@@ -8,10 +8,11 @@ from time import monotonic
 from typing import Any
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.events import DoubleTap, Event, PointEvent, Tap
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.annotations import Slope
-from bokeh.models.glyphs import Scatter, Text
+from bokeh.models.glyphs import Line, Scatter, Text
 from numpy.typing import NDArray
 
 import core
@@ -37,8 +38,9 @@ from pwsviz.figures.style import (
     tips,
 )
 from pwsviz.figures.touch import attach_touch
+from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.section_plane import coordinate_label, in_first_turn
+from pwsviz.geometry.section_plane import coordinate_label, in_first_turn, surface_curves
 from pwsviz.results.resting import ROUND_OFF
 from pwsviz.results.sections import SectionPoints, SectionPortion
 
@@ -54,6 +56,9 @@ SURFACE_MARKERS = ("circle", "square", "triangle", "diamond", "inverted_triangle
 
 DOUBLE = 0.5
 """Seconds between two clicks that are one double click."""
+
+BEYOND = 2.0
+"""Size of the window in which the surface is drawn, relative to what is seen: a pan shows it at once."""
 
 NUMBER_SIZE = 15
 """Diameter in pixels of the disc with the number of a start."""
@@ -78,7 +83,9 @@ class SectionView:
             active_drag="pan",
             active_scroll="wheel_zoom",
         )
-        self.cloud = PointCloud(self.figure, START_COLOURS)
+        self.surface = ColumnDataSource({"x": [], "y": []})
+        self._surface_line = self.figure.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
+        self.cloud = PointCloud(self.figure, START_COLOURS, lambda _window: self._trace_surface())
         self._key: Any = None
         self._made: list[tuple[SectionPortion, tuple[Portion, ...]]] = []
         self.diagonal = Slope(gradient=1.0, y_intercept=0.0, visible=False, **LEVEL)
@@ -105,7 +112,9 @@ class SectionView:
             {**place, "label": ["start 1"] * len(numbers), "marker": ["circle"] * len(numbers)}
         )
         key = plot.add_glyph(self.keys, Scatter(size=9, marker="marker", fill_color="colour", line_color=None))
-        legend_below(plot, [({"field": "label"}, key)])
+        entries = [({"field": "label"}, key), ("S: g = 0", self._surface_line)]
+        self._surface_entry = legend_below(plot, entries)[1]
+        self._surface_entry.visible = False
 
     def _tell_points(self) -> None:
         rows = [("of", "$name"), ("across", "@x{7}"), ("up", "@y{7}")]
@@ -149,6 +158,19 @@ class SectionView:
         self._make(outcome, axes, return_map)
         self.cloud.show([one for _, made in self._made for one in made], ROUND_OFF * _size(outcome))
         self._number(outcome, axes, return_map)
+        self._trace_surface()
+
+    def _trace_surface(self) -> None:
+        """Draw the surface where it is a curve in the plane shown."""
+        if self._key is None:
+            return
+        system, of, axes, return_map = self._key
+        x, y = self.cloud.corners.data["x"], self.cloud.corners.data["y"]
+        window = (self.cloud.window or Window(*x, *y)).scaled(BEYOND)
+        lines = surface_curves(system, of, axes, window) if not return_map else np.empty((0, 2))
+        assign(self.surface, x=lines[:, 0], y=lines[:, 1])
+        self._surface_entry.label = value("h = 0" if of else "S: g = 0")
+        self._surface_entry.visible = bool(np.isfinite(lines).any())
 
     def _name(self, system: core.PiecewiseSystem, axes: tuple[int, int], return_map: bool) -> None:
         across, up = (coordinate_label(system, k) for k in axes)

@@ -7,16 +7,22 @@ from functools import lru_cache
 
 import numpy as np
 import sympy
+from contourpy import LineType, contour_generator
 
 import core
 from core.kernels import Floats
 from core.symbolic import TIME, parse, to_text
+from pwsviz.geometry.line_pieces import joined
+from pwsviz.geometry.phase_plane import Window
 from pwsviz.text.math_names import variable_name
 
 __all__ = [
     "TURN", "angles", "coordinate_label", "coordinate_names", "fixed_variables", "in_first_turn", "names_time",
-    "own_surfaces", "surface_functions", "usual_plane",
+    "own_surfaces", "seen_as_curves", "surface_curves", "surface_functions", "usual_plane",
 ]  # fmt: skip
+
+GRID = 240
+"""Cells along each side of the grid on which the curves of a surface are traced."""
 
 TURN = 2 * math.pi
 """Period of an angle."""
@@ -95,6 +101,26 @@ def names_time(system: core.PiecewiseSystem, of: str) -> bool:
     jumps = [part for ways in laws.ways for way in ways for part in way.jump or ()]
     fields = [rate for mode in laws.regions for rate in mode.field]
     return any(TIME in one.free_symbols for one in (*laws.surfaces, *surface_functions(system, of), *fields, *jumps))
+
+
+def seen_as_curves(system: core.PiecewiseSystem, of: str, axes: tuple[int, int]) -> list[sympy.Expr]:
+    """Return those h of a section that depend on the two coordinates shown alone, so that h = 0 is a curve there."""
+    shown = {system.laws.x[k] for k in axes if k < system.dimension} | set(system.laws.p)
+    return [h for h in surface_functions(system, of) if h.free_symbols - set(system.laws.p) and h.free_symbols <= shown]
+
+
+def surface_curves(system: core.PiecewiseSystem, of: str, axes: tuple[int, int], window: Window) -> Floats:
+    """Return (k, 2) the curves h = 0 in a window, where the coordinates shown decide it; NaN between the pieces."""
+    x, y = np.linspace(window.x_low, window.x_high, GRID + 1), np.linspace(window.y_low, window.y_high, GRID + 1)
+    states = np.zeros((len(y), len(x), system.dimension + 1))  # time is the last coordinate
+    states[..., axes[0]], states[..., axes[1]] = np.meshgrid(x, y)
+    curves = []
+    for h in seen_as_curves(system, of, axes):
+        with np.errstate(all="ignore"):
+            values = system.laws.evaluate(("curve", h), (h,), 0.0, states[..., :-1], system.parameter_array)
+        trace = contour_generator(x, y, np.asarray(values)[..., 0], line_type=LineType.ChunkCombinedNan)
+        curves += [line for line in trace.lines(0.0)[0] if line is not None]
+    return joined(curves)
 
 
 def fixed_variables(system: core.PiecewiseSystem, of: str) -> set[str]:

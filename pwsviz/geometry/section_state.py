@@ -45,7 +45,8 @@ def state_at(system: core.PiecewiseSystem, of: str, given: Mapping[int, float], 
     """Return the state at t = 0 that has some coordinates and lies on a section.
 
     The other coordinates follow from h = 0 and, as far as that leaves them open, from the conserved quantities: these
-    have the values of a state nearby. What is still open changes as little as possible from there.
+    have the values of a state nearby. What is still open changes as little as possible from there. Where h depends on
+    no other coordinate, the given ones change, as little as possible, until h = 0.
 
     Parameters
     ----------
@@ -65,6 +66,7 @@ def state_at(system: core.PiecewiseSystem, of: str, given: Mapping[int, float], 
     """
     hidden = [k for k in range(system.dimension) if k not in given]
     start = np.array([given.get(k, value) for k, value in enumerate(near.tolist())])
+    start = _on_surface(system, of, start, near, hidden)
     conditions = _conditions(system, of, near, mode, hidden)
     if not conditions:
         return StateAt(tuple(start.tolist()), ())
@@ -82,13 +84,35 @@ def on_section(system: core.PiecewiseSystem, of: str, x: tuple[float, ...]) -> b
     return float(np.abs(values).min()) <= FULFILLED * (1.0 + float(np.abs(x).max()))
 
 
+def _surface_at(system: core.PiecewiseSystem, of: str, near: Floats) -> sympy.Expr:
+    """Return h at t = 0; of several surfaces that on which a state nearby lies."""
+    functions = [h.subs(TIME, 0) for h in surface_functions(system, of)]
+    values = system.laws.evaluate(("h at t = 0", of), functions, 0.0, near, system.parameter_array)
+    return functions[int(np.argmin(np.abs(values)))]
+
+
+def _on_surface(system: core.PiecewiseSystem, of: str, start: Floats, near: Floats, hidden: list[int]) -> Floats:
+    """Move given coordinates to h = 0 where they alone decide it."""
+    h, x = _surface_at(system, of, near), system.laws.x
+    within = [k for k in range(system.dimension) if x[k] in h.free_symbols]
+    if not within or set(within) & set(hidden):
+        return start
+    found = _newton(system, start, within, [_Condition(h, 0.0, "")])
+    if found is None:
+        raise ValueError(f"No state near here has {_vanishing(of)}: click where there are points, or near them.")
+    return found
+
+
+def _vanishing(of: str) -> str:
+    """Return the equation of the surface in words."""
+    return "h = 0" if of else "g = 0"
+
+
 def _conditions(system: core.PiecewiseSystem, of: str, near: Floats, mode: int, hidden: list[int]) -> list[_Condition]:
     """Return what determines the hidden coordinates."""
     unknown, laws, p = {system.laws.x[k] for k in hidden}, system.laws, system.parameter_array
-    functions = [h.subs(TIME, 0) for h in surface_functions(system, of)]
-    values = laws.evaluate(("h at t = 0", of), functions, 0.0, near, p)
-    h = functions[int(np.argmin(np.abs(values)))]  # of several surfaces the one on which the state nearby lies
-    found = [_Condition(h, 0.0, "h = 0" if of else "g = 0")] if h.free_symbols & unknown else []
+    h = _surface_at(system, of, near)
+    found = [_Condition(h, 0.0, _vanishing(of))] if h.free_symbols & unknown else []
     conserved = laws.regions[mode].conserved if 0 <= mode < len(laws.regions) else ()
     for psi in conserved:
         if len(found) < len(hidden) and psi.free_symbols & unknown and TIME not in psi.free_symbols:

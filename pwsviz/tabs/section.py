@@ -16,7 +16,14 @@ from pwsviz.export.script import section_program
 from pwsviz.figures.section import SectionView
 from pwsviz.figures.section_text import section_how, section_rows, section_text
 from pwsviz.geometry.section_crossings import is_one_way
-from pwsviz.geometry.section_plane import angles, coordinate_names, names_time, own_surfaces, usual_plane
+from pwsviz.geometry.section_plane import (
+    angles,
+    coordinate_names,
+    names_time,
+    own_surfaces,
+    seen_as_curves,
+    usual_plane,
+)
 from pwsviz.geometry.section_state import on_section, state_at
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints, SectionPortion
@@ -184,10 +191,12 @@ class SectionTab(LongTab):
             return NOT_AT
         turns = [coordinate_names(system)[k] for k in self.plane if k in angles(system)]
         several = len(own_surfaces(system)) > 1 and not scene.section_of
-        on = ", on the surface of the nearest point" if several else ""
+        curved = bool(seen_as_curves(system, scene.section_of, self.plane))
+        of = "the surface of the nearest point" if several else "the surface"
+        on = f" nearby, on {of}" if curved else f" there{f', on {of}' * several}"
         note = f" {listed(turns)} {'is' if len(turns) == 1 else 'are'} shown modulo 2π." if turns else ""
         at = ", at t = 0" if over_time else ""
-        return f"A click starts a trajectory there{on}{at}. A number marks the first point of each start.{note}"
+        return f"A click starts a trajectory{on}{at}. A number marks the first point of each start.{note}"
 
     def table(self) -> Table | None:
         """Return a row for each point."""

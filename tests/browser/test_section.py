@@ -41,3 +41,23 @@ def test_islands_have_the_colours_of_their_starts_and_a_click_adds_one_of_the_sa
     left, right, bottom, top = seen["range"]
     assert all(left <= x <= right and bottom <= y <= top for x, y in seen["marks"])
     assert seen["kinds"] == []
+
+
+PLANE = f"""() => {{
+    const figure = ({FIGURE})("Poincaré section")
+    if (figure == null) {{ return null }}
+    const curves = figure.rows.filter(row => Object.keys(row).sort().join() == "x,y" && row.x.length > 50)
+    const [left, right, bottom, top] = figure.range
+    return {{words: figure.words, far: curves.flatMap(row => Array.from(row.x, (x, k) => Math.abs(Math.hypot(x, row.y[k]) - 1)))
+                 .filter(Number.isFinite), place: figure.on_screen([(left + right) / 2], [0.3 * bottom + 0.7 * top])[0]}}
+}}"""
+
+
+def test_in_the_plane_the_surface_is_drawn_and_a_click_near_it_starts_on_it(visit):
+    page = visit(query="v=2&view=section&methods=dmm2")  # the elliptic curve, and the unit circle
+    seen = await_that(page, PLANE, lambda seen: "points on" in seen["words"] and len(seen["far"]) > 50)
+    assert max(seen["far"]) < 1e-2
+    page.mouse.click(*seen["place"])
+    said = page.get_by_text(re.compile(r"^Start 2 at x = ")).inner_text().replace("−", "-")
+    x, y = (float(number) for number in re.findall(r"= (-?[\d.]+\d)", said))
+    assert abs(x**2 + y**2 - 1) < 1e-5

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.section_plane import angles, coordinate_names, own_surfaces, surface_functions, usual_plane
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.section_plane import (
+    angles,
+    coordinate_names,
+    own_surfaces,
+    surface_curves,
+    surface_functions,
+    usual_plane,
+)
 from pwsviz.geometry.section_state import state_at
 
 HENON_HEILES = core.CATALOGUE["henon_heiles"]
@@ -86,3 +94,24 @@ def test_of_several_surfaces_it_is_the_one_of_the_point_nearby_and_of_none_all_a
     )
     free = state_at(CHUA, "sin(t)", {0: 0.4, 2: 0.25}, near, 0)
     assert free == ((0.4, 0.2, 0.25), ())
+
+
+CURVE = core.CATALOGUE["elliptic_curve"]
+
+
+@pytest.mark.parametrize("click", [(0.9, 0.9), (-0.2, 1.4), (-1.1, 0.0)])
+def test_where_the_two_coordinates_decide_h_a_click_is_moved_to_the_surface(click):
+    found = state_at(CURVE, "", dict(enumerate(click)), np.array([0.6, 0.8]), 0)
+    assert math.hypot(*found.x) == pytest.approx(1.0, abs=1e-9)
+    assert math.dist(found.x, click) < 1.1 * abs(math.hypot(*click) - 1.0)
+    assert found.taken == ()
+
+
+def test_the_surface_is_a_curve_in_the_plane_of_coordinates_that_decide_h():
+    around = Window(-2.0, 2.0, -1.5, 1.5)
+    lines = surface_curves(CURVE, "", (1, 0), around)
+    assert np.hypot(*lines[np.isfinite(lines).all(axis=1)].T) == pytest.approx(1.0, abs=1e-3)
+    assert not np.isfinite(surface_curves(CURVE, "", (0, 2), around)).any()  # over time
+    assert not np.isfinite(surface_curves(HENON_HEILES, "", (1, 3), around)).any()
+    line = surface_curves(HENON_HEILES, "y + v", (1, 3), around)
+    assert np.nansum(line, axis=1) == pytest.approx(0.0, abs=1e-12)

@@ -1,5 +1,7 @@
 """The Section view: what a click there starts, what its choices do, and what it says."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -134,10 +136,12 @@ def test_a_click_on_a_strobe_says_whether_its_start_is_a_point_of_it():
         page.close()
 
 
-def test_a_point_of_a_plane_is_a_start_as_it_is():
+def test_a_click_in_the_plane_starts_on_the_surface_nearby_and_it_is_said_that_it_does():
     page, tab = opened(view="section", section_points=20)
+    assert "A click starts a trajectory nearby, on the surface." in tab.note.object
     clicked(page, tab, -1.2, 0.1)
-    assert page.scene.starts[-1] == (-1.2, 0.1)
+    assert page.scene.starts[-1] == pytest.approx((-0.9965, 0.083), abs=1e-3)
+    assert math.hypot(*page.scene.starts[-1]) == pytest.approx(1.0, abs=1e-9)
     page.close()
 
 
