@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
+from core.diagnostics import inhabited
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import PLANE, Axes, is_divided, planes, surfaces_shown
@@ -54,7 +55,8 @@ def with_room(system: core.PiecewiseSystem, window: Window) -> Window:
     """Return a window with the room that a portrait adds to its shorter side at equal scales, where the laws hold.
 
     The frame of a portrait is nearly square on most screens. The room is on both sides, as the browser adds it, unless
-    more of it lies within the laws on one of them: where ψ has a logarithm of x, nothing is to be seen beyond x = 0.
+    more of it lies within the laws on one of them: nothing is to be seen beyond a wall, or, where ψ has a logarithm of
+    x, beyond x = 0.
 
     Parameters
     ----------
@@ -79,13 +81,14 @@ def with_room(system: core.PiecewiseSystem, window: Window) -> Window:
 
 
 def _lawful(system: core.PiecewiseSystem, window: Window) -> NDArray[np.bool_]:
-    """Return at which points of a lattice on a window the field and ψ of their region are finite, at t = 0."""
+    """Return at which points of a lattice on a window a state may be, and field and ψ are finite there, at t = 0."""
     across = np.linspace(window.x_low, window.x_high, SAMPLES)
     up = np.linspace(window.y_low, window.y_high, SAMPLES)
     states = np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, PLANE)
     lawful = np.zeros(len(states), dtype=bool)
     with np.errstate(all="ignore"):
-        for mode, law in enumerate(system.laws.regions):
+        for mode in sorted(inhabited(system)):
+            law = system.laws.regions[mode]
             inside = system.heights(mode, 0.0, states).min(axis=-1) > 0
             for values in (system.field(law.name, 0.0, states), system.conserved(law.name, 0.0, states)):
                 inside = inside & np.isfinite(values).all(axis=-1)

@@ -237,3 +237,9 @@ def test_those_who_want_no_motion_get_single_pictures(visit):
         seen.add(page.evaluate(CONSERVED)["now"])
         page.wait_for_timeout(50)
     assert 2 <= len(seen) <= 5
+
+
+def test_the_first_window_of_a_bouncing_ball_is_mostly_where_the_ball_may_be(visit):
+    page = visit(query="v=2&system=bouncing_ball")
+    left, right, *_ = await_that(page, PORTRAIT, lambda seen: "jump" in seen["words"])["range"]
+    assert 0 < -left < 0.25 * (right - left)  # the wall is at y = 0

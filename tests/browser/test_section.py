@@ -48,8 +48,9 @@ PLANE = f"""() => {{
     if (figure == null) {{ return null }}
     const curves = figure.rows.filter(row => Object.keys(row).sort().join() == "x,y" && row.x.length > 50)
     const [left, right, bottom, top] = figure.range
-    return {{words: figure.words, far: curves.flatMap(row => Array.from(row.x, (x, k) => Math.abs(Math.hypot(x, row.y[k]) - 1)))
-                 .filter(Number.isFinite), place: figure.on_screen([(left + right) / 2], [0.3 * bottom + 0.7 * top])[0]}}
+    const far = curves.flatMap(row => Array.from(row.x, (x, k) => Math.abs(Math.hypot(x, row.y[k]) - 1)))
+    const place = figure.on_screen([(left + right) / 2], [0.3 * bottom + 0.7 * top])[0]
+    return {{words: figure.words, far: far.filter(Number.isFinite), place}}
 }}"""
 
 

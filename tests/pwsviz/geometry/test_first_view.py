@@ -58,3 +58,8 @@ def test_room_avoids_regions_without_a_law():
         regions={"+-": core.Region(f=("1", "0")), "++": core.Region(f=("1", "0"))}, x0=(0.0, 1.0),
     )  # fmt: skip
     assert with_room(beside, Window(0.0, 4.0, 0.5, 1.5)) == Window(0.0, 4.0, 0.5, 4.5)
+
+
+def test_room_avoids_what_lies_beyond_a_wall():
+    ball = core.CATALOGUE["bouncing_ball"]  # y > 0, with a law beyond the wall, too
+    assert with_room(ball, Window(-0.5, 1.5, -4.0, 3.0)) == Window(-0.5, 6.5, -4.0, 3.0)
