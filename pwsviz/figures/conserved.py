@@ -50,6 +50,9 @@ CEILING = 1e9
 MOST_BANDS = 400
 """Most crossings for which segments and ticks are drawn; more of them could not be told apart."""
 
+TICK = 8
+"""Size in pixels of the mark of a crossing."""
+
 TELLABLE = 3.0
 """Least ratio of two marks on the axis whose labels can be read beside each other."""
 
@@ -129,11 +132,11 @@ class ConservedView:
 
     def _tick_glyphs(self) -> None:
         plot = self.figure
-        columns = ("t", "foot", "x", "y", "label", "kind", "marker", "colour", "number", "method")
+        columns = ("t", "foot", "x", "y", "label", "kind", "marker", "colour", "size", "number", "method")
         self.instants = unseen(columns)
         place: dict[str, Any] = {"x": "t", "y": "foot"}
         look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 1.8}
-        self.ticks = plot.add_glyph(self.instants, Scatter(size=9, **place, **look))
+        self.ticks = plot.add_glyph(self.instants, Scatter(size="size", **place, **look))
         reach = plot.add_glyph(self.instants, invisible(size=18, **place))
         rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
         self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
@@ -205,7 +208,7 @@ class ConservedView:
             foot=np.full(count, FLOOR / 1.5),
             x=places[:, 0],
             y=places[:, 1],
-            **kind_columns(kinds),
+            **kind_columns(kinds, [TICK] * count),
             number=np.arange(1, 1 + count),
             method=[first.method] * count,
         )

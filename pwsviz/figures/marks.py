@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core import Status
-from pwsviz.figures.style import GREEN, GREY, ORANGE, PURPLE, VERMILION
+from pwsviz.figures.style import AMBER, GREEN, GREY, PURPLE, VERMILION
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.orbits import End, Orbit
@@ -33,10 +33,13 @@ KIND_MARKERS = {
     "leaving": "inverted_triangle", "corner": "star",
 }  # fmt: skip
 KIND_COLOURS = {
-    "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": ORANGE,
+    "transversal": PURPLE, "grazing": VERMILION, "sliding": GREEN, "repelling": GREEN, "jump": AMBER,
     "leaving": GREEN, "corner": VERMILION,
 }  # fmt: skip
 """Colours of crossings; kinds of the same colour differ in their marker."""
+
+LARGER = {"triangle": 1.6, "inverted_triangle": 1.6, "diamond": 1.4, "star": 1.6}
+"""Size of markers, relative to that of others, which Bokeh paints smaller: their white middle is to be seen."""
 
 MOST_MARKS = 3000
 """Most crossings marked in one portrait, shared equally among its runs: more take a browser too long to paint."""
@@ -62,7 +65,7 @@ ENDS = {
     Status.GRAZING: EndLook("grazing", "diamond_cross", VERMILION),
     Status.CORNER: EndLook("corner", "asterisk", VERMILION),
     Status.UNDECLARED: EndLook("no law", "circle_cross", VERMILION),
-    Status.ZENO: EndLook("Zeno", "x", ORANGE),
+    Status.ZENO: EndLook("Zeno", "x", AMBER),
     Status.ESCAPED: EndLook("blow-up", "circle_x", VERMILION),
     Status.UNSTABLE: EndLook("unstable", "circle_x", VERMILION),
     Status.SINGULAR: EndLook("singular field", "circle_x", GREY),
@@ -112,13 +115,18 @@ def _crowds(places: Floats, near: float) -> list[list[int]]:
     return crowds
 
 
-def kind_columns(kinds: Sequence[str]) -> dict[str, Sequence[str]]:
-    """Return the columns that give the look of crossings of these kinds; "crossing" stands for an unknown kind."""
+def kind_columns(kinds: Sequence[str], sizes: Sequence[float]) -> dict[str, Sequence[Any]]:
+    """Return the columns that give the look of crossings of these kinds, whose marks are as large as circles would be.
+
+    The kind "crossing" stands for an unknown one.
+    """
+    markers = [KIND_MARKERS.get(kind, "circle") for kind in kinds]
     return {
         "label": [KIND_WORDS.get(kind, kind) for kind in kinds],
         "kind": kinds,
-        "marker": [KIND_MARKERS.get(kind, "circle") for kind in kinds],
+        "marker": markers,
         "colour": [KIND_COLOURS.get(kind, PURPLE) for kind in kinds],
+        "size": [size * LARGER.get(marker, 1.0) for size, marker in zip(sizes, markers, strict=True)],
     }
 
 
@@ -139,13 +147,12 @@ def crossing_columns(orbits: Sequence[tuple[int, Orbit]], selected: int) -> dict
     return {
         "x": places[:, 0],
         "y": places[:, 1],
-        **kind_columns([orbit.kinds[k] for _, orbit, k in marks]),
+        **kind_columns([orbit.kinds[k] for _, orbit, k in marks], [MARK_SIZE[one] for one in chosen]),
         "method": [orbit.method for _, orbit, _ in marks],
         "number": [int(orbit.numbers[k]) for _, orbit, k in marks],
         "time": [float(orbit.times[k]) for _, orbit, k in marks],
         "start": [number for number, _, _ in marks],
         "chosen": chosen,
-        "size": [MARK_SIZE[one] for one in chosen],
     }
 
 

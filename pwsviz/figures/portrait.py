@@ -25,6 +25,7 @@ from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.style import (
+    AMBER,
     ORANGE,
     VERMILION,
     assign,
@@ -174,7 +175,7 @@ class PortraitView:
         plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="white", line_color="colour"))
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
-        self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=ORANGE, line_dash=[2, 4], line_width=2))
+        self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[2, 4], line_width=2))
 
     def _crossing_glyphs(self) -> None:
         plot = self.figure

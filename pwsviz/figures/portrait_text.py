@@ -119,6 +119,7 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
                 f"Nor can the surfaces {names}, which are not curves there." if several
                 else f"Nor can the surface {names}, which is not a curve there."
             )  # fmt: skip
+        sentences.append("Other variables are not drawn: “Portrait in the plane of” chooses which two are.")
     elif not system.laws.sides.shape[1]:
         sentences.append("Regions overlap, as a state may lie in more than one: their fields are not drawn.")
     elif not is_divided(system):

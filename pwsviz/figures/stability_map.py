@@ -40,8 +40,8 @@ FLOOR = MACHINE_EPSILON / 8
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
-LIMIT = "largest τ that works"
-"""Legend of the lines."""
+LIMIT = "largest τ that works: "
+"""Legend of the lines, before the name of the integrator."""
 
 PLACE = "τ and start in the sidebar"
 """Legend of the cross."""
@@ -103,7 +103,7 @@ class MapFigure:
             ({"field": "words"}, outcomes),
             (NO_VALUE, blanks),
             ({"field": "words"}, ended),
-            (LIMIT, limits),
+            ({"field": "entry"}, limits),
             (PLACE, crosses),
         ]
         self._outcomes, self._blanks, self._ended, self._limit, self._place = legend_below(plot, entries)
@@ -112,7 +112,7 @@ class MapFigure:
 
     def _limit_glyphs(self) -> GlyphRenderer[Any]:
         """Make the labelled lines at the largest step size that works for each integrator; return these."""
-        self.limits = ColumnDataSource({name: [] for name in ("x", "y", "text", "colour", "dash")})
+        self.limits = ColumnDataSource({name: [] for name in ("x", "y", "text", "colour", "dash", "entry")})
         self.figure.vspan("x", source=self.limits, line_color="#FFFFFF", line_width=5)
         lines = self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
         box: dict[str, Any] = {"background_fill_color": "#FFFFFF", "background_fill_alpha": 0.75, "padding": 1}
@@ -168,6 +168,7 @@ class MapFigure:
             "text": [] if largest is None else _labels(names, largest.tau[there], largest.taus),
             "colour": [line_of(name).colour for name in names],
             "dash": [list(line.dash) for line in together(map(line_of, names))],
+            "entry": [LIMIT + name for name in names],
         }
 
 

@@ -44,6 +44,9 @@ MOST_PANELS = 6
 MOST_MARKS = 400
 """Most crossings that are marked, and segments that are shaded; more of them could not be told apart."""
 
+MARK = 6
+"""Size in pixels of the mark of a crossing."""
+
 WIDEST = 3.0
 """Ranges of the first integrator that the axis may hold; one that runs off leaves the picture."""
 
@@ -65,7 +68,7 @@ class Shared:
     def __init__(self) -> None:
         self.across = Range1d(start=0.0, end=1.0)
         self.segments = {side: ColumnDataSource({"start": [], "end": []}) for side in OCCUPIED}
-        columns = ("t", "x", "y", "label", "kind", "marker", "colour", "number", "method")
+        columns = ("t", "x", "y", "label", "kind", "marker", "colour", "size", "number", "method")
         self.t_end = 1.0
         self.instants = unseen((*columns, *map(_column, range(MOST_PANELS))))
 
@@ -104,7 +107,7 @@ class Panel:
 
     def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
         plot = self.figure
-        look: dict[str, Any] = {"fill_color": "white", "line_color": "colour", "line_width": 1.8, "size": 6}
+        look: dict[str, Any] = {"fill_color": "white", "line_color": "colour", "line_width": 1.8, "size": "size"}
         marks = plot.add_glyph(instants, Scatter(x="t", y=column, marker="marker", **look))
         reach = plot.add_glyph(instants, invisible(x="t", y=column, size=14))  # easier to hit than the mark
         rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
@@ -210,7 +213,7 @@ class StateView:
             t=crossings.t,
             x=places[:, 0],
             y=places[:, 1],
-            **kind_columns(tuple(map(str, crossings.kind))),
+            **kind_columns(tuple(map(str, crossings.kind)), [MARK] * count),
             number=np.arange(1, 1 + count),
             method=[method] * count,
             **states,

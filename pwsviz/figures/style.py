@@ -37,6 +37,7 @@ GREEN = "#009E73"
 ORANGE = "#E69F00"
 SKY = "#56B4E9"
 PURPLE = "#CC79A7"
+AMBER = "#B87800"  # of orange, which is too pale on light ground: for marks, which need 3:1 on either
 # Four more, as distinct from these and from one another as these are, in the same kinds of colour blindness.
 VIOLET = "#9000F0"
 OCHRE = "#C0A860"

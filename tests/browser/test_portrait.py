@@ -243,3 +243,13 @@ def test_the_first_window_of_a_bouncing_ball_is_mostly_where_the_ball_may_be(vis
     page = visit(query="v=2&system=bouncing_ball")
     left, right, *_ = await_that(page, PORTRAIT, lambda seen: "jump" in seen["words"])["range"]
     assert 0 < -left < 0.25 * (right - left)  # the wall is at y = 0
+
+
+def test_a_triangle_is_painted_as_large_as_a_square(visit):
+    page = visit(query="v=2&system=stick_slip&methods=rk4")
+    look = f"""() => {{
+        const marks = ({FIGURE})("Phase portrait")?.rows.find(row => "number" in row && "time" in row)
+        return Object.fromEntries(Array.from(marks?.marker ?? [], (marker, k) => [marker, marks.size[k]]))
+    }}"""
+    sizes = await_that(page, look, lambda seen: {"square", "inverted_triangle"} <= {*seen})
+    assert sizes["inverted_triangle"] > 1.3 * sizes["square"]

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.looking import await_built, await_painted, canvas, field, settled_picture
+from tests.browser.looking import BLANK_KEYS, await_built, await_painted, canvas, field, settled_picture
 from tests.browser.test_portrait import FIGURE, await_that
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
@@ -84,3 +84,19 @@ def test_a_click_on_the_map_goes_there(visit):
     page.mouse.click(left + 0.25 * width, top + 0.5 * height)
     page.wait_for_function("() => /tau=0.00[0-4]/.test(location.href)")
     assert float(field(page, "Step size τ").input_value()) < 0.005
+
+
+LIMITS = f"""() => {{
+    const figure = ({FIGURE})("Outcome of runs")
+    const limits = figure?.rows.find(row => "entry" in row)
+    if (limits == null || limits.x.length < 2) {{ return null }}
+    const legend = [...Bokeh.index.query(view => view.model.type == "Legend")].flatMap(({{entries}}) => entries)
+    return legend.map(entry => entry.label)
+}}"""
+
+
+def test_the_legend_of_the_map_has_a_line_for_the_limit_of_each_integrator(visit):
+    page = visit(query="v=2&view=stability&methods=dmm2,rk2&t_end=5")
+    wanted = {f"largest τ that works: {name}" for name in ("dmm2", "rk2")}
+    await_that(page, LIMITS, lambda seen: wanted <= {*seen})
+    assert page.evaluate(BLANK_KEYS) == []

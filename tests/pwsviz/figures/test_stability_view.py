@@ -208,7 +208,8 @@ def test_labels_of_limits_do_not_lie_on_one_another(study, limits, labels):
     largest = replace(study.largest_tau, tau=np.array(limits))
     view.show(replace(study, largest_tau=largest), "map", "dmm2")
     assert view._of("map").limits.data["text"] == (labels or [" dmm2", " rk2"])
-    assert drawn.legend.items[3].label.value == "largest τ that works"
+    assert drawn.legend.items[3].label.field == "entry"
+    assert list(view._of("map").limits.data["entry"]) == [f"largest τ that works: {name}" for name in METHODS]
     assert drawn.legend.items[3].visible
 
 
