@@ -74,8 +74,10 @@ _SLIDING, _REPELLING, _GRAZING = int(Status.SLIDING), int(Status.REPELLING), int
 
 
 @internal
-def is_settled(status, run):
+def is_settled(status, run, jumps):
     """Whether a run ends with a status, and does not go on with what only `Runner` knows."""
+    if status == _SLIDING and jumps == 1:
+        return False
     undecided = status in (_SLIDING, _REPELLING, _GRAZING)
     return status != _CORNER and not (undecided and run.first_mode == NO_MODE)
 
@@ -227,7 +229,7 @@ def compiled_members() -> Callable[..., int]:
                         return ASKS
                 if count - wanted[0].discard == wanted[0].most:
                     status = _CROSSING_LIMIT
-            if not is_settled(status, run):
+            if not is_settled(status, run, jumps):
                 return ASKS
             if run.pending == 1 and stops_at_surface(status) and counters[OWN] > 0 and wanted[0].events == 0:
                 kept[counters[USED] + counters[OWN] - 1].mode = NO_MODE  # the mode that followed could not be begun

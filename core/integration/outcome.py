@@ -81,6 +81,8 @@ class Cause(NamedTuple):
     """The expression whose zero lies in the step that failed, as a clause; empty if there is none."""
     removable: bool = False
     """Whether, for these values of the parameters, the field has a limit at that zero."""
+    jumped: bool = False
+    """Whether the run ended after a jump at the surface that it met last."""
     event: str = ""
     """The event function whose zero ended the run; empty if none did."""
     remarks: tuple[str, ...] = ()
@@ -119,7 +121,7 @@ def cause_of(run: Run) -> Cause:
     if run.status is Status.COMPLETED and not remarks:
         return _AS_ASKED
     event = run.log.last if run.status is Status.EVENT else ""
-    return Cause(_step_length(run), run.growth, run.why_cornered, *_singular(run), event, remarks)
+    return Cause(_step_length(run), run.growth, run.why_cornered, *_singular(run), run.jumps_here, event, remarks)
 
 
 def _singular(run: Run) -> tuple[str, bool]:
@@ -155,6 +157,8 @@ def reason(end: Ending) -> str:
         return f"the numerical solution grows beyond {BOUND:.0e}, up to which a run takes its numbers".replace("+", "")
     if end.status is Status.CORNER:
         return f"{end.status.reason}, and {end.cause.why_cornered}"
+    if end.status is Status.SLIDING and end.cause.jumped:
+        return "no field leads away from the surface after the jump"
     if end.status is Status.EVENT:
         return f"the event {end.cause.event!r} took place, which ends the run"
     if _lacks_psi(end):

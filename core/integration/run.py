@@ -22,7 +22,7 @@ from core.kernels.arrays import Floats
 from core.methods import Method
 from core.symbolic.singularities import Singularity
 from core.system import PiecewiseSystem
-from core.transition.records import NO_MODE
+from core.transition.records import NO_JUMP, NO_MODE
 from core.transition.status import Status
 
 __all__ = ["AT_SURFACE", "Run"]
@@ -130,6 +130,12 @@ class Run:
     def first_mode(self) -> int:
         """Number of the mode in which the run began; `NO_MODE` before the first step."""
         return self.wholes[_FIRST_MODE]
+
+    @property
+    def jumps_here(self) -> bool:
+        """Whether the state jumps at the surface that is met, of the mode occupied."""
+        guard = self.wholes[_ROW] + int(self.record["guard"][0])
+        return self.first_mode != NO_MODE and bool(self.begun.table.guards["jump"][guard] != NO_JUMP)
 
     @property
     def first_region(self) -> int:

@@ -23,7 +23,7 @@ from core.kernels.abi import STEP
 from core.kernels.arrays import Floats
 from core.transition.event_location import BOUND
 from core.transition.records import HIT, NO_MODE, ROW
-from core.transition.status import Status
+from core.transition.status import CROSSING_KINDS, Status
 
 __all__ = ["Runner"]
 
@@ -92,6 +92,8 @@ class Runner(Run):
         """Stop at a surface, or go on from a corner."""
         if self.status is Status.CORNER:
             self._pass_corner(direction)
+        elif self.status is Status.SLIDING and self.jumps_here:
+            self._leave_after_jump(direction)
         elif self.wholes[_PENDING] and self.crossing_count:
             self.chunks[-1][0]["mode"][-1] = NO_MODE  # the mode that followed could not be begun
 
@@ -176,6 +178,20 @@ class Runner(Run):
                 hits, places = self.chunks[-1]
                 hits["mode"][-1], places[-1, 1:] = mode, self.x  # the place met, and the state that goes on
             self._begin_in(mode, surfaces)
+
+    def _leave_after_jump(self, direction: float) -> None:
+        """Go on from a surface along which the state moves after a jump, if one field alone curves away from it."""
+        guard = int(self.record["guard"][0])
+        entered = regions_entered(self.system, self.mode, guard, self.t, self.x, direction)
+        if len(entered) != 1:
+            self.status = Status.REPELLING if entered else Status.SLIDING
+        elif self.crossing_count >= self.settings.max_crossings:
+            self.status = Status.CROSSING_LIMIT
+        else:
+            self.status, (region, leaving) = Status.RUNNING, entered[0]
+            hit = self.chunks[-1][0][-1:]
+            hit["mode"], hit["kind"] = region, CROSSING_KINDS.index("jump")
+            self._begin_in(region, (self.system.laws.ways[region][leaving].surface,))
 
     def _surfaces_at_corner(self) -> tuple[int, ...]:
         """Numbers of the surfaces that meet where the run is."""

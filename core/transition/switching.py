@@ -69,10 +69,14 @@ def is_met_against_the_field(context, found, own):
     """Whether the scheme meets the surface, other than by a touch, where its field leads away from it.
 
     Such a step is too long: the field changes in it by more than its own size. After a crossing, a touch is genuine
-    only if the state has stayed within rounding of the surface.
+    only if the state has stayed within rounding of the surface. A path that has turned within rounding of the surface,
+    and is located on its way back, meets it by a touch.
     """
     run = context.run
     if run.follow == 0 or run.shift != 0.0:
+        return False
+    turned = own * own * abs(run.hit)  # twice the depth of a parabola below the surface, times the change of its rate
+    if turned <= 2.0 * MARGIN * context.w[ROUNDING_OF_G] * (own - run.rate):
         return False
     if found == TOUCH:
         return run.leaving == 1 and run.rate * abs(run.hit) > 8.0 * MARGIN * context.w[ROUNDING_OF_G]
@@ -166,16 +170,24 @@ def elapsed(run):
 
 
 @internal
-def is_lost_in_rounding(context, found, own, rate):
-    """Whether the segments before and after a jump both stay within rounding of the surface.
+def touch(context, surface):
+    """Status where the state touches a surface at which it jumps if it arrives: whether it does, rounding hides."""
+    w, visit = context.w, visit_of(surface)
+    comes_closer = w[visit + SHRINKING] >= _COMING and since_visit(context.run, w, visit) < w[visit + GAP]
+    return _ZENO if comes_closer else _GRAZING
+
+
+@internal
+def is_lost_in_rounding(context, own, rate):
+    """Whether the segments before and after a jump on the surface both stay within rounding of it.
 
     A segment of duration T that arrives with rate r has reached the height r·T/4, if its path is a parabola. Below the
     rounding of g neither place nor rates are known, so that where a touch leads is undetermined.
     """
     run = context.run
-    if context.guards[run.row + run.guard].jump == NO_JUMP or run.follow == 0 or run.shift != 0.0:
+    if run.leaving == 0 or run.follow == 0 or run.shift != 0.0:
         return False
-    return found == TOUCH or max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * context.w[ROUNDING_OF_G]
+    return max(-own, rate) * elapsed(run) <= 4.0 * MARGIN * context.w[ROUNDING_OF_G]
 
 
 @inlined
@@ -241,14 +253,13 @@ def switch_mode(context, log, found):
     if corner:
         status, kind = _CORNER, _CORNER_KIND
     elif guard.jump != NO_JUMP:
-        status, kind, row, rate = jump(context)
-        if status == _RUNNING and run.leaving == 1 and is_lost_in_rounding(context, found, own, rate):
-            visit = visit_of(guard.surface)
-            coming = context.w[visit + SHRINKING] >= _COMING
-            status = _ZENO if coming and since_visit(run, context.w, visit) < context.w[visit + GAP] else _GRAZING
-            kind = _GRAZING_KIND
-        elif status == _RUNNING and against:
-            status, kind = _UNSTABLE, _GRAZING_KIND
+        if run.follow == 1 and run.chain == 0 and not own < 0.0:  # it touches the surface: see `touch`
+            status, kind = _UNSTABLE if against else touch(context, guard.surface), _GRAZING_KIND
+            row, rate = here, own
+        else:
+            status, kind, row, rate = jump(context)
+            if status == _RUNNING and is_lost_in_rounding(context, own, rate):
+                status, kind = touch(context, guard.surface), _GRAZING_KIND
         at = 0 if run.leaving == 0 else 1 << run.guard if row == here else at
         hit.rate_after = along * (-run.sign if row == guard.to else run.sign) * rate
     else:
