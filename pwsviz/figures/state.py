@@ -47,6 +47,9 @@ MOST_MARKS = 400
 MARK = 6
 """Size in pixels of the mark of a crossing."""
 
+MARGIN = 0.04
+"""Margin of a panel above and below its curves, relative to their range."""
+
 WIDEST = 3.0
 """Ranges of the first integrator that the axis may hold; one that runs off leaves the picture."""
 
@@ -88,7 +91,7 @@ class Panel:
     """One coordinate against time; `show` only changes its data."""
 
     def __init__(self, k: int, shared: Shared) -> None:
-        self.up = DataRange1d(range_padding=0.08)
+        self.up = DataRange1d(range_padding=0)
         self.figure = plain_figure(SUMMARY, x_range=shared.across, y_range=self.up, min_border_left=LEFT)
         self.bands = {
             side: self.figure.add_glyph(source, side_strips(side)) for side, source in shared.segments.items()
@@ -147,8 +150,7 @@ class Panel:
             y=np.concatenate([run.steps[1][:, k] for run in runs]),
             colour=[look.colour for run, look in zip(runs, looks, strict=True) for _ in run.steps[0]],
         )
-        low, high = _range([run.bounds[k] for run in runs])
-        assign(self.corners, x=[0.0, 0.0], y=[low, high])
+        assign(self.corners, x=[0.0, 0.0], y=list(_range([run.bounds[k] for run in runs])))
 
 
 class StateView:
@@ -221,11 +223,12 @@ class StateView:
 
 
 def _range(bounds: Sequence[Floats]) -> tuple[float, float]:
-    """Range that holds the first curve, and the others as far as they stay near it."""
+    """Range that holds the first curve, and the others as far as they stay near it, and a margin."""
     low, high = bounds[0]
     around, size = 0.5 * (low + high), max(high - low, 1e-9 * abs(high), 1e-300)
     near = np.clip(np.array(bounds), around - 0.5 * WIDEST * size, around + 0.5 * WIDEST * size)
-    return float(near.min()), float(near.max())
+    margin = MARGIN * float(np.ptp(near))
+    return float(near.min()) - margin, float(near.max()) + margin
 
 
 def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int = 0) -> str:
@@ -241,18 +244,30 @@ def state_text(names: Sequence[str], runs: Sequence[StateCurves], crossings: int
         How many crossings the first one's run has.
     """
     first = runs[0]
-    ranges = [f"{name} from {_told(ends)}" for name, ends in zip(names, first.bounds, strict=True)]
-    off = " Its last part runs off and is not drawn." if first.runs_off else ""
+    ranges = [_told(name, runs, k) for k, name in enumerate(names[:MOST_PANELS])]
+    off = " Its last part runs off." if first.runs_off else ""
     more = f" Drawn are the first {MOST_PANELS} of {len(names)} coordinates." if len(names) > MOST_PANELS else ""
     marks = _whose(runs) + _how_many(crossings)
-    return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges[:MOST_PANELS])}.{off}{more}{marks}"
+    return f"{first.method} up to t = {first.t_end:.4g}: {', '.join(ranges)}.{off}{more}{marks}"
 
 
-def _told(ends: Floats) -> str:
-    """Return the two ends of a range in words; what is only round-off of the other end is 0."""
-    size = np.abs(ends).max()
-    low, high = np.where(np.abs(ends) < ROUND_OFF * MACHINE_EPSILON * size, 0.0, ends)
-    return f"{low:.4g} to {high:.4g}"
+def panel_text(name: str, runs: Sequence[StateCurves], k: int) -> str:
+    """Return what the panel of the k-th coordinate shows, for screen readers."""
+    others = f", and {', '.join(run.method for run in runs[1:])} beside it" if len(runs) > 1 else ""
+    return f"{SUMMARY.replace('Coordinate', f'Coordinate {name}')}. {runs[0].method}: {_told(name, runs, k)}{others}."
+
+
+def _told(name: str, runs: Sequence[StateCurves], k: int) -> str:
+    """Return the range of the first run in words, to the ends of the axis where it is cut; mere round-off is 0."""
+    ends = runs[0].reached[k]
+    seen = np.clip(ends, *_range([run.bounds[k] for run in runs]))
+    below, above = ends != seen
+    low, high = np.where(np.abs(seen) < ROUND_OFF * MACHINE_EPSILON * np.abs(seen).max(), 0.0, seen)
+    if below and above:
+        return f"{name} drawn from {low:.4g} to {high:.4g}"
+    if below:
+        return f"{name} up to {high:.4g}, drawn down to {name} = {low:.4g}"
+    return f"{name} from {low:.4g}{f', drawn up to {name} =' if above else ' to'} {high:.4g}"
 
 
 def _whose(runs: Sequence[StateCurves]) -> str:

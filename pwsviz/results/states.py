@@ -20,6 +20,9 @@ FEW_STEPS = 80
 OUTLIERS = 0.02
 """Part of the values at either end that the axis need not hold if the run may have run off."""
 
+NEAR = 1.0
+"""Range of the other values within which the axis holds these, too: what is beyond has run off."""
+
 
 @dataclass(frozen=True)
 class StateCurves:
@@ -35,6 +38,8 @@ class StateCurves:
         Times and states of the steps; empty if there are more than `FEW_STEPS`.
     bounds : (d, 2) array
         Least and greatest value of each coordinate, without outliers of a run that may have run off.
+    reached : (d, 2) array
+        Least and greatest value of each coordinate.
     runs_off : bool
         Whether it may have.
     t_end : float
@@ -45,6 +50,7 @@ class StateCurves:
     curves: tuple[tuple[Floats, Floats], ...]
     steps: tuple[Floats, Floats]
     bounds: Floats
+    reached: Floats
     runs_off: bool
     t_end: float
 
@@ -53,11 +59,13 @@ def state_curves(run: core.Trajectory) -> StateCurves:
     """Return the curves of a run, drawn through its steps and, where these are long, between them."""
     t, x = with_crossings(run.crossings, *_samples(run))
     few = slice(None) if len(run.t) <= FEW_STEPS else slice(0)
+    reached = _quantiles(x, 0.0)
     return StateCurves(
         method=run.method,
         curves=tuple(envelope(t, column, SAMPLES) for column in x.T),
         steps=(run.t[few], run.x[few]),
-        bounds=_bounds(x, OUTLIERS if run.status in RUNS_OFF else 0.0),
+        bounds=_without_outliers(x, reached) if run.status in RUNS_OFF else reached,
+        reached=reached,
         runs_off=run.status in RUNS_OFF,
         t_end=float(run.t[-1]),
     )
@@ -85,6 +93,12 @@ def with_crossings(crossings: core.Crossings, t: Floats, x: Floats) -> tuple[Flo
     return times[order], states[order]
 
 
-def _bounds(x: Floats, left_out: float) -> Floats:
+def _quantiles(x: Floats, left_out: float) -> Floats:
     """Return (d, 2): least and greatest value of each coordinate, but for this part of the values at either end."""
     return np.nanquantile(np.where(np.isfinite(x), x, np.nan), [left_out, 1.0 - left_out], axis=0).T
+
+
+def _without_outliers(x: Floats, reached: Floats) -> Floats:
+    """Return (d, 2): the least and greatest value of each coordinate where they are near the others, else theirs."""
+    usual = _quantiles(x, OUTLIERS)
+    return np.where(np.abs(reached - usual) <= NEAR * np.diff(usual), reached, usual)

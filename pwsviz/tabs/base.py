@@ -187,6 +187,10 @@ class Tab(pn.viewable.Viewer):
         self._drawn = self._system
         words = self.draw(outcome)
         self._say("".join(map(table_markup, self.numbers(outcome))) + as_text(words))
+        self._describe(words)
+
+    def _describe(self, words: str) -> None:
+        """Give screen readers the summary of each figure, and the words below it."""
         for pane, summary in zip(self.plots, self._summaries, strict=True):
             describe(pane.object, f"{summary}. {words}")
 

@@ -12,7 +12,8 @@ from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, portrait_tables
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.figures.state import StateView, state_text
+from pwsviz.figures.state import StateView, panel_text, state_text
+from pwsviz.figures.style import describe
 from pwsviz.geometry.projection import Axes, in_plane
 from pwsviz.results.requests import ErrorInputs, run_inputs
 from pwsviz.results.states import StateCurves
@@ -66,9 +67,14 @@ class StateTab(Tab):
             if self._portrait is not None:
                 link_crossings(self._portrait, panel, self.view.shared.instants)
         self._panels.objects = self.plots[: len(names)]
-        drawn = names[: len(self._panels.objects)]
-        self._summaries[: len(drawn)] = [f"Coordinate {name} against time" for name in drawn]
         return state_text(names, outcome.curves, len(outcome.first.crossings))
+
+    def _describe(self, words: str) -> None:
+        """Describe each panel by its own coordinate."""
+        if self.outcome is not None:
+            names, curves = self.outcome.first.system.variables, self.outcome.curves
+            for k, pane in enumerate(self._panels.objects):
+                describe(pane.object, panel_text(variable_name(names[k]), curves, k))
 
     def pictures(self) -> list[figure]:
         """Return all panels."""

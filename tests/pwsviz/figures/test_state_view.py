@@ -81,6 +81,17 @@ def test_what_is_not_marked_of_a_long_run_is_told():
     assert "Marked" not in state_text(run.system.variables, curves, 400)
 
 
+def test_the_range_of_a_run_that_runs_off_begins_where_it_starts_and_ends_where_the_picture_does():
+    system = core.PiecewiseSystem("Own", ("x", "y"), ("1", "x**2 + y**2 + 1"), ("1", "x**2 + y**2"), "y", x0=(0, -1))
+    view, curves, run = shown(system, methods=("rk2",))
+    assert run.status is core.Status.ESCAPED
+    x, y = (panel.corners.data["y"] for panel in view.panels)
+    assert x[0] < 0.0 and x[1] > run.t[-1], "x = t is drawn whole"
+    assert y[0] < -1.0 and y[1] < run.x[:, 1].max()
+    told = state_text(run.system.variables, curves)
+    assert f"x from 0 to {run.t[-1]:.4g}, y from -1, drawn up to y = {y[1]:.4g}." in told
+
+
 def test_what_is_round_off_of_the_size_of_a_coordinate_is_told_as_zero():
     _, curves, run = shown("bouncing_ball")
     assert 0.0 < abs(curves[0].bounds[0, 0]) < 1e-15, "a bounce takes the ball to the floor but for round-off"
