@@ -87,7 +87,8 @@ def test_the_range_of_a_run_that_runs_off_begins_where_it_starts_and_ends_where_
     assert run.status is core.Status.ESCAPED
     x, y = (panel.corners.data["y"] for panel in view.panels)
     assert x[0] < 0.0 and x[1] > run.t[-1], "x = t is drawn whole"
-    assert y[0] < -1.0 and y[1] < run.x[:, 1].max()
+    assert y[0] < -1.0
+    assert y[1] < run.x[:, 1].max()
     told = state_text(run.system.variables, curves)
     assert f"x from 0 to {run.t[-1]:.4g}, y from -1, drawn up to y = {y[1]:.4g}." in told
 
