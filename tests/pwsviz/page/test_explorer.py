@@ -445,7 +445,7 @@ def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
     assert [plot.yaxis.axis_label for plot in state.figures] == ["x", "v"]
     said = [plot.html_attributes["aria-label"] for plot in state.figures]
     assert [words.partition(" against time. ")[0] for words in said] == ["Coordinate x", "Coordinate v"]
-    assert "v from" not in said[0] and "x from" not in said[1], "each panel tells of its own coordinate"
+    assert not ("v from" in said[0] or "x from" in said[1]), "each panel tells of its own coordinate"
 
 
 def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
