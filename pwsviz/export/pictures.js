@@ -33,7 +33,7 @@ const composed = async (views, wish) => {
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
   const words = [...pictures.map(one => one.note), wish.caption].filter(Boolean).join(" ")
   const lines = wrapped(words, picture.width - 2 * GAP, SMALL), step = LEADING * SMALL
-  const height = picture.height + (lines.length > 0 ? 2 * GAP + step * lines.length : 0)
+  const height = picture.height + (lines.length > 0 ? 2 * GAP + step * lines.length : GAP / 2)
   const svg = node("svg", {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
     height: `${wish.millimetres * height / picture.width}mm`, viewBox: `0 0 ${picture.width} ${height}`,

@@ -245,7 +245,7 @@ class OrderView:
     def _curve_glyphs(self) -> None:
         plot = self.figure
         self.fits = ColumnDataSource({"xs": [], "ys": [], "colour": []})
-        fits = plot.multi_line("xs", "ys", source=self.fits, color="colour", alpha=0.25, line_width=9, line_cap="round")
+        fits = plot.multi_line("xs", "ys", source=self.fits, color="colour", alpha=0.25, line_width=6, line_cap="round")
         self.curves = ColumnDataSource({name: [] for name in ("xs", "ys", "colour", "dash", "label", *MARK_COLUMNS)})
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
         self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "label")})

@@ -110,8 +110,8 @@ class Tab(pn.viewable.Viewer):
         return any(bool(self.results.run(one).sliding.any()) for one in run_inputs(self.scene))
 
     def pictures(self) -> list[figure]:
-        """Return the figures on screen that are saved as one picture; the first by default."""
-        return [pane.object for pane in self.plots[:1]]
+        """Return the figures on screen that are saved as one picture; the first by default, if it is there."""
+        return [pane.object for pane in self.plots[:1] if pane.visible]
 
     def program(self) -> str:
         """Return the lines of Python that repeat the study, to follow those of the runs; none by default."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.plotting import figure
 
 from pwsviz.export.files import Tables
 from pwsviz.export.script import sweep_program
@@ -70,6 +71,10 @@ class SweepTab(LongTab):
         self.view.mark(present, parameter_name(outcome.inputs))
         self._place.visible = bool(outcome.counts.any())
         return f"{sweep_text(outcome, present)} {about_crossings(self.scene, locates=True)}".strip()
+
+    def pictures(self) -> list[figure]:
+        """Return the diagram, if there is one."""
+        return super().pictures() if self._place.visible else []
 
     def numbers(self, outcome: Diagram) -> Sequence[Numbers]:
         """Return how many values end early, and where."""
