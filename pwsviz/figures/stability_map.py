@@ -43,7 +43,7 @@ CEILING = 1.0
 LIMIT = "largest τ that works: "
 """Legend of the lines, before the name of the integrator."""
 
-PLACE = "τ and start in the sidebar"
+PLACE = "chosen τ and start"
 """Legend of the cross."""
 
 LABEL = 0.06

@@ -160,6 +160,17 @@ def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visi
                 assert min(across, down / 2) < 2, (points, one["words"], other["words"])  # lines have leading
 
 
+def test_a_picture_without_a_caption_ends_below_its_legend(visit):
+    page = visit(query="t_end=2")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_label("with caption").uncheck()
+    seen = page.evaluate(PLACES, downloaded(page, page.get_by_role("button", name="SVG").first).decode())
+    lowest = max(text["box"][3] for text in seen["texts"])
+    assert seen["page"][3] - lowest > 3
+
+
 def test_panels_of_one_figure_stand_below_one_another(visit):
     law = ("y/1000000", "-1000000*x")  # whose coordinates have labels of different widths
     scene = Scene()

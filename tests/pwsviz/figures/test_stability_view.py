@@ -219,7 +219,7 @@ def test_the_cross_has_an_entry_in_the_legend_once_it_is_there(study):
     assert not entry.visible
     view.mark(0.1, -1.0)
     assert entry.visible
-    assert entry.label.value == "τ and start in the sidebar"
+    assert entry.label.value == "chosen τ and start"
 
 
 def test_every_outcome_has_words_and_different_words_differ_in_colour():
