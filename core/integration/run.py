@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from operator import itemgetter
 from typing import Self
 
 import numpy as np
@@ -36,7 +37,7 @@ _T, _T_CARRY, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
 _STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _MAX_CROSSINGS, _MAX_EVENTS = (
     FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "max_crossings", "max_events")
 )
-_LOOKS = tuple(FIELDS[name] for name in ("looks", "look_segment", "crossings", "changes", "doublings"))
+_LOOKS = itemgetter(*(FIELDS[name] for name in ("looks", "look_segment", "crossings", "changes", "doublings")))
 
 
 class Run:
@@ -150,9 +151,10 @@ class Run:
     @property
     def unlike(self) -> Floats:
         """(k, 3 + d) see `Trajectory.unlike`."""
-        looks, segment, crossings, changes, doublings = (self.wholes[place] for place in _LOOKS)
+        looks, segment, crossings, changes, doublings = _LOOKS(self.wholes)
         last = begun_rows(looks) if segment == crossings else []
-        return self.memory.looks[[*last, *kept_rows(changes, doublings, len(self.start))]]
+        rows = np.array([*last, *kept_rows(changes, doublings, len(self.start))], dtype=np.intp)
+        return self.memory.looks.take(rows, axis=0)
 
     @property
     def samples(self) -> Floats:
