@@ -445,7 +445,8 @@ def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
     assert [plot.yaxis.axis_label for plot in state.figures] == ["x", "v"]
     said = [plot.html_attributes["aria-label"] for plot in state.figures]
     assert [words.partition(" against time. ")[0] for words in said] == ["Coordinate x", "Coordinate v"]
-    assert not ("v from" in said[0] or "x from" in said[1]), "each panel tells of its own coordinate"
+    assert "v from" not in said[0], "each panel tells of its own coordinate"
+    assert "x from" not in said[1]
 
 
 def test_of_a_view_that_has_no_figure_no_picture_is_offered(explorer):
