@@ -69,7 +69,8 @@ def query(scene: Scene) -> str:
     usual, pieces = Scene(), [_piece("v", str(VERSION))]
 
     def differs(key: str) -> bool:
-        return _matters(scene, key) and _text(scene, key) != _text(usual, key)
+        kept = key == "own" or _matters(scene, key)  # beside another system, too: a reload would lose what was typed
+        return kept and _text(scene, key) != _text(usual, key)
 
     for key in filter(differs, _FIRST):  # lazily: the defaults depend on the settings before
         pieces.append(_piece(key, _text(scene, key)))

@@ -457,14 +457,6 @@ def test_of_a_view_that_has_no_figure_no_picture_is_offered(explorer):
     assert list(conserved.figures) == []
 
 
-def test_of_a_view_that_has_no_figure_no_picture_is_offered(explorer):
-    explorer.scene.accept("system", "relay_feedback")
-    explorer.scene.view = "conserved"  # it has no ψ
-    assert explorer.settle(20)
-    _, conserved = explorer._pieces()
-    assert list(conserved.figures) == []
-
-
 def test_no_figure_of_another_system_stays_where_a_study_is_refused(explorer):
     explorer.scene.view = "order"
     assert explorer.settle(60)
