@@ -9,6 +9,7 @@ from pwsviz.scene.equations import equations, indexed
 from pwsviz.scene.names import short_name
 from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
+from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, listed
 
@@ -55,7 +56,7 @@ def about(
     parts = {"program": release(), "link": link, "scene": digest(scene)}
     parts |= {"system": scene.declaration.name, "equations": equations(scene.declaration)}
     return parts | {
-        "variables": f"{', '.join(scene.declaration.variables)}; a column of such a name has its values",
+        "variables": f"{', '.join(map(_both_names, scene.declaration.variables))}; a column of such a name has its values",
         "parameters": _parameters(scene),
         "starts": _starts(scene, every_start),
         "integration": how or _integration(scene, slid),
@@ -79,6 +80,11 @@ def caption(scene: Scene, title: str, how: str = "", *, every_start: bool = True
     return printed(indexed(f"{title}, {parts['system']}: {laws}{values}. {how}"))
 
 
+def _both_names(name: str) -> str:
+    """Return the name of a variable as columns have it, and in brackets as equations do if that is another."""
+    return name if variable_name(name) == name else f"{name} (in equations {variable_name(name)})"
+
+
 def _parameters(scene: Scene) -> str:
     symbols = {q.name: short_name(q) for q in scene.declaration.parameters}
     return printed(", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items()))
@@ -89,7 +95,7 @@ def _starts(scene: Scene, every: bool) -> str:
     count, chosen = len(scene.starts), min(scene.selected, len(scene.starts) - 1)
     used = scene.starts if every else scene.starts[chosen : chosen + 1]
     points = "; ".join(f"({', '.join(f'{x:.15g}' for x in start)})" for start in used)
-    names = ", ".join(scene.declaration.variables)
+    names = ", ".join(map(variable_name, scene.declaration.variables))
     which = f", start {chosen + 1} of {count}" if len(used) < count else ""
     return printed(f"started at ({names}) = {points}{which}")
 

@@ -9,6 +9,7 @@ from core.studies import NOT_YET, Drift, Grazing, LargestTau, OutcomeMap
 from pwsviz.figures.marks import ENDS
 from pwsviz.figures.stability_outcomes import OUTCOMES, outcomes_shown
 from pwsviz.text.advice import on_page
+from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import plural, rounded_up
@@ -22,7 +23,7 @@ UNKNOWN = "–"
 def side_words(study: core.StabilityStudy, side: int) -> str:
     """Return one side of the tangency, such as “x < −1.55”."""
     value = np.nan if study.grazing is None else study.grazing.value
-    return printed(f"{study.coordinate_name} {'<>'[side]} {value:.6g}")
+    return printed(f"{variable_name(study.coordinate_name)} {'<>'[side]} {value:.6g}")
 
 
 def wrong_number(grazing: Grazing) -> str:
@@ -70,7 +71,7 @@ def _drift_words(drift: Drift) -> str:
 
 def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     """Say where the tangency is."""
-    name = study.coordinate_name
+    name = variable_name(study.coordinate_name)
     if not grazing.found:
         return f"No tangency was found: for no {name} in the range searched does the trajectory touch the surface."
     place = ", ".join(f"{v:.4g}" for v in grazing.state)

@@ -25,6 +25,7 @@ from pwsviz.scene.validation import (
     window,
 )
 from pwsviz.scene.views import SWEEP_SETTINGS, VIEWS
+from pwsviz.text.math_names import variable_name
 
 if TYPE_CHECKING:
     from pwsviz.scene.scene import Scene
@@ -83,7 +84,7 @@ def checked_number(scene: Scene, name: str, _: str, value: object) -> float:
 def accepted_start(scene: Scene, value: object) -> Start:
     """Return an initial state; ValueError if no trajectory can start there."""
     wanted = value if isinstance(value, tuple) else ()
-    names = scene.declaration.variables
+    names = list(map(variable_name, scene.declaration.variables))
     if len(wanted) != len(names):
         raise ValueError(f"A start needs {len(names)} numbers: {', '.join(names)}.")
     start = tuple(number(x, name, -MAX_COORDINATE, MAX_COORDINATE) for name, x in zip(names, wanted, strict=True))

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import core
 from pwsviz.geometry.shades import region_name
 from pwsviz.scene.names import readable
-from pwsviz.text.math_names import numbered
+from pwsviz.text.math_names import numbered, variable_name
 
 __all__ = ["equations", "indexed"]
 
@@ -25,7 +25,8 @@ def equations(system: core.PiecewiseSystem) -> str:
     for mode, region in regions:
         where, psi = words.get(mode.name, (f"region {region_name(mode)}", "ψ"))
         rates = [
-            f"{variable}′ = {readable(rate, system)}" for variable, rate in zip(system.variables, region.f, strict=True)
+            f"{variable_name(variable)}′ = {readable(rate, system)}"
+            for variable, rate in zip(system.variables, region.f, strict=True)
         ]
         laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {readable(one, system)}" for one in region.psi)]))
     names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]

@@ -30,6 +30,7 @@ from pwsviz.results.sections import SectionPoints, SectionPortion
 from pwsviz.scene.names import LABELS, SECTION_DIRECTIONS, readable
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
+from pwsviz.text.math_names import variable_name
 from pwsviz.text.typed import as_typed
 from pwsviz.text.words import as_text, complaint, listed
 from pwsviz.widgets.dropdown import Dropdown
@@ -236,8 +237,9 @@ class SectionTab(LongTab):
             self.note.object = complaint(reason)
             return
         self._before, self._placed = before, scene.starts
-        state = ", ".join(f"{name} = {value:.6g}" for name, value in zip(system.variables, found.x, strict=True))
-        hidden = [name for k, name in enumerate(system.variables) if k not in given]
+        names = list(map(variable_name, system.variables))
+        state = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, found.x, strict=True))
+        hidden = [name for k, name in enumerate(names) if k not in given]
         taken = f"; {listed(hidden)} from {listed(found.taken)}" if hidden and found.taken else ""
         on = on_section(scene.build(), scene.section_of, found.x)
         elsewhere = "" if on else f" There {'h' if scene.section_of else 'g'} ≠ 0 at t = 0: its points lie elsewhere."

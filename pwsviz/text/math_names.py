@@ -25,8 +25,8 @@ _SIGNS = {"-": "−", "'": "′"}
 _COMMANDS = {
     "pm": "±", "sum": "∑", "cdots": "⋯", "ldots": "…", "leftarrow": "←", "circ": "∘", "top": "⊤",
 }  # fmt: skip
-_UNICODE = {"{-}": "₋", "{+}": "₊", "^2": "²", "^3": "³", "_": ""}
-_LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_UNICODE = {"^2": "²", "^3": "³"}
+_LOWERED = str.maketrans("0123456789-+", "₀₁₂₃₄₅₆₇₈₉₋₊")
 _ACCENTED = "|".join(_ACCENTS)
 #: A base with at most two scripts, each a character, a command or a group in braces. Each part of a base has one way to
 #: match, so that no text takes long.
@@ -93,7 +93,8 @@ def default_name(name: str) -> str:
 def unicode_name(latex: str, otherwise: str) -> str:
     """Return the LaTeX of a symbol in Unicode (a₋, ω²₊, x₁), or another name where Unicode cannot express it."""
     text = re.sub(r"\\([A-Za-z]+)", lambda found: greek_unicode.get(found[1], found[0]), latex)
-    text = re.sub(r"_(?:\{(\d+)\}|(\d))", lambda found: (found[1] or found[2]).translate(_LOWERED), text)
+    text = re.sub(r"_(?:\{(\d+|[-+])\}|([-+\d]))", lambda found: (found[1] or found[2]).translate(_LOWERED), text)
+    text = re.sub(r"_\{(\w+)\}", r"_\1", text)  # letters: few of them can be lowered
     for part, character in _UNICODE.items():
         text = text.replace(part, character)
     return otherwise if set(text) & set("\\{}^") else text

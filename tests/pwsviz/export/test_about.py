@@ -5,7 +5,7 @@ import pytest
 import core
 from pwsviz.export.about import about, caption
 from pwsviz.scene.scene import Scene
-from pwsviz.text.math_names import numbered
+from pwsviz.text.math_names import numbered, variable_name
 from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY, WALL
 
 SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
@@ -31,8 +31,9 @@ def test_a_caption_names_all_regions_with_the_rate_of_every_variable(system):
         name = "on both sides" if on_both_sides(system) else name
         name = name.replace("-", "−") if system.surfaces else name
         (told,) = [part for part in parts if part.startswith(f"{name}: ")]
-        assert told.startswith(f"{name}: {system.variables[0]}′ = ")
-        assert all(f"{variable}′ = " in told for variable in system.variables)
+        names = list(map(variable_name, system.variables))
+        assert told.startswith(f"{name}: {names[0]}′ = ")
+        assert all(f"{variable}′ = " in told for variable in names)
         assert told.count("ψ") == len(law.psi)
     told = caption(scene_of(system), "Phase portrait")
     assert told.startswith(f"Phase portrait, {system.name}: ")
@@ -94,3 +95,12 @@ def test_the_start_of_a_study_is_named_and_sliding_only_where_a_run_slides():
     assert about(scene, every_start=False)["starts"] == "started at (x, y) = (−1, −0.5), start 2 of 2"
     assert "sliding" in caption(scene, "Phase portrait")
     assert "sliding" not in caption(scene, "Phase portrait", slid=False)
+
+
+def test_a_variable_has_one_name_in_all_of_a_caption():
+    told = caption(scene_of(core.CATALOGUE["vibrating_table"]), "State")
+    assert "φ′ = ω" in told
+    assert "Started at (φ, y, v) = " in told
+    assert "phi" not in told
+    assert about(scene_of(core.CATALOGUE["vibrating_table"]))["variables"].startswith("phi (in equations φ), y, v;")
+    assert "μ_s" in caption(scene_of(core.CATALOGUE["stick_slip"]), "State"), "no microseconds"
