@@ -56,14 +56,16 @@ def about(
     parts = {"program": release(), "link": link, "scene": digest(scene)}
     parts |= {"system": scene.declaration.name, "equations": equations(scene.declaration)}
     return parts | {
-        "variables": f"{', '.join(map(_both_names, scene.declaration.variables))}; a column of such a name has its values",
+        "variables": f"{', '.join(map(_both_names, scene.declaration.variables))}; columns of such names have the values",
         "parameters": _parameters(scene),
         "starts": _starts(scene, every_start),
         "integration": how or _integration(scene, slid),
     }
 
 
-def caption(scene: Scene, title: str, how: str = "", *, every_start: bool = True, slid: bool = True) -> str:
+def caption(
+    scene: Scene, title: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True
+) -> str:
     """Return the caption of a picture: its title, the equations, the parameters and the method.
 
     Parameters
@@ -72,9 +74,11 @@ def caption(scene: Scene, title: str, how: str = "", *, every_start: bool = True
         As in `about`.
     title : str
         What the picture shows.
+    free : str
+        A parameter that has many values in it, whose present one is left out.
     """
     parts = about(scene, how=how, every_start=every_start, slid=slid)
-    values = f"; {parts['parameters']}" if parts["parameters"] else ""
+    values = f"; {values}" if (values := _parameters(scene, free)) else ""
     how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
     laws = parts["equations"] if len(parts["equations"]) <= LONGEST else OMITTED
     return printed(indexed(f"{title}, {parts['system']}: {laws}{values}. {how}"))
@@ -85,9 +89,9 @@ def _both_names(name: str) -> str:
     return name if variable_name(name) == name else f"{name} (in equations {variable_name(name)})"
 
 
-def _parameters(scene: Scene) -> str:
+def _parameters(scene: Scene, free: str = "") -> str:
     symbols = {q.name: short_name(q) for q in scene.declaration.parameters}
-    return printed(", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items()))
+    return printed(", ".join(f"{symbols[name]} = {value:.15g}" for name, value in scene.values.items() if name != free))
 
 
 def _starts(scene: Scene, every: bool) -> str:

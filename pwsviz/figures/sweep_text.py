@@ -162,8 +162,16 @@ def surface_words(inputs: SweepInputs) -> str:
     return name + {0: "", 1: f", where {g} rises", -1: f", where {g} falls"}[inputs.direction]
 
 
-def sweep_how(inputs: SweepInputs) -> str:
-    """Return how a diagram was made, for files and captions."""
+def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
+    """Return how a diagram was made, for files and captions.
+
+    Parameters
+    ----------
+    inputs
+        What the diagram was made of.
+    present
+        Value of the parameter on the page, which the dashed line marks if it lies in the diagram.
+    """
     scheme, name = inputs.scheme, parameter_name(inputs)
     begins = {
         "none": "each run begins at the start",
@@ -172,12 +180,13 @@ def sweep_how(inputs: SweepInputs) -> str:
     }[inputs.continuation]
     left = f"after {inputs.discard:,} that are left out, " if inputs.discard else ""
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
+    line = f"; the dashed line is {name} = {present:.15g}" if inputs.low <= present <= inputs.high else ""
     return printed(
         f"diagram of {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
         f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {left}{plural(inputs.points, 'point')} of each, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
-        f"{at_surface(scheme.locate, scheme.slide)}"
+        f"{at_surface(scheme.locate, scheme.slide)}{line}"
     )
 
 

@@ -54,6 +54,8 @@ class Piece(NamedTuple):
     """Whether it shows runs from all starts, or from the selected one alone."""
     slid: bool = True
     """Whether one of the runs slides."""
+    free: str = ""
+    """The parameter that has many values in it, if one has."""
 
     @property
     def origin(self) -> dict[str, Any]:
@@ -155,14 +157,14 @@ class ExportDialog(pn.viewable.Viewer):
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
-        wish["caption"] = caption(self.scene, piece.title, **piece.origin)
+        wish["caption"] = caption(self.scene, piece.title, free=piece.free, **piece.origin)
         button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(piece.figures))
         return button
 
     def _copy_caption(self, piece: Piece) -> Any:
         """Return a button that copies the caption of a picture as text, without the server."""
         button = pmui.Button(label="Copy caption", icon="content_copy", variant="text", size="small", sx=PLAIN_SX)
-        words = caption(self.scene, piece.title, **piece.origin)
+        words = caption(self.scene, piece.title, free=piece.free, **piece.origin)
         button.js_on_click(args={"words": words}, code="navigator.clipboard.writeText(words)")
         return button
 

@@ -109,6 +109,10 @@ class Tab(pn.viewable.Viewer):
         """Whether one of the runs from the selected start slides."""
         return any(bool(self.results.run(one).sliding.any()) for one in run_inputs(self.scene))
 
+    def free(self) -> str:
+        """Return the parameter that has many values in the figures; empty if none has."""
+        return ""
+
     def pictures(self) -> list[figure]:
         """Return the figures on screen that are saved as one picture; the first by default, if it is there."""
         return [pane.object for pane in self.plots[:1] if pane.visible]

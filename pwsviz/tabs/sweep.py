@@ -117,9 +117,13 @@ class SweepTab(LongTab):
         """Return a row for each point, and a row for each value."""
         return sweep_tables(self.outcome) if self.outcome is not None else {}
 
+    def free(self) -> str:
+        """Return the parameter that is swept."""
+        return swept_parameter(self.scene) or ""
+
     def how(self, outcome: Diagram) -> str:
         """Return how the diagram was made."""
-        return sweep_how(outcome.inputs)
+        return sweep_how(outcome.inputs, self.scene.values.get(outcome.inputs.parameter, math.nan))
 
     def program(self) -> str:
         """Return the lines that repeat the sweep."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import core
+from pwsviz.export.about import caption
 from pwsviz.export.tables import sweep_tables
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.page.explorer import Explorer
@@ -39,6 +40,15 @@ def test_a_click_sets_the_parameter_and_computes_no_diagram(page):
     assert page.results.computed["sweep"] == before
     tab._go(-5.0)
     assert page.scene.values["belt"] == 0.05, "the nearest that the parameter may have"
+
+
+def test_a_caption_gives_no_one_value_to_the_parameter_that_is_swept(page):
+    page.scene.values = {**page.scene.values, "belt": 0.25}
+    page.settle(60)
+    _, piece = page._pieces()
+    told = caption(page.scene, piece.title, free=piece.free, **piece.origin)
+    assert "; w = " not in told
+    assert "the dashed line is w = 0.25" in told
 
 
 def test_values_in_sight_are_swept_again(page):
