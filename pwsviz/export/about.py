@@ -56,7 +56,7 @@ def about(
     parts = {"program": release(), "link": link, "scene": digest(scene)}
     parts |= {"system": scene.declaration.name, "equations": equations(scene.declaration)}
     return parts | {
-        "variables": f"{', '.join(map(_both_names, scene.declaration.variables))}; columns of such names have the values",
+        "variables": f"{_variables(scene)}; a column of such a name has its values",
         "parameters": _parameters(scene),
         "starts": _starts(scene, every_start),
         "integration": how or _integration(scene, slid),
@@ -84,9 +84,10 @@ def caption(
     return printed(indexed(f"{title}, {parts['system']}: {laws}{values}. {how}"))
 
 
-def _both_names(name: str) -> str:
-    """Return the name of a variable as columns have it, and in brackets as equations do if that is another."""
-    return name if variable_name(name) == name else f"{name} (in equations {variable_name(name)})"
+def _variables(scene: Scene) -> str:
+    """Return the variables as columns are named, and in brackets as equations name them if that differs."""
+    names = ((name, variable_name(name)) for name in scene.declaration.variables)
+    return ", ".join(name if shown == name else f"{name} (in equations {shown})" for name, shown in names)
 
 
 def _parameters(scene: Scene, free: str = "") -> str:

@@ -75,6 +75,12 @@ LOST = 0.1
 NEAR_ONE = 10.0
 """Factor by which the size of ψ’s terms must differ from 1 for a drift to be stated relative to it, too."""
 
+DRIFT_OF_PSI = "of ψ, |Δψ|"
+"""Whose numerical drift the vertical axis shows."""
+
+DRIFT_OF_G = "of g while sliding, |Δg|"
+"""The same where a run slides."""
+
 SUMMARY = "Absolute change of the conserved quantity against time, on a logarithmic axis"
 
 
@@ -86,7 +92,7 @@ class ConservedView:
             SUMMARY,
             y_axis_type="log",
             x_axis_label="time t",
-            y_axis_label="numerical drift of ψ, |Δψ|",
+            y_axis_label=f"numerical drift {DRIFT_OF_PSI}",
             x_range=DataRange1d(range_padding=2 * BESIDE),
             y_range=DataRange1d(range_padding=0.06),
         )
@@ -155,15 +161,17 @@ class ConservedView:
         """
         lines = together(line_of(curve.method) for curve in errors)
         heights = [drawable(curve.error[1:]) for curve in errors]
+        lines_drawn = [_apart(curve, y) for curve, y in zip(errors, heights, strict=True)]
         assign(
             self.curves,
-            xs=[curve.t[1:] for curve in errors],  # without the start, where the change is 0 by definition
-            ys=heights,
+            xs=[t for t, _ in lines_drawn],
+            ys=[y for _, y in lines_drawn],
             method=[curve.method for curve in errors],
             colour=[line.colour for line in lines],
             dash=[list(line.dash) for line in lines],
             width=widths_in_time(lines),
         )
+        self.figure.yaxis[0].axis_label = axis_name(errors)
         self._show_exits(errors, heights)
         show_methods(self.methods, [curve.method for curve in errors])
         self._show_segments(errors[0])
@@ -222,6 +230,42 @@ class ConservedView:
         self.levels.spans[-1].visible = not grows
         drawn = slice(None) if grows else slice(0)
         assign(self.round_off, t=first.t[drawn], y=np.clip(level, FLOOR, CEILING)[drawn])
+
+
+def axis_name(curves: Sequence[ErrorCurve]) -> str:
+    """Return what is drawn: |Δψ|, |Δg| where runs slide, or both."""
+    slides = any(np.isfinite(curve.error[curve.sliding]).any() for curve in curves)
+    other = any((~curve.sliding & np.isfinite(curve.error)).any() for curve in curves)
+    return f"numerical drift {'; '.join(filter(None, (DRIFT_OF_PSI * (other or not slides), DRIFT_OF_G * slides)))}"
+
+
+def meaning(curves: Sequence[ErrorCurve]) -> str:
+    """Return what is drawn, in the sentences of a caption."""
+    name, words = axis_name(curves), []
+    if DRIFT_OF_PSI in name:
+        words.append(
+            "|Δψ| is the change of ψ since the start: the sum of its changes over the pieces between crossings, where ψ "
+            "is constant along the solution; what ψ changes by at a crossing, from one law to the next, is left out"
+        )
+        words.append(
+            f"The line “round-off” is {ROUND_OFF:g} machine ε times the size of ψ’s terms, |ψ| + Σ |xₖ ∂ψ/∂xₖ|, the "
+            "greatest so far"
+        )
+    if DRIFT_OF_G in name:
+        words.append(
+            "While a run slides, |Δg| is drawn: the distance from g = 0, in units of g, counted afresh each time"
+        )
+    return ". ".join(words) + "."
+
+
+def _apart(curve: ErrorCurve, heights: Floats) -> tuple[Floats, Floats]:
+    """Return the line of a curve without its start, where the change is 0, and with gaps where sliding begins or ends.
+
+    What changes is g there, and ψ elsewhere: no line joins the two.
+    """
+    gaps = 1 + np.flatnonzero(np.diff(curve.sliding[1:]))
+    t = curve.t[1:]
+    return np.insert(t, gaps, t[gaps]), np.insert(heights, gaps, np.nan)
 
 
 def drawable(error: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pwsviz.figures.section_prospects import prospects, reset_words
-from pwsviz.geometry.section_crossings import is_one_way
+from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
 from pwsviz.scene.names import readable
@@ -61,6 +61,8 @@ def _ended(outcome: SectionPoints, reason: str, which: list[int]) -> str:
     inputs, counts = outcome.inputs, [outcome.counts[k] for k in which]
     names, by = listed([str(k + 1) for k in which]), f" by t = {outcome.ends[which[0]]:.6g}" * (len(which) == 1)
     found = f"{', '.join(f'{count:,}' for count in counts)} point{'s' * (counts != [1])}{by}"
+    if len(which) == 1 and counts[0] and outcome.of_start(which[0]).t[-1] == outcome.ends[which[0]]:
+        found += ", the last where it ends, which counts neither as a jump nor as a crossing"
     if not any(counts):
         found = f"no point{by}"
         if not inputs.discard:
@@ -80,7 +82,7 @@ def section_how(outcome: SectionPoints) -> str:
     left = f", after {inputs.discard:,} that are left out" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
     points = f"at most {plural(inputs.points, 'point')} of each start{left}"
-    crossings = at_surface(inputs.scheme.locate, inputs.scheme.slide)
+    crossings = at_surface(inputs.scheme.locate, inputs.scheme.slide and may_slide(inputs.problem.declaration))
     by = f"integrated by {inputs.scheme.method} with {step}; {crossings}"
     return f"points on {surface_words(inputs)}{after}: {points}; {by}"
 

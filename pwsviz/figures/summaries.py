@@ -13,14 +13,14 @@ from pwsviz.figures.style import Line, line_of, together
 from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
-from pwsviz.text.words import as_text, duration, listed, plural, rounded_up
+from pwsviz.text.words import as_text, duration, listed, plural, rounded
 
 
 def run_line(summary: Summary, line: Line) -> str:
-    """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, |Δψ| ≤ 9e-16”."""
+    """Return the figures of one run, such as “dmm2: 2,000 steps, 21 crossings, 0.2 ms, max |Δψ| = 8.2e-16”."""
     figures = f"{plural(summary.steps, 'step')}, {summary.course}, {duration(summary.seconds)}"
     if math.isfinite(summary.worst_error):
-        figures += f', <span style="white-space: nowrap">|Δψ| ≤ {rounded_up(summary.worst_error)}</span>'
+        figures += f', <span style="white-space: nowrap">max |Δψ| = {rounded(summary.worst_error)}</span>'
     return f'<div class="run">{swatch(line)}<span><b>{escape(summary.method)}</b>: {figures}</span></div>'
 
 
@@ -72,6 +72,31 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
         usual = listed([str(k) for k in STUDY_CROSSINGS])
         words += f" The trajectory has fewer crossings than the usual ones, {usual}."
     return words
+
+
+def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
+    """Return at which times an order study compares, and what it counts as crossings; empty before that is known.
+
+    Parameters
+    ----------
+    states
+        Whether states are compared, or else times of crossings.
+    slides
+        Whether the trajectory slides.
+    """
+    if not math.isfinite(study.times[-1]):
+        return ""
+    counted = listed([str(k) for k in study.crossings])
+    own = "whatever the end time of the page"
+    if states:
+        first, *later = (f"{t:.4g}" for t in study.times)
+        words = (
+            f"‖x − x*‖ is the Euclidean norm, at t = {first}, halfway to the first crossing, and at "
+            f"t = {listed(later)}, halfway from crossing {counted} to the next, {own}"
+        )
+    else:
+        words = f"Crossings {counted} are compared, up to t = {study.times[-1]:.4g}, {own}"
+    return words + "; sliding begins and ends with a crossing, and both are counted" * slides + "."
 
 
 def fit_rule(shown: Sequence[Studied]) -> str:

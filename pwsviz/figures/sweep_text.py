@@ -13,7 +13,7 @@ from pwsviz.figures.section_prospects import prospects, reset_words
 from pwsviz.figures.stability_outcomes import OUTCOMES, Outcome
 from pwsviz.figures.style import GREY
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.section_crossings import is_one_way
+from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.geometry.section_plane import TURN, angles, coordinate_label
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import NO_START, Diagram
@@ -186,7 +186,7 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
         f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
         f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {left}{plural(inputs.points, 'point')} of each, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
-        f"{at_surface(scheme.locate, scheme.slide)}{line}"
+        f"{at_surface(scheme.locate, scheme.slide and may_slide(inputs.problem.declaration))}{line}"
     )
 
 

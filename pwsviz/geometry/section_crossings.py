@@ -10,7 +10,7 @@ from core.diagnostics import constant_sign, rate_on_surface, ratio
 from core.maps import own_surface
 from core.symbolic import Mode, Way
 
-__all__ = ["chosen_direction", "has_reset", "is_one_way", "usual_direction"]
+__all__ = ["chosen_direction", "has_reset", "is_one_way", "may_slide", "usual_direction"]
 
 
 @lru_cache(maxsize=256)
@@ -55,6 +55,12 @@ def usual_direction(system: core.PiecewiseSystem, of: str, slides: bool) -> int:
     surfaces = {way.surface for _, way in ways}
     both = all(_signs(system, [one for one in ways if one[1].surface == k]) >= {-1, 1} for k in surfaces)
     return int(both and not _one_way(system, of) and not (slides and any(_may_slide(system, *one) for one in ways)))
+
+
+@lru_cache(maxsize=256)
+def may_slide(system: core.PiecewiseSystem) -> bool:
+    """Return whether runs may slide along a surface: false where the rates of g always have one sign on both sides."""
+    return any(_may_slide(system, *one) for one in _ways(system, ""))
 
 
 def _ways(system: core.PiecewiseSystem, of: str) -> Iterator[tuple[Mode, Way]]:

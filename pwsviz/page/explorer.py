@@ -296,7 +296,8 @@ class Explorer(pn.viewable.Viewer):
         pieces = [Piece("Phase portrait", tables, [panel.portrait.figure], slid=slid)]
         if view.outcome is not None:
             how = view.how(view.outcome)
-            pieces.append(Piece(title, view.tables(), view.pictures(), how, view.every_start, view.slid, view.free()))
+            said = how, view.every_start, view.slid, view.free(), view.meaning(view.outcome)
+            pieces.append(Piece(title, view.tables(), view.pictures(), *said))
         return pieces
 
     def settle(self, timeout: float) -> bool:

@@ -56,6 +56,8 @@ class Piece(NamedTuple):
     """Whether one of the runs slides."""
     free: str = ""
     """The parameter that has many values in it, if one has."""
+    meaning: str = ""
+    """What its axes and lines mean, where their names do not say it."""
 
     @property
     def origin(self) -> dict[str, Any]:
@@ -157,14 +159,14 @@ class ExportDialog(pn.viewable.Viewer):
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
-        wish["caption"] = caption(self.scene, piece.title, free=piece.free, **piece.origin)
+        wish["caption"] = _caption(self.scene, piece)
         button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(piece.figures))
         return button
 
     def _copy_caption(self, piece: Piece) -> Any:
         """Return a button that copies the caption of a picture as text, without the server."""
         button = pmui.Button(label="Copy caption", icon="content_copy", variant="text", size="small", sx=PLAIN_SX)
-        words = caption(self.scene, piece.title, free=piece.free, **piece.origin)
+        words = _caption(self.scene, piece)
         button.js_on_click(args={"words": words}, code="navigator.clipboard.writeText(words)")
         return button
 
@@ -194,6 +196,11 @@ class ExportDialog(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """The dialog, closed until it is opened."""
         return self.dialog
+
+
+def _caption(scene: Scene, piece: Piece) -> str:
+    words = caption(scene, piece.title, free=piece.free, **piece.origin)
+    return f"{words} {piece.meaning}".strip()
 
 
 def _write_csv(table: Callable[[], Table], origin: Mapping[str, str]) -> bytes:

@@ -113,6 +113,10 @@ class Tab(pn.viewable.Viewer):
         """Return the parameter that has many values in the figures; empty if none has."""
         return ""
 
+    def meaning(self, outcome: Outcome) -> str:
+        """Return what the axes and lines of the figures mean, for captions; empty if their names say it."""
+        return ""
+
     def pictures(self) -> list[figure]:
         """Return the figures on screen that are saved as one picture; the first by default, if it is there."""
         return [pane.object for pane in self.plots[:1] if pane.visible]

@@ -5,10 +5,12 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any, NamedTuple
 
+import numpy as np
+
 import core
 from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, conserved_tables
-from pwsviz.figures.conserved import ConservedView, conserved_text
+from pwsviz.figures.conserved import ConservedView, conserved_text, meaning
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.geometry.projection import conserved_note
@@ -25,6 +27,8 @@ class ErrorPicture(NamedTuple):
     system: core.PiecewiseSystem
     curves: list[ErrorCurve]
     marks: Landmarks
+    unmoved: str = ""
+    """Why no step was made, where none was."""
 
 
 class ConservedTab(Tab):
@@ -48,7 +52,11 @@ class ConservedTab(Tab):
         curves = self.results.error_curves(inputs.runs, cancel)
         system = inputs.runs[0].problem.declaration
         axes = self.results.plane(system, inputs.axes, cancel)
-        return ErrorPicture(system, curves, self.results.landmarks(inputs.runs[0], axes, cancel))
+        marks = self.results.landmarks(inputs.runs[0], axes, cancel)
+        moved = any(curve.t_end > curve.t[0] for curve in curves)
+        return ErrorPicture(
+            system, curves, marks, "" if moved else self.results.summary(inputs.runs[0], cancel).message
+        )
 
     def build(self) -> list[Any]:
         """One figure."""
@@ -57,12 +65,22 @@ class ConservedTab(Tab):
     def draw(self, outcome: ErrorPicture) -> str:
         """Draw the change of ψ, if any ψ is known, and return it in words."""
         system = outcome.system
-        there = system.laws.most_conserved > 0
+        drawn = system.laws.most_conserved > 0
+        slides = any(np.isfinite(curve.error[curve.sliding]).any() for curve in outcome.curves)
+        there = not outcome.unmoved and (drawn or slides)
         self.plots[0].visible = there
         if there:
             self.view.show(outcome.curves, outcome.marks)
         said = conserved_text(outcome.curves) if there else ""
+        if outcome.unmoved:
+            said = f"No step was made, so there is no |Δψ| to show: {outcome.unmoved}"
+        elif slides and not drawn:
+            said += " Drawn is g, which sliding keeps."
         return f"{said} {conserved_note(system)}".strip()
+
+    def meaning(self, outcome: ErrorPicture) -> str:
+        """Return what the axis and the lines show, for captions."""
+        return meaning(outcome.curves)
 
     def tables(self) -> Tables:
         """Return the drift of every integrator at its own steps, and its crossings."""

@@ -23,7 +23,7 @@ from pwsviz.figures.order import (
     studied,
     time_rows,
 )
-from pwsviz.figures.summaries import fit_rule, study_text
+from pwsviz.figures.summaries import fit_rule, study_text, study_times
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.tabs.base import LongTab
@@ -84,7 +84,10 @@ class OrderTab(LongTab):
         shown = studied(outcome, self._rows)
         self.view.show(shown)
         words = study_text(shown, any(one.crossings != STUDY_CROSSINGS for one in outcome))
-        return " ".join([words, *self._left_out(outcome)])
+        return " ".join(filter(None, [words, self._times(outcome), *self._left_out(outcome)]))
+
+    def _times(self, outcome: Studies) -> str:
+        return study_times(outcome[0], self._rows is state_rows, self.slid)
 
     def _left_out(self, outcome: Studies) -> Iterator[str]:
         """Say which integrators are not shown, and why."""
@@ -112,7 +115,7 @@ class OrderTab(LongTab):
         )
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
-        rule = fit_rule(studied(outcome, self._rows))
+        rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
         return f"integrated by {methods} with {taus}; {crossings}; compared with: {first.reference}. {rule}"
 
     def program(self) -> str:

@@ -12,6 +12,7 @@ import core
 from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
+from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN
 from pwsviz.tabs.base import LongTab, about_crossings
@@ -99,7 +100,7 @@ class StabilityTab(LongTab):
         """Return what is drawn of the part shown, and how it was integrated."""
         scene, part = self.scene, self.scene.stability_part
         which = f"map of {scene.selected_method}" if part == "map" else f"{listed(scene.used)}, τ = {scene.tau:.15g}"
-        crossings = at_surface(scene.locate, scene.slides)
+        crossings = at_surface(scene.locate, scene.slides and may_slide(scene.declaration))
         return f"{which}, to t = {outcome.t_span[1]:.6g}; {crossings}. {stability_text(outcome, part)}".rstrip(".")
 
     def picture(self) -> figure | None:

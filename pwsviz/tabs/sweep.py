@@ -119,7 +119,8 @@ class SweepTab(LongTab):
 
     def free(self) -> str:
         """Return the parameter that is swept."""
-        return swept_parameter(self.scene) or ""
+        parameter = swept_parameter(self.scene)
+        return parameter.name if parameter is not None else ""
 
     def how(self, outcome: Diagram) -> str:
         """Return how the diagram was made."""

@@ -15,6 +15,7 @@ from panel.io.document import _cleanup_doc
 from panel.io.state import set_curdoc
 
 import core
+from pwsviz.export.about import caption
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import shows_field, shows_surface
 from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
@@ -195,7 +196,7 @@ def test_a_change_repaints_by_data_not_by_new_figures(explorer):
 
 def test_the_status_line_tells_each_run(explorer):
     assert "2,000 steps, 21 crossings" in explorer.portrait_panel.status.object
-    assert explorer.portrait_panel.status.object.count("|Δψ| ≤") == 2
+    assert explorer.portrait_panel.status.object.count("max |Δψ| = ") == 2
 
 
 def test_a_run_that_reaches_the_end_by_too_long_steps_is_warned_of_below_the_portrait(explorer):
@@ -435,6 +436,51 @@ def test_what_is_taken_away_is_what_is_shown(explorer):
     explorer.export.open("http://here/app")
     assert explorer.export.link.value.startswith("http://here/app?v=2")
     assert "core.integrate" in explorer.export.program.object
+
+
+@pytest.mark.parametrize(("system", "slides"), [("harmonic_oscillator", False), ("stick_slip", True)])
+def test_captions_speak_of_sliding_where_a_run_slides(explorer, system, slides):
+    explorer.scene.load({"system": system, "methods": ["rk2"], "view": "state"})
+    explorer.settle(20)
+    for piece in explorer._pieces():
+        told = caption(explorer.scene, piece.title, **piece.origin)
+        assert ("sliding along it" in told) == slides
+
+
+def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
+    explorer.scene.load({"system": "stick_slip", "methods": ["rk2"], "view": "order"})
+    assert explorer.settle(60)
+    last = explorer.view.outcome[0].times[-1]
+    told = explorer.view.words.object
+    assert last > explorer.scene.t_end
+    assert f" and {last:.4g}, halfway from crossing 10, 20 and 30 to the next, whatever the end time" in told
+    assert "sliding begins and ends with a crossing, and both are counted" in told
+    assert "Euclidean norm" in explorer.view.how(explorer.view.outcome)
+
+
+def test_where_no_step_is_made_the_view_says_why(explorer):
+    explorer.scene.load({"system": "type_repelling", "starts": ((0.0, 0.0),), "view": "conserved"})
+    explorer.settle(20)
+    assert "No step was made" in explorer.view.words.object
+    assert not explorer.view.plots[0].visible
+
+
+def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
+    explorer.scene.load({"system": "coulomb_friction", "view": "conserved"})
+    explorer.settle(20)
+    view = explorer.view.view
+    assert view.figure.yaxis[0].axis_label == "numerical drift of ψ, |Δψ|; of g while sliding, |Δg|"
+    for xs, ys, curve in zip(view.curves.data["xs"], view.curves.data["ys"], explorer.view.outcome.curves, strict=True):
+        changes = np.count_nonzero(np.diff(curve.sliding[1:]))
+        assert changes
+        assert len(xs) == len(ys) == len(curve.t) - 1 + changes
+    assert "round-off” is 2 machine ε" in explorer._pieces()[1].meaning
+    explorer.scene.load({"system": "stick_slip", "view": "conserved"})
+    explorer.scene.view = "conserved"
+    explorer.settle(20)
+    assert explorer.view.plots[0].visible
+    assert view.figure.yaxis[0].axis_label == "numerical drift of g while sliding, |Δg|"
+    assert "Drawn is g" in explorer.view.words.object
 
 
 def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
