@@ -244,7 +244,7 @@ def meaning(curves: Sequence[ErrorCurve]) -> str:
     name, words = axis_name(curves), []
     if DRIFT_OF_PSI in name:
         words.append(
-            "|Δψ| is the change of ψ since the start: the sum of its changes over the pieces between crossings, where ψ "
+            "|Δψ| is the change of ψ since the start: the sum of changes over the pieces between crossings, where ψ "
             "is constant along the solution; what ψ changes by at a crossing, from one law to the next, is left out"
         )
         words.append(

@@ -167,14 +167,19 @@ def _most_marks(runs: int) -> int:
     return max(1, MOST_MARKS // runs)
 
 
-def end_columns(orbits: Iterable[tuple[int, Orbit]]) -> dict[str, Any]:
-    """Return a row for each run that stops early; the orbits as for `crossing_columns`."""
+def end_columns(orbits: Iterable[tuple[int, Orbit]], view: Window | None = None) -> dict[str, Any]:
+    """Return a row for each run that stops early; the orbits as for `crossing_columns`.
+
+    The label says of ends that they lie outside the view, as far as that is known, if all of this kind do.
+    """
     ends: list[tuple[int, Orbit, End]] = [(number, one, one.end) for number, one in orbits if one.end is not None]
     looks = [ENDS[end.status] for _, _, end in ends]
+    inside = [view is None or bool(view.holds(np.array([end.place])).all()) for _, _, end in ends]
+    seen = {look.word for look, there in zip(looks, inside, strict=True) if there}
     return {
         "x": [end.place[0] for _, _, end in ends],
         "y": [end.place[1] for _, _, end in ends],
-        "label": [f"end: {look.word}" for look in looks],
+        "label": [f"end: {look.word}{'' if look.word in seen else ', outside'}" for look in looks],
         "marker": [look.marker for look in looks],
         "colour": [look.colour for look in looks],
         "method": [orbit.method for _, orbit, _ in ends],

@@ -248,7 +248,7 @@ class PortraitView:
             bounds = np.array([across.start, across.end, up.start, up.end], dtype=float)
             if np.isfinite(bounds).all():
                 self._visible = Window(*bounds.tolist())
-                self._number_stars()
+                self._label_marks()
                 on_window(self._visible)
 
         for axis in (across, up):
@@ -310,7 +310,7 @@ class PortraitView:
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
         assign(self.others, **_curves(pictures.others, thinner=0.5))
         assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
-        assign(self.ends, **end_columns(pictures.numbered))
+        assign(self.ends, **end_columns(pictures.numbered, self._visible or self.frame))
         assign(self.steps, **_step_columns([*pictures.orbits, *pictures.others]))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
@@ -335,8 +335,12 @@ class PortraitView:
         )
         self.ground.keep_clear()
 
-    def _number_stars(self) -> None:
-        """Number the stars anew where the view tells others apart."""
+    def _label_marks(self) -> None:
+        """Number the stars anew where the view tells others apart, and name the ends where it shows others."""
+        if self._pictures is not None:
+            ends = end_columns(self._pictures.numbered, self._visible or self.frame)
+            if ends["label"] and ends["label"] != list(self.ends.data["label"]):
+                assign(self.ends, **ends)
         x, y = self.starts.data["x"], self.starts.data["y"]
         numbers, crowds = star_labels(list(zip(x, y, strict=True)), self._visible or self.frame)
         if self._pictures is not None and crowds != list(self.starts.data["crowd"]):
@@ -364,7 +368,7 @@ class PortraitView:
             axis.min_interval = 1e-9 * power_of_ten(max(map(abs, window)))
             axis.max_interval = 1e4 * power_of_ten(max(window.width, window.height))
         refit(self.figure)
-        self._number_stars()
+        self._label_marks()
 
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""

@@ -36,7 +36,7 @@ FIELD_CSS = f"""
 .field input:focus-visible {{ {FOCUS} }}
 .field input[aria-invalid=true] {{ border-color: var(--mui-palette-error-main); }}
 .field input:disabled {{ color: var(--mui-palette-text-disabled); border-style: dashed; cursor: default; }}
-.note {{ margin: 3px 14px 4px; font-size: 0.75rem; line-height: 1.4; overflow-wrap: anywhere;
+.note {{ margin: 3px 14px 4px; scroll-margin: 12px; font-size: 0.75rem; line-height: 1.4; overflow-wrap: anywhere;
          color: var(--mui-palette-text-secondary); }}
 .note:empty {{ display: none; }}
 .note.refused {{ color: var(--mui-palette-error-main); }}

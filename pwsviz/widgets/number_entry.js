@@ -1,6 +1,7 @@
 // A labelled text entry for a number and, where it has ends, a slider that announces the number.
 
 const STEPS = 400  // of the slider from end to end
+const AGAIN = 300  // milliseconds without words after which a screen reader announces them again
 let count = 0
 
 function render({ model, el }) {
@@ -20,7 +21,10 @@ function render({ model, el }) {
     about.textContent = entry.title = slider.title = model.description
     entry.disabled = slider.disabled = model.disabled
     entry.setAttribute("aria-invalid", model.complaint != "")
-    note.textContent = model.complaint || model.note
+    if (note.textContent != (model.complaint || model.note)) {
+      note.textContent = model.complaint || model.note
+      if (typed && model.complaint) note.scrollIntoView({ block: "nearest" })
+    }
     note.className = model.complaint ? "note refused" : "note"
     slider.hidden = model.ends == null
     slider.setAttribute("aria-label", `${model.label}, slider`)
@@ -30,6 +34,15 @@ function render({ model, el }) {
       slider.value = Math.round(STEPS * (model.place - low) / (high - low))
     }
     slider.style.setProperty("--part", `${100 * slider.valueAsNumber / STEPS}%`)
+  }
+  let typed = false  // since the page was loaded: what was refused is then said where it is seen
+  const take = () => {
+    typed = true
+    model.text = entry.value
+    if (model.complaint) {  // the same words would not be announced again, nor sent: they go for a moment
+      note.textContent = "\u00a0"
+      setTimeout(write, AGAIN)
+    }
   }
   let sliding = false  // the thumb is in a hand: it is not moved by what the server says of an earlier place
   const slide = () => {
@@ -42,7 +55,7 @@ function render({ model, el }) {
     sliding = false
     write()
   }
-  entry.addEventListener("change", () => { model.text = entry.value })
+  entry.addEventListener("change", take)
   slider.addEventListener("input", slide)
   for (const name of ["change", "blur", "pointerup"]) slider.addEventListener(name, rest)
   for (const name of ["said", "label", "description", "note", "complaint", "disabled", "ends", "place"]) {

@@ -186,3 +186,15 @@ def test_fields_take_formulas_sliders_tell_their_numbers_and_undo_is_the_fields_
     page.get_by_role("tab", name="Order").focus()
     page.keyboard.press("Control+z")
     sync_api.expect(field(page, "Step size τ")).not_to_have_value("0.02")
+
+
+def test_what_a_field_refuses_is_said_each_time_and_on_screen(visit):
+    page = visit()
+    type_into(page, "End time", "-5")
+    refusal = page.get_by_role("status").filter(has_text="has to lie between")
+    refusal.wait_for()
+    sync_api.expect(refusal).to_be_in_viewport(ratio=1)
+    refusal.evaluate("""note => { window.said = []
+        new MutationObserver(() => said.push(note.textContent)).observe(note, {childList: true}) }""")
+    type_into(page, "End time", "1e9")
+    page.wait_for_function("() => said.length > 1 && said.at(-1).includes('has to lie between')")

@@ -259,3 +259,14 @@ def test_every_source_of_the_portrait_is_sent_so_that_the_browser_hears_of_its_c
     sources = {name: one for name, one in held.items() if isinstance(one, ColumnDataSource)}
     apart = {"pointed_time", "played_time"}  # of the figures whose horizontal axis is time
     assert {name for name, source in sources.items() if source.document is not document} == apart
+
+
+def test_the_legend_says_which_ends_lie_outside_the_view():
+    view = Watched()
+    view.draw(system="type_repelling", starts=((0.0, 0.0),))
+    x, y, name = (view.ends.data[column][0] for column in ("x", "y", "label"))
+    assert name.startswith("end: ")
+    view.look_at(Window(x + 1, x + 2, y + 1, y + 2))
+    assert set(view.ends.data["label"]) == {f"{name}, outside"}
+    view.look_at(Window(x - 1, x + 2, y - 1, y + 2))
+    assert set(view.ends.data["label"]) == {name}
