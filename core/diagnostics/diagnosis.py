@@ -17,7 +17,7 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.corners import undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
-from core.diagnostics.resolution import unresolved
+from core.diagnostics.resolution import RUNS_AWAY, unresolved
 from core.diagnostics.scheme import Scheme
 from core.integration.crossings import Crossings
 from core.integration.trajectory import Status, Trajectory
@@ -133,9 +133,15 @@ def step_warning(run: Trajectory) -> str:
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
     warnings = unresolved(run) or tuple(undecided_corners(run))
-    if not warnings:
-        warnings = _diagnosis(run, run.crossings.first(_FIRST)).warnings
+    if not warnings and run.status not in RUNS_AWAY:  # where they run away, no step is below a bound
+        warnings = _diagnosis(run, run.crossings.first(min(_FIRST, _entered_for_good(run)))).warnings
     return f"{warnings[0]}." if warnings else ""
+
+
+def _entered_for_good(run: Trajectory) -> int:
+    """Number of crossings without those within a step of a touch that ended the run, beside which no bound is kept."""
+    t = run.crossings.t
+    return int((np.abs(run.t[-1] - t) > run.tau).sum()) if run.status is Status.GRAZING else len(t)
 
 
 def _diagnosis(run: Trajectory, crossings: Crossings) -> Diagnosis:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
+from core.codegen.printing import magnitude
+from core.codegen.rounding import rounding_bound
 from core.diagnostics.unlike_steps import stretches, unlike_steps
 from core.integration.dense_output import Stepper, Track
 from core.integration.trajectory import Status, Trajectory
@@ -15,7 +19,10 @@ from core.kernels.arrays import Floats
 from core.methods import METHODS
 from core.symbolic.expressions import parse
 
-__all__ = ["unresolved"]
+__all__ = ["RUNS_AWAY", "unresolved"]
+
+#: How runs end in which the numerical solution grows without bound.
+RUNS_AWAY = (Status.ESCAPED, Status.UNSTABLE)
 
 Integers = NDArray[np.int64]
 
@@ -40,6 +47,10 @@ _TOLERANCES = 1e3
 _ROUNDING = 2.0**-44
 #: Height below zero at an end of a step, as part of its largest size in it: a perturbation has put the state there.
 _BEHIND = 2.0**-40
+#: Largest error of a height or its rate, in units of the first-order bound on its rounding.
+_ROUNDINGS = 16.0 * 2.0**-52
+#: Distance between the end of a step and that of the run, as part of the step, at which they are the same.
+_NEAR = 2.0**-40
 #: Shortest step that is examined, relative to the time: of a shorter one rounding hides what happens in it.
 _SHORTEST = 2.0**-46
 #: Least unit of a coordinate, relative to the largest unit of all coordinates.
@@ -62,12 +73,12 @@ def unresolved(run: Trajectory) -> tuple[str, ...]:
     if samples is None:
         return ()
     kept = _steps(run, samples[:, 0], samples[:, 3:], samples[:, 1].astype(np.int64), samples[:, 2])
-    if run.status is Status.ESCAPED:  # no step is short enough for the field where the solution escapes
-        return tuple(kept.too_long_for_g())
+    if run.status in RUNS_AWAY:  # no step is short enough where the solution escapes
+        return tuple(kept.too_long_for_g(kept.hides_before_it_runs_away()))
     first = _first_steps(run)
-    of_g = (*kept.too_long_for_g(), *first.too_long_for_g())
+    of_g = (*kept.too_long_for_g(kept.hides()), *first.too_long_for_g(first.hides()))
     of_events = kept.too_long_for_events()
-    of_field = (warning for steps in (kept, _unlike(run), first) for warning in steps.too_long_for_the_field())
+    of_field = _too_long_for_the_field((kept, _unlike(run), first))
     return (*of_g[:1], *of_events, *islice(of_field, 1))
 
 
@@ -116,6 +127,31 @@ def _steps(run: Trajectory, t: Floats, x: Floats, mode: Integers, h: Floats) -> 
     return _Steps(run, t[long], x[long], mode[long], h[long])
 
 
+class _Departures(NamedTuple):
+    """Of some steps, by coordinate (k, d)."""
+
+    way: Floats
+    """How far the state goes within the step."""
+    apart: Floats
+    """How far from there shorter steps lead; 0 where that may be round-off."""
+
+
+def _too_long_for_the_field(groups: tuple[_Steps, ...]) -> Iterator[str]:
+    """Warn of steps that lead elsewhere than shorter ones.
+
+    Each coordinate is compared in units of its largest change over all steps examined: those of one group may all begin
+    where it hardly changes, such as where a velocity is zero. A change that is 1e-9 of that of another coordinate may
+    be round-off.
+    """
+    found = [steps.departures() for steps in groups]
+    with np.errstate(all="ignore"):
+        unit = np.nanmax(np.concatenate([of.way for of in found]), axis=0, initial=0.0)
+    unit = np.maximum(unit, _SLIGHT * unit.max(initial=0.0))
+    unit = np.where(unit > 0.0, unit, 1.0)
+    for steps, of in zip(groups, found, strict=True):
+        yield from steps.too_long_for_the_field(of, unit)
+
+
 class _Steps:
     """Some steps of a run's method: their start times, states and modes, and their lengths h."""
 
@@ -124,8 +160,8 @@ class _Steps:
         self.t, self.x, self.mode, self.h = t, x, mode, h
         self.stepper = Stepper(run.system, self.method, run.tolerance)
 
-    def too_long_for_g(self) -> Iterator[str]:
-        """Warn of a step in which a pair of crossings may have been missed.
+    def hides(self) -> NDArray[np.bool_]:
+        """Whether a pair of crossings may have been missed in each step.
 
         The time loop replaces the height of a guard within a step by the cubic with the same values and rates at both
         ends, and finds no crossing where the cubic is positive. Here the height on the scheme itself is compared with
@@ -139,6 +175,32 @@ class _Steps:
         for number in np.unique(self.mode).tolist():
             rows = np.flatnonzero(self.mode == number)
             hidden[rows] = self._hides(rows, number, places)
+        return hidden & ~self._end_at_a_touch()
+
+    def _end_at_a_touch(self) -> NDArray[np.bool_]:
+        """Which steps end where the run does, at a touch: of these, that is what is said of them."""
+        end, left = self.run.t[-1], np.abs(self.run.t[-1] - self.t - self.h)
+        return np.asarray(
+            (self.run.status is Status.GRAZING) & (left <= _SHORTEST * np.abs(end) + _NEAR * np.abs(self.h))
+        )
+
+    def hides_before_it_runs_away(self) -> NDArray[np.bool_]:
+        """As `hides`, without the last steps, each faster than the one before, none of which resolves g or the field.
+
+        Of a step that a crossing cuts, the part before it is not asked whether it does.
+        """
+        hidden, found = self.hides(), self.departures()
+        speed = np.linalg.norm(found.way, axis=1) / np.abs(self.h)
+        with np.errstate(all="ignore"):
+            astray = hidden | ~(found.apart <= _APART * found.way.max(axis=1, keepdims=True)).all(axis=1)
+            astray |= np.abs(self.h) < (1.0 - _NEAR) * (0.0 if self.method.adaptive else self.run.tau)
+            astray[:-1] &= ~(speed[1:] < speed[:-1])
+        last = len(astray) - int(np.argmin(astray[::-1])) if len(astray) and not astray.all() else 0
+        hidden[last:] = False
+        return hidden
+
+    def too_long_for_g(self, hidden: NDArray[np.bool_]) -> Iterator[str]:
+        """Warn of a step in which a pair of crossings may have been missed."""
         if hidden.any():
             yield (
                 f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
@@ -153,20 +215,30 @@ class _Steps:
         states = np.concatenate([x[:, None], self.states(t, x, self.mode[rows], times[:, 1:])], axis=1)
         law, hidden = system.laws.mode(number).written, np.zeros(len(rows), dtype=bool)
         for k, height in enumerate(law.heights):
-            wanted = (height, law.rate_of(height))
+            rate = law.rate_of(height)
+            wanted = (height, rate, *(rounding_bound(u).replace(magnitude, sympy.Abs) for u in (height, rate)))
             values = system.laws.evaluate(("height", number, k), wanted, times, states, system.parameter_array)
-            values *= np.where(h < 0.0, -1.0, 1.0)[:, :, None] if law.turns(k) else 1.0  # see `Mode.heights`
+            g, rate, noise, noise_of_rate = np.moveaxis(values, 2, 0)
+            sign = np.where(h < 0.0, -1.0, 1.0) if law.turns(k) else 1.0  # see `Mode.heights`
             with np.errstate(all="ignore"):
-                hidden |= self._hides_roots(places, values[..., 0], h * values[..., 1])
+                noise, noise_of_rate = _ROUNDINGS * noise, _ROUNDINGS * np.abs(h) * noise_of_rate
+                hidden |= self._hides_roots(places, sign * g, sign * h * rate, noise, noise_of_rate)
         return hidden
 
-    def _hides_roots(self, places: Floats, g: Floats, rate: Floats) -> NDArray[np.bool_]:
-        """Whether heights (k, places), with their rates per step, are unresolved within steps."""
+    def _hides_roots(
+        self, places: Floats, g: Floats, rate: Floats, noise: Floats, noise_of_rate: Floats
+    ) -> NDArray[np.bool_]:
+        """Whether heights (k, places), with their rates per step, are unresolved within steps.
+
+        What is within rounding of zero tells nothing: where a slide ends, the height and its rate are both zero.
+        """
         behind = (g[:, [0, -1]] < -_BEHIND * np.abs(g).max(axis=1, keepdims=True)).any(axis=1)
-        hidden = np.asarray((g <= 0.0)[:, 1:-1].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1))
+        rate = np.where(np.abs(rate) > noise_of_rate, rate, 0.0)
+        hidden = np.asarray((g <= -noise)[:, 1:-1].any(axis=1) | _may_dip(np.diff(places), g, rate).any(axis=1))
         if not self.method.adaptive:
             cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
-            hidden |= (cubic <= _MARGIN * np.abs(g - cubic))[:, 1:-1].any(axis=1)
+            apart = np.abs(g - cubic)
+            hidden |= ((cubic <= _MARGIN * apart) & (apart > noise))[:, 1:-1].any(axis=1)
         return np.asarray(hidden & ~behind)
 
     def too_long_for_events(self) -> Iterator[str]:
@@ -212,15 +284,12 @@ class _Steps:
                 missed[row] |= bool((within == 0).any())
         return missed
 
-    def too_long_for_the_field(self) -> Iterator[str]:
-        """Warn of a step that leads elsewhere than shorter ones do, one after the other.
+    def departures(self) -> _Departures:
+        """How far each step leads elsewhere than shorter ones do, one after the other.
 
         What each shorter step, from a state within the step, departs from it by is summed over the step: that is where
         all of them lead to, but for how departures grow within a step. The largest alone would be a part of it only,
         with seven places a third for a method of order 2.
-
-        Each coordinate is compared in units of its largest change over the steps examined; a change that is 1e-9 of
-        that of another coordinate may be round-off.
         """
         places = _places(3 * len(self.t)) if self.method.adaptive else _FEW
         times = self.t[:, None] + self.h[:, None] * places
@@ -228,11 +297,13 @@ class _Steps:
         with np.errstate(all="ignore"):
             apart = np.abs(np.cumsum(self._by_steps_between(times, whole) - whole[:, 2:], axis=1)).max(axis=1)
             way = np.abs(whole - whole[:, :1]).max(axis=1)
-            unit = np.nanmax(way, axis=0, initial=0.0)
-            unit = np.maximum(unit, _SLIGHT * unit.max(initial=0.0))
-            unit = np.where(unit > 0.0, unit, 1.0)
             least = self._least * np.abs(whole).max(axis=1)
-            part = np.where(apart > least, apart / unit, 0.0).max(axis=1) / (way / unit).max(axis=1)
+        return _Departures(way, np.where(apart > least, apart, 0.0))
+
+    def too_long_for_the_field(self, found: _Departures, unit: Floats) -> Iterator[str]:
+        """Warn of the step with the largest departure as part of its way, in units of each coordinate."""
+        with np.errstate(all="ignore"):
+            part = (found.apart / unit).max(axis=1) / (found.way / unit).max(axis=1)
         if not len(part):
             return
         worst = int(np.argmax(np.nan_to_num(part, nan=0.0)))

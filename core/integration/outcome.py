@@ -158,7 +158,7 @@ def reason(end: Ending) -> str:
     if end.status is Status.CORNER:
         return f"{end.status.reason}, and {end.cause.why_cornered}"
     if end.status is Status.SLIDING and end.cause.jumped:
-        return "no field leads away from the surface after the jump"
+        return "the field does not lead away from the surface after the jump, so the state stays there"
     if end.status is Status.EVENT:
         return f"the event {end.cause.event!r} took place, which ends the run"
     if _lacks_psi(end):

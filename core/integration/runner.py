@@ -180,18 +180,22 @@ class Runner(Run):
             self._begin_in(mode, surfaces)
 
     def _leave_after_jump(self, direction: float) -> None:
-        """Go on from a surface along which the state moves after a jump, if one field alone curves away from it."""
+        """Go on from a surface along which the state moves after a jump, if the field curves to where it came from.
+
+        If it leads beyond the surface, the state jumps again.
+        """
         guard = int(self.record["guard"][0])
         entered = regions_entered(self.system, self.mode, guard, self.t, self.x, direction)
-        if len(entered) != 1:
-            self.status = Status.REPELLING if entered else Status.SLIDING
+        if (self.mode, guard) not in entered:
+            return
+        if len(entered) > 1:
+            self.status = Status.REPELLING
         elif self.crossing_count >= self.settings.max_crossings:
             self.status = Status.CROSSING_LIMIT
         else:
-            self.status, (region, leaving) = Status.RUNNING, entered[0]
-            hit = self.chunks[-1][0][-1:]
-            hit["mode"], hit["kind"] = region, CROSSING_KINDS.index("jump")
-            self._begin_in(region, (self.system.laws.ways[region][leaving].surface,))
+            self.status, hit = Status.RUNNING, self.chunks[-1][0][-1:]
+            hit["mode"], hit["kind"] = self.mode, CROSSING_KINDS.index("jump")
+            self._begin_in(self.mode, (self.system.laws.ways[self.mode][guard].surface,))
 
     def _surfaces_at_corner(self) -> tuple[int, ...]:
         """Numbers of the surfaces that meet where the run is."""
