@@ -1,5 +1,7 @@
 // A figure laid out anew for a picture of a given width: text keeps its size, and everything is inside.
 
+import { copied, with_names_placed } from "./picture_names.js"
+
 export const FONT = "DejaVu Sans"
 export const TEXT = 17  // pixels of text in the copy, which is then scaled so that they become the points asked for; it is
 // larger than on the page, as marks and lines are finer in print
@@ -47,19 +49,6 @@ export const wrapped = (words, width, size, between = " ") => {
     else lines.push(word)
   }
   return lines
-}
-
-// The same model with some properties changed; models that it refers to are shared, callbacks are left out.
-const LEFT_OUT = new Set(["js_event_callbacks", "js_property_callbacks", "subscribed_events", "name", "tags"])
-const copied = (model, changes) => {
-  const values = {}
-  for (const property of model) {
-    const { attr } = property
-    if (!property.internal && !property.readonly && !property.is_unset && !LEFT_OUT.has(attr)) {
-      values[attr] = property.get_value()
-    }
-  }
-  return new model.constructor({ ...values, ...changes })
 }
 
 const kind_of = model => {
@@ -146,7 +135,7 @@ const fitted_legend = (legend, seen, width) => {
 }
 
 // With `seen`, the layout before this one, in pixels: what is left and right of the frame, its height, and its scale.
-const copy_of = (view, width, printed, height, seen) => {
+const copy_of = async (view, width, printed, height, seen) => {
   const { model } = view, looks = printed ? PRINTED : {}
   const part = (one, side) => {
     const kind = kind_of(one)
@@ -159,12 +148,16 @@ const copy_of = (view, width, printed, height, seen) => {
   }
   const room_for = (one, side) => !names_levels(one, side) || levels_of(one, model.y_range, width).fit
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
+  const ranges = [range(model.x_range), range(model.y_range)]
+  const frame = { width: Math.round(width - seen.left - seen.right), height: Math.round(height) }
+  const letters = { text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` } }
   return copied(model, {
     ...looks.plot, min_border_left: seen.left, min_border_right: seen.right,
     sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
     output_backend: "svg",  // the legend is drawn on layers of its own
-    frame_width: Math.round(width - seen.left - seen.right), frame_height: Math.round(height),
-    x_range: range(model.x_range), y_range: range(model.y_range), toolbar_location: null,
+    frame_width: frame.width, frame_height: frame.height,
+    renderers: await with_names_placed(model.renderers, ranges, frame, letters),
+    x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
     toolbar: new model.toolbar.constructor({ tools: [] }),
     ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
       place => [place, model[place].filter(one => room_for(one, place)).map(one => part(one, place))])),
@@ -214,6 +207,13 @@ const keep_inside = (svg, frame) => {
   }
 }
 
+// How far the texts beside a frame reach to its right.
+const reach_of = (svg, frame) => {
+  const edge = svg.getBoundingClientRect().left + frame.right
+  const texts = [...svg.querySelectorAll("text")].filter(words => words.closest("[clip-path]") == null)
+  return Math.max(0, ...texts.map(words => words.getBoundingClientRect().right - edge))
+}
+
 const SHAPE = 0.5  // height of a frame by the width of the picture, where neither is bound to the other
 const SHAPES = 1  // the same of several frames together
 
@@ -221,7 +221,7 @@ const SHAPES = 1  // the same of several frames together
 // right edge.
 export const drawn = async (views, width, printed) => {
   const shape = Math.min(SHAPE, SHAPES / views.length)
-  let seen = views.map(({ frame }) => ({ left: 0, right: 1.5 * TEXT, tall: shape * width, scale: frame.y_scale }))
+  let seen = views.map(({ frame }) => ({ left: 0, right: RIM, tall: shape * width, scale: frame.y_scale }))
   const copy = (view, k) => {
     const { bbox } = view.frame, across = width - seen[k].left - seen[k].right
     const height = view.model.match_aspect ? across * bbox.height / bbox.width : shape * width
@@ -230,16 +230,19 @@ export const drawn = async (views, width, printed) => {
   for (let pass = 1; pass < PASSES; pass++) {
     const found = []
     for (const [k, view] of views.entries()) {
-      found.push(await laid_out(copy(view, k), ({ bbox, frame }) => ({
-        left: frame.bbox.left, right: bbox.width - frame.bbox.right, tall: frame.bbox.height, scale: frame.y_scale,
-      })))
+      found.push(await laid_out(await copy(view, k), (other, host) => {
+        const { bbox, frame } = other, svg = other.export("svg", false).canvas
+        host.append(svg)
+        const right = Math.max(bbox.width - frame.bbox.right, RIM + reach_of(svg, frame.bbox))
+        return { left: frame.bbox.left, right, tall: frame.bbox.height, scale: frame.y_scale }
+      }))
     }
     const most = side => Math.ceil(Math.max(...found.map(one => one[side])))
     seen = found.map(one => ({ ...one, left: most("left"), right: most("right") }))
   }
   const pictures = []
   for (const [k, view] of views.entries()) {
-    pictures.push(await laid_out(copy(view, k), (other, host) => {
+    pictures.push(await laid_out(await copy(view, k), (other, host) => {
       const { frame, bbox: { width, height } } = other, svg = other.export("svg", false).canvas
       host.append(svg)
       drop_unseen(svg)

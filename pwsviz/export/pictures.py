@@ -34,6 +34,7 @@ class PictureFiles:
         "files": (
             "pictures.js",
             "picture_layout.js",
+            "picture_names.js",
             "vendor/jspdf.umd.min.js",
             "vendor/svg2pdf.umd.min.js",
             "vendor/DejaVuSans-subset.ttf",

@@ -68,7 +68,8 @@ class Ground:
         attracting = plot.add_glyph(self.attracting, Line(**look))
         repelling = plot.add_glyph(self.repelling, Line(line_dash=[6, 6], **look))
         line = plot.add_glyph(self.surface, Line(line_color=PURPLE, line_width=2.5))
-        self.labels = label_glyph(plot)
+        self._names = label_glyph(plot)
+        self.labels = self._names.data_source
         self._surface_labels: list[str] = []
         self._arrow_lines = field
         self._level_keys = {1: _keys(plot, line_alpha=0.45), 2: _keys(plot, line_alpha=0.9, line_width=1.5)}
@@ -82,15 +83,15 @@ class Ground:
         self._marked = ColumnDataSource({"count": [0]})
         self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
 
-    def follow(self, entries: list[LegendItem], marks: list[ColumnDataSource]) -> None:
+    def follow(self, entries: list[LegendItem], marks: list[ColumnDataSource], curves: list[ColumnDataSource]) -> None:
         """Let the browser paint what depends on time, and tell what is under the pointer.
 
         Parameters
         ----------
         entries : list of LegendItem
             Those of `legend`.
-        marks : list of ColumnDataSource
-            The marks on the trajectories, under which no label is to stand.
+        marks, curves : list of ColumnDataSource
+            The marks on the trajectories, and these themselves, under which no label is to stand.
         """
         self._surface_entry, self._tint_entry, self._bare_entry, *self._line_entries = entries
         plane = {"formulas": self.formulas, "clock": self.clock, "ranges": list(ranges(self.figure))}
@@ -103,9 +104,11 @@ class Ground:
         }
         lines = {"lines_below": self._lines(-1), "lines_above": self._lines(1)}
         repaint = CustomJS(args=plane | painted | lines, code=REPAINT)
-        there = {"labels": self.labels, "marks": marks, "plot": self.figure.id}
+        there = {"labels": self.labels, "glyph": self._names.glyph, "marks": marks, "curves": curves}
+        there |= {"plot": self.figure.id, "size": None}
         there["again"] = self._marked  # the code does not read it, but what nothing names is not sent
         label = CustomJS(args=plane | there, code=PLACE_LABELS)
+        self._names.tags = [label]  # for pictures, in whose frames there is room elsewhere
         for source in (self.formulas, self.clock):
             source.js_on_change("data", repaint, label)
         self._marked.js_on_change("data", label)  # not the marks themselves: from these a legend would reach all this

@@ -9,6 +9,7 @@ from typing import Any
 
 from bokeh.models import ColumnDataSource
 from bokeh.models.glyphs import Text
+from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
 import core
@@ -40,13 +41,12 @@ def surface_labels(system: core.PiecewiseSystem) -> list[str]:
     ]
 
 
-def label_glyph(plot: figure) -> ColumnDataSource:
-    """Add the labels, without any yet; return their source, which `PLACE_LABELS` fills."""
+def label_glyph(plot: figure) -> GlyphRenderer[Any]:
+    """Add the labels, without any yet, to be filled in by `PLACE_LABELS`."""
     source = ColumnDataSource({name: [] for name in _COLUMNS})
     look: dict[str, Any] = {"text_color": GREY, "text_font_size": "12px", "text_font_style": "bold"}
     place: dict[str, Any] = {"text_align": "align", "text_baseline": "baseline", "x_offset": "dx", "y_offset": "dy"}
-    plot.add_glyph(source, Text(**look, **place))
-    return source
+    return plot.add_glyph(source, Text(**look, **place))
 
 
 PLACE_LABELS = (
@@ -56,10 +56,10 @@ const INSETS = [0.03, 0.1, 0.2, 0.3]  // of what is seen, between its edge and t
 const ALONG = 80    // points along an edge at which a surface is sought
 const CELLS = 36    // along the longer side of what is seen, by which regions are told apart
 const DEEP = 2      // cells around the label of a region, at least, that belong to it
-const CHARACTER = 7.2, LINE = 16, GAP = 6  // pixels that a character takes, its line, and beside a surface
+const LINE = 16, GAP = 6  // pixels of a line of text, and beside a surface
 const [across, up] = ranges, width = across.end - across.start, height = up.end - up.start
 const cell = Math.max(width, height) / CELLS
-const frame = cb_context.index?.query_one(view => view.model.id == plot)?.frame.bbox
+const frame = size ?? cb_context.index?.query_one(view => view.model.id == plot)?.frame.bbox
 const pixel = frame?.width > 0 ? width / frame.width : cell / 12
 const shown = { x: [], y: [], text: [], align: [], baseline: [], dx: [], dy: [] }
 const add = (x, y, text, align, baseline, dx, dy) => {
@@ -68,12 +68,29 @@ const add = (x, y, text, align, baseline, dx, dy) => {
 const t = clock.data.t[0]
 const at = (u, v) => [across.start + u * width, up.start + v * height]
 
-// Marks of trajectories, by the cell in which they are, and whether one of them is near a label.
+// Trajectories and their marks, by the cells in which they are, and whether one of them is near a label.
 const column = x => Math.floor((x - across.start) / cell), row = y => Math.floor((y - up.start) / cell)
 const number = (i, j) => i * 1000 + j
 const marked = new Set(marks.flatMap(({ data }) => Array.from(data.x, (x, k) => number(column(x), row(data.y[k])))))
+const within = (x, y) => across.start <= x && x <= across.end && up.start <= y && y <= up.end
+for (const { data: { xs, ys } } of curves) {
+  Array.from(xs).forEach((x, k) => {
+    for (let m = 0; m + 1 < x.length; m++) {
+      const [x0, y0, x1, y1] = [x[m], ys[k][m], x[m + 1], ys[k][m + 1]]
+      if (!within(x0, y0) && !within(x1, y1)) { continue }
+      const parts = Math.ceil(Math.min(CELLS, 2 * Math.hypot(x1 - x0, y1 - y0) / cell))
+      for (let n = 0; n <= parts; n++) {
+        const share = parts > 0 ? n / parts : 0
+        marked.add(number(column(x0 + share * (x1 - x0)), row(y0 + share * (y1 - y0))))
+      }
+    }
+  })
+}
+const pen = document.createElement("canvas").getContext("2d")
+const look = ["text_font_style", "text_font_size", "text_font"].map(name => glyph[name].value ?? glyph[name])
+pen.font = look.join(" ")
 const extent = ({ x, text, align }) => {
-  const long = CHARACTER * text.length * pixel
+  const long = pen.measureText(text).width * pixel
   const low = x - { left: 0, center: long / 2, right: long }[align]
   return [low, low + long]
 }

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 import core
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
+from pwsviz.figures.slope_names import name_slopes
 from pwsviz.figures.style import (
     GREEN,
     GREY,
@@ -53,12 +54,6 @@ TIME_ERROR = ("crossing time error", "|t* − t̂|")
 
 ROOM = 2.0
 """Factor between the largest error and the point in which the lines of integer slopes meet."""
-
-NAMED = np.linspace(0.35, 0.8, 7)
-"""Parts of a line of integer slope after one of which its name stands above it, on the left."""
-
-CLEAR = 0.15
-"""Distance of such a name from the curves, in parts of the axes, that is far enough."""
 
 
 @dataclass(frozen=True)
@@ -228,18 +223,6 @@ class OrderView:
         plot = self.figure
         self.guides = ColumnDataSource({"xs": [], "ys": []})
         plot.multi_line("xs", "ys", source=self.guides, color=GREY, line_dash="dotted", line_width=1.5)
-        self.guide_names = ColumnDataSource({"x": [], "y": [], "text": []})
-        plot.text(
-            "x",
-            "y",
-            "text",
-            source=self.guide_names,
-            text_color=GREY,
-            text_font_size="12px",
-            text_align="right",
-            text_baseline="bottom",
-            x_offset=-6,
-        )
         self.floor = mark_levels(plot, {1e-15: "fits above"})
 
     def _curve_glyphs(self) -> None:
@@ -250,6 +233,7 @@ class OrderView:
         lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width=1.6)
         self.points = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "label")})
         marks = plot.scatter("x", "y", source=self.points, marker="marker", color="colour", size=MARK)
+        self.guide_names = name_slopes(plot, self.guides, self.curves)
         self.corners = fit_to_corners(plot, [1e-4, 1e-1], [1e-15, 1.0])
         keys = legend_marks(plot, self.curves, size=MARK)
         entries = [({"field": "label"}, [lines, keys]), ({"field": "label"}, marks), ("fit", fits)]
@@ -299,26 +283,13 @@ class OrderView:
         slopes = sorted(orders)
         starts = np.array([max(near, far * (bottom / top) ** (1 / slope)) for slope in slopes])
         heights = top * (starts / far) ** np.array(slopes)
+        ends = {"x": [far] * len(slopes), "y": [top] * len(slopes)}  # until the browser has found places
+        self.guide_names.data = {**ends, "text": [f"slope {slope}" for slope in slopes]}
         self.guides.data = {
             "xs": [np.array([start, far]) for start in starts],
             "ys": [np.array([height, top]) for height in heights],
         }
-        curves = np.log([used, errors]) if len(errors) else np.empty((2, 0))
-        spans = np.log([far / near, top / bottom])
-        ends = [np.log([[start, far], [height, top]]) for start, height in zip(starts, heights, strict=True)]
-        guides = [line[:, :1] + (line[:, 1:] - line[:, :1]) * np.linspace(0.0, 1.0, 99) for line in ends]
-        others = [np.hstack([curves, *guides[:k], *guides[k + 1 :]]) for k in range(len(ends))]
-        named = np.exp([_freest(*both, spans) for both in zip(ends, others, strict=True)]).reshape(-1, 2).T
-        self.guide_names.data = {"x": named[0], "y": named[1], "text": [f"slope {slope}" for slope in slopes]}
         self.corners.data = {"x": [near, far], "y": [bottom, top]}
-
-
-def _freest(line: Floats, curves: Floats, spans: Floats) -> Floats:
-    """Return the place (2,) on a line (2, 2), its ends in columns, whose name is far from points (2, m) of curves."""
-    places = line[:, :1] + (line[:, 1:] - line[:, :1]) * NAMED
-    middles = places / spans[:, None] + [[-0.06], [0.03]]  # of the names
-    away = np.hypot(*(middles[:, :, None] - (curves / spans[:, None])[:, None])).min(axis=1, initial=CLEAR)
-    return np.asarray(places[:, away.argmax()])
 
 
 class _Drawn:

@@ -237,7 +237,7 @@ class PortraitView:
             usual=2,
         )
         marks = [self.starts, self.crossings, self.ends]
-        self.ground.follow(entries[-len(self.ground.legend) :], marks)
+        self.ground.follow(entries[-len(self.ground.legend) :], marks, [self.orbits, self.others])
 
     def _watch_window(
         self, on_window: Callable[[Window], None], on_zoom: Callable[[Window], None], on_fit: Callable[[], None]

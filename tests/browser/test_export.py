@@ -171,6 +171,61 @@ def test_a_picture_without_a_caption_ends_below_its_legend(visit):
     assert seen["page"][3] - lowest > 3
 
 
+CROSSED = """svg => {
+    const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement
+    document.body.append(root)
+    const within = [...root.querySelectorAll("[clip-path]")].flatMap(part => [...part.querySelectorAll("path")])
+    const lines = within.filter(path => path.getAttribute("fill") == "none" || path.getAttribute("fill") == null)
+    const points = lines.filter(path => path.getAttribute("stroke") != "#e2e2e2").flatMap(path => {
+        const to = path.getScreenCTM(), long = path.getTotalLength()
+        return Array.from({length: Math.ceil(long) + 1}, (_, k) => path.getPointAtLength(k).matrixTransform(to))
+    })
+    const names = [...root.querySelectorAll("text")].filter(one => NAME.test(one.textContent))
+    const found = names.map(one => {
+        const {left, right, top, bottom} = one.getBoundingClientRect()
+        const crossed = points.some(({x, y}) => left < x && x < right && top + 2 < y && y < bottom - 2)
+        return [one.textContent, crossed]
+    })
+    root.remove()
+    return found
+}"""
+"""Names within the frame of a picture, and whether a line passes through each."""
+
+
+def narrow_picture(page, number):
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="85 mm").click()
+    return downloaded(page, page.get_by_role("button", name="SVG").nth(number)).decode()
+
+
+def test_no_line_passes_through_the_name_of_a_slope_in_a_narrow_picture(visit):
+    page = visit(query="view=order")
+    page.get_by_text("after 30 crossings, slope").first.wait_for()
+    svg = narrow_picture(page, 1)
+    assert page.evaluate(CROSSED.replace("NAME", "/^slope/"), svg) == [["slope 1", False], ["slope 2", False]]
+
+
+def test_no_trajectory_passes_through_the_name_of_a_region_in_a_narrow_picture(visit):
+    page = visit(query="system=chua&t_end=40&window=-2.5,2.5,-3.4,3.4")
+    await_that(page, PORTRAIT)
+    await_still(page)
+    found = page.evaluate(CROSSED.replace("NAME", "/^[+−]+$/"), narrow_picture(page, 0))
+    assert sorted(found) == [["++", False], ["+−", False], ["−−", False]]
+
+
+def test_the_frame_of_a_narrow_plot_is_at_least_65_mm_wide(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    svg = narrow_picture(page, 1)
+    wide = float(re.search(r'viewBox="0 0 ([0-9.]+)', svg)[1])
+    clips = [
+        tuple(map(float, ends)) for ends in re.findall(r'd="M ([0-9.]+) [0-9.]+ L ([0-9.]+) [^"]*"/></clipPath>', svg)
+    ]
+    frame = min(right - left for left, right in clips if left > 0)
+    assert 85 * frame / wide >= 65
+
+
 def test_panels_of_one_figure_stand_below_one_another(visit):
     law = ("y/1000000", "-1000000*x")  # whose coordinates have labels of different widths
     scene = Scene()

@@ -46,19 +46,6 @@ def test_a_crossing_has_one_look_in_the_plots_of_states_and_of_times():
     assert len({colour for colour, _, _ in states}) == len(states)
 
 
-def test_names_of_slopes_stand_away_from_the_edge_and_from_a_curve_that_runs_along_their_lines():
-    taus = np.logspace(-4, -1, 31)
-    error = np.minimum(1.0, 20 * taus)  # along slope 1, to half of its end
-    view = OrderView("error")
-    view.show([Studied("rk2", 2, taus, [Row("after 1 crossing", "after 1", error, 1.0, (1e-4, 1e-3))], 1e-15, "exact")])
-    spans = np.log([1e3, 2.0 / error.min()])
-    curve = np.log([taus, error]) / spans[:, None]
-    for x, y in zip(view.guide_names.data["x"], view.guide_names.data["y"], strict=True):
-        assert np.log(x / taus[0]) / spans[0] > 0.25, "there is room for the name on its left, in a narrow picture"
-        middle = np.log([x, y]) / spans + [-0.06, 0.03]
-        assert np.hypot(*(curve - middle[:, None])).min() > 0.03
-
-
 def test_the_tables_hold_every_curve_and_fit_that_is_drawn():
     (study,) = Results().studies(study_inputs(Scene(methods=["rk2"])))
     for curves, errors, slopes in (
