@@ -228,6 +228,8 @@ class Explorer(pn.viewable.Viewer):
 
     def _show(self, view: Tab, wanted: Any, outcome: Any) -> None:
         view.present(wanted, outcome)
+        if "export" in vars(self):  # made with the rest of the page
+            self.export.refresh()
 
     def _cancel(self) -> None:
         """Cancel the running study; its partial result stays on screen."""
@@ -294,11 +296,10 @@ class Explorer(pn.viewable.Viewer):
             tables = {**portrait_tables(runs), **drawn_table(shown)}
             slid = any(one.run.sliding.any() for one in runs())
         pieces = [Piece("Phase portrait", tables, [panel.portrait.figure], slid=slid)]
-        if view.outcome is not None:
-            how = view.how(view.outcome)
-            said = how, view.every_start, view.slid, view.free(), view.meaning(view.outcome)
-            pieces.append(Piece(title, view.tables(), view.pictures(), *said))
-        return pieces
+        if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
+            return [*pieces, Piece(title, {}, [])]
+        said = view.how(view.outcome), view.every_start, view.slid, view.free(), view.meaning(view.outcome)
+        return [*pieces, Piece(title, view.tables(), view.pictures(), *said)]
 
     def settle(self, timeout: float) -> bool:
         """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""

@@ -40,12 +40,16 @@ navigator.clipboard.writeText(new DOMParser().parseFromString(page.body.textCont
 """JavaScript that copies the text of a field, and of a pane, whose markup arrives escaped twice."""
 
 
+NOT_YET = "not computed yet, or not to its end: its files will be offered here when it is."
+"""Words in place of the files of a view."""
+
+
 class Piece(NamedTuple):
     """Something to export: what a view shows."""
 
     title: str
     tables: Tables
-    """What is drawn."""
+    """What is drawn; nothing of it, and no figure, where that is yet to be computed."""
     figures: Sequence[figure]
     """Saved as one picture, one below the other."""
     how: str = ""
@@ -109,8 +113,13 @@ class ExportDialog(pn.viewable.Viewer):
         program = escape(snippet(self.scene, self._program()))
         self.program.object = f'<pre tabindex="0" aria-label="Python program">{program}</pre>'
         self.contents.objects = self.contents.objects or self._make_contents()
-        self.numbers.objects = [self._row(piece) for piece in self._pieces()]
         self.dialog.open = True
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Offer the files of what is visible by now, while the dialog is open."""
+        if self.dialog.open:
+            self.numbers.objects = [self._row(piece) for piece in self._pieces()]
 
     def _make_contents(self) -> list[Any]:
         """Make the widgets at the first opening, so that the page itself loads sooner."""
@@ -136,6 +145,8 @@ class ExportDialog(pn.viewable.Viewer):
             buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece))
         if piece.figures:
             buttons += [*(self._picture(piece, kind) for kind in KINDS), self._copy_caption(piece)]
+        if not buttons:
+            buttons.append(pmui.Typography(NOT_YET, margin=(8, 8), variant="body2"))
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
         return pn.FlexBox(title, *buttons, margin=0, sizing_mode="stretch_width")
 

@@ -19,6 +19,7 @@ from pwsviz.export.about import caption
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import shows_field, shows_surface
 from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
+from pwsviz.page.export_dialog import NOT_YET
 from pwsviz.page.portrait_panel import at_point
 from pwsviz.results.results import Results
 from pwsviz.scene.permalink import query, read
@@ -481,6 +482,26 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     assert explorer.view.plots[0].visible
     assert view.figure.yaxis[0].axis_label == "numerical drift of g while sliding, |Δg|"
     assert "Drawn is g" in explorer.view.words.object
+
+
+def test_the_export_says_that_a_view_is_not_computed_and_offers_its_files_when_it_is(explorer):
+    explorer.scene.view = "order"
+    explorer.scheduler.cancel("view")
+    explorer.export.open("")
+    _, row = explorer.export.numbers
+    assert [part.object for part in row] == ["Order", NOT_YET]
+    explorer._again()
+    assert explorer.settle(60)
+    _, row = explorer.export.numbers
+    assert [part.label for part in row[1:]][:2] == ["CSV errors", "CSV fits"]
+    explorer.scene.accept("values.a_minus", -2.5)  # of which nothing is computed: what is drawn is of other values
+    assert explorer._pieces()[1].tables == {}
+
+
+def test_no_empty_figure_is_offered_where_nothing_is_conserved(explorer):
+    explorer.scene.param.update(system="chua", view="conserved")
+    assert explorer.settle(60)
+    assert explorer._pieces()[1].figures == []
 
 
 def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
