@@ -88,7 +88,7 @@ def test_a_typed_function_is_read_as_people_type_and_a_wrong_one_named(islands):
     assert page.settle(100)
     x, y = tab.outcome.of_start(0).x[:, :2].T
     assert np.abs(y - 2 * x**2 - 0.1).max() < 1e-12
-    assert "y − 2·x² − 1/10 = 0" in tab.words.object
+    assert "y − 2x² − 1/10 = 0" in tab.words.object
     tab._other.value = "y - q"
     assert "unknown name 'q'" in tab._other.helper_text
     assert page.scene.section_of == "y - 2*x**2 - 1/10"
