@@ -16,7 +16,7 @@ LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def equations(system: core.PiecewiseSystem) -> str:
-    """Return the laws of all regions, as “g < 0: x′ = 2·y, ψ₋ = …; g > 0: …; g = …”; of equal sides once."""
+    """Return the laws of all regions, as “g < 0: x′ = 2y, ψ₋ = …; g > 0: …; g = …”; of equal sides once."""
     words = {"-": ("g < 0", "ψ₋"), "+": ("g > 0", "ψ₊")} if system.two_sided else {}
     regions = list(zip(system.laws.regions, system.regions.values(), strict=True))
     if system.two_sided and regions[0][1] == regions[1][1]:

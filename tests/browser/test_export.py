@@ -91,7 +91,7 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
         assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["DejaVu Sans"])
         assert svg["paths"] > 20
         assert svg["ground"] == "#ffffff", "for print, on a dark page, too"
-        assert "g < 0: x′ = 2·y, y′ = 3·x² + a₋" in svg["words"]
+        assert "g < 0: x′ = 2y, y′ = 3x² + a₋" in svg["words"]
         assert "step size τ = 0.01" in svg["words"]
         pdf = downloaded(page, page.get_by_role("button", name="PDF").nth(k))
         assert pdf.startswith(b"%PDF-")
