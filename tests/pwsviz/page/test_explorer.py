@@ -518,7 +518,7 @@ def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
 
 def test_of_a_view_that_has_no_figure_no_picture_is_offered(explorer):
     explorer.scene.accept("system", "relay_feedback")
-    explorer.scene.view = "conserved"  # it has no ψ
+    explorer.scene.param.update(view="conserved", slide=False)  # it has no ψ, and no |Δg| of sliding
     assert explorer.settle(20)
     _, conserved = explorer._pieces()
     assert list(conserved.figures) == []
