@@ -160,8 +160,8 @@ class _Steps:
         self.t, self.x, self.mode, self.h = t, x, mode, h
         self.stepper = Stepper(run.system, self.method, run.tolerance)
 
-    def hides(self) -> NDArray[np.bool_]:
-        """Whether a pair of crossings may have been missed in each step.
+    def hides(self, beyond: bool = False) -> NDArray[np.bool_]:
+        """Whether a pair of crossings may have been missed in each step; `beyond`: or if it has an end beyond g = 0.
 
         The time loop replaces the height of a guard within a step by the cubic with the same values and rates at both
         ends, and finds no crossing where the cubic is positive. Here the height on the scheme itself is compared with
@@ -174,7 +174,7 @@ class _Steps:
         places = _places(len(self.t))
         for number in np.unique(self.mode).tolist():
             rows = np.flatnonzero(self.mode == number)
-            hidden[rows] = self._hides(rows, number, places)
+            hidden[rows] = self._hides(rows, number, places, beyond)
         return hidden & ~self._end_at_a_touch()
 
     def _end_at_a_touch(self) -> NDArray[np.bool_]:
@@ -192,7 +192,9 @@ class _Steps:
         hidden, found = self.hides(), self.departures()
         speed = np.linalg.norm(found.way, axis=1) / np.abs(self.h)
         with np.errstate(all="ignore"):
-            astray = hidden | ~(found.apart <= _APART * found.way.max(axis=1, keepdims=True)).all(axis=1)
+            astray = self.hides(beyond=True) | ~(found.apart <= _APART * found.way.max(axis=1, keepdims=True)).all(
+                axis=1
+            )
             astray |= np.abs(self.h) < (1.0 - _NEAR) * (0.0 if self.method.adaptive else self.run.tau)
             astray[:-1] &= ~(speed[1:] < speed[:-1])
         last = len(astray) - int(np.argmin(astray[::-1])) if len(astray) and not astray.all() else 0
@@ -208,7 +210,7 @@ class _Steps:
                 f"crossings may have been missed; {self._advice}"
             )
 
-    def _hides(self, rows: NDArray[np.intp], number: int, places: Floats) -> NDArray[np.bool_]:
+    def _hides(self, rows: NDArray[np.intp], number: int, places: Floats, beyond: bool) -> NDArray[np.bool_]:
         """Whether a height of a mode, given by its number, is unresolved in some steps, all of that mode."""
         t, x, h, system = self.t[rows], self.x[rows], self.h[rows, None], self.run.system
         times = t[:, None] + h * places
@@ -222,11 +224,11 @@ class _Steps:
             sign = np.where(h < 0.0, -1.0, 1.0) if law.turns(k) else 1.0  # see `Mode.heights`
             with np.errstate(all="ignore"):
                 noise, noise_of_rate = _ROUNDINGS * noise, _ROUNDINGS * np.abs(h) * noise_of_rate
-                hidden |= self._hides_roots(places, sign * g, sign * h * rate, noise, noise_of_rate)
+                hidden |= self._hides_roots(places, sign * g, sign * h * rate, noise, noise_of_rate, beyond)
         return hidden
 
     def _hides_roots(
-        self, places: Floats, g: Floats, rate: Floats, noise: Floats, noise_of_rate: Floats
+        self, places: Floats, g: Floats, rate: Floats, noise: Floats, noise_of_rate: Floats, beyond: bool
     ) -> NDArray[np.bool_]:
         """Whether heights (k, places), with their rates per step, are unresolved within steps.
 
@@ -239,7 +241,7 @@ class _Steps:
             cubic = _hermite(places, g[:, :1], g[:, -1:], rate[:, :1], rate[:, -1:])
             apart = np.abs(g - cubic)
             hidden |= ((cubic <= _MARGIN * apart) & (apart > noise))[:, 1:-1].any(axis=1)
-        return np.asarray(hidden & ~behind)
+        return np.asarray(hidden | behind if beyond else hidden & ~behind)
 
     def too_long_for_events(self) -> Iterator[str]:
         """Warn of a step in which an event function changes its sign between two places, and no event lies there."""
