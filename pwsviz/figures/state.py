@@ -10,6 +10,7 @@ import numpy as np
 from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range1d
 from bokeh.models.glyphs import Scatter
+from bokeh.models.labeling import NoOverlap
 from bokeh.models.renderers import GlyphRenderer
 
 import core
@@ -93,6 +94,7 @@ class Panel:
     def __init__(self, k: int, shared: Shared) -> None:
         self.up = DataRange1d(range_padding=0)
         self.figure = plain_figure(SUMMARY, x_range=shared.across, y_range=self.up, min_border_left=LEFT)
+        self.figure.yaxis.major_label_policy = NoOverlap(min_distance=2)  # panels may be flat
         self.bands = {
             side: self.figure.add_glyph(source, side_strips(side)) for side, source in shared.segments.items()
         }
