@@ -498,12 +498,6 @@ def test_the_export_says_that_a_view_is_not_computed_and_offers_its_files_when_i
     assert explorer._pieces()[1].tables == {}
 
 
-def test_no_empty_figure_is_offered_where_nothing_is_conserved(explorer):
-    explorer.scene.param.update(system="chua", view="conserved")
-    assert explorer.settle(60)
-    assert explorer._pieces()[1].figures == []
-
-
 def test_all_panels_of_the_state_are_saved_as_one_picture(explorer):
     explorer.scene.accept("system", "relay_feedback")
     explorer.settle(20)
