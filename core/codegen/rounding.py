@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import sympy
 from sympy import Expr
 
 from core.codegen.printing import magnitude
+from core.symbolic.near_zeros import Choice
 
 __all__ = ["rounding_bound"]
 
 
+@lru_cache(maxsize=400)
 def rounding_bound(expression: Expr, of_symbols: bool = True) -> Expr:
     """Bound the error of an expression's value in floating point, in units of the machine epsilon.
 
@@ -21,6 +25,11 @@ def rounding_bound(expression: Expr, of_symbols: bool = True) -> Expr:
         return sympy.S.Zero
     if expression.is_Atom:
         return magnitude(expression)
+    if isinstance(expression, magnitude):
+        return rounding_bound(expression.args[0], of_symbols)
+    if isinstance(expression, Choice):  # of two expressions with one value: it is no matter which is taken
+        far, *both = expression.args
+        return Choice(far, *(rounding_bound(u, of_symbols) for u in both))
     if expression.is_Add:
         return sympy.Add(*(rounding_bound(u, of_symbols) + magnitude(u) for u in expression.args))
     return _of_arguments(expression, of_symbols) + len(expression.args) * magnitude(expression)

@@ -7,10 +7,8 @@ from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
-from core.codegen.printing import magnitude
 from core.codegen.rounding import rounding_bound
 from core.diagnostics.unlike_steps import stretches, unlike_steps
 from core.integration.dense_output import Stepper, Track
@@ -218,7 +216,7 @@ class _Steps:
         law, hidden = system.laws.mode(number).written, np.zeros(len(rows), dtype=bool)
         for k, height in enumerate(law.heights):
             rate = law.rate_of(height)
-            wanted = (height, rate, *(rounding_bound(u).replace(magnitude, sympy.Abs) for u in (height, rate)))
+            wanted = (height, rate, rounding_bound(height), rounding_bound(rate))
             values = system.laws.evaluate(("height", number, k), wanted, times, states, system.parameter_array)
             g, rate, noise, noise_of_rate = np.moveaxis(values, 2, 0)
             sign = np.where(h < 0.0, -1.0, 1.0) if law.turns(k) else 1.0  # see `Mode.heights`

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import sympy
 
-from core.codegen.printing import magnitude
 from core.codegen.rounding import rounding_bound
 from core.integration.corner import Rate, WayOut, way_out_of
 from core.kernels.arrays import Floats
@@ -75,7 +73,7 @@ def way_out(system: PiecewiseSystem, t: float, x: Floats, surfaces: tuple[int, .
 
     def rate(region: int, surface: int) -> Rate:
         along = laws.regions[region].rate_of(laws.surfaces[surface])
-        wanted = (along, rounding_bound(along).replace(magnitude, sympy.Abs))
+        wanted = (along, rounding_bound(along))
         value, bound = laws.numbers(("rate", region, surface), wanted, t, x.tolist(), system.parameter_array)
         return Rate(np.sign(direction) * value, _MARGIN * _EPS * bound)
 
@@ -174,7 +172,7 @@ def leaning(system: PiecewiseSystem, number: int, guard: int, t: float, x: Float
     laws: Laws = system.laws
     mode = laws.mode(number).written
     sign, rate = mode.signs[guard], mode.guard_rates[guard]
-    wanted = (rate, rounding_bound(rate).replace(magnitude, sympy.Abs), mode.rate_of(rate))
+    wanted = (rate, rounding_bound(rate), mode.rate_of(rate))
     first, doubt, second = laws.evaluate(("fold", number, guard), wanted, t, x, system.parameter_array)
     if abs(first) > _MARGIN * _EPS * doubt:
         return Leaning(int(np.sign(sign * first * direction)), False)
