@@ -247,6 +247,10 @@ def meaning(curves: Sequence[ErrorCurve]) -> str:
             "|Δψ| is the change of ψ since the start: the sum of changes over the pieces between crossings, where ψ "
             "is constant along the solution; what ψ changes by at a crossing, from one law to the next, is left out"
         )
+        if any(curve.between is not None for curve in curves):
+            words.append(
+                "A crossing that is perturbed lies off the surface, and what ψ changes by as it does is counted"
+            )
         words.append(
             f"The line “round-off” is {ROUND_OFF:g} machine ε times the size of ψ’s terms, |ψ| + Σ |xₖ ∂ψ/∂xₖ|, the "
             "greatest so far"

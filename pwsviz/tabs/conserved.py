@@ -80,7 +80,7 @@ class ConservedTab(Tab):
 
     def meaning(self, outcome: ErrorPicture) -> str:
         """Return what the axis and the lines show, for captions."""
-        return meaning(outcome.curves)
+        return f"{meaning(outcome.curves)} {conserved_note(outcome.system)}".strip()
 
     def tables(self) -> Tables:
         """Return the drift of every integrator at its own steps, and its crossings."""

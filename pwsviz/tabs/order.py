@@ -29,7 +29,7 @@ from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.tabs.base import LongTab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
-from pwsviz.text.words import at_surface, listed
+from pwsviz.text.words import at_surface, listed, perturbation
 from pwsviz.widgets.setting_buttons import choice
 
 Studies = tuple[core.OrderStudy, ...]
@@ -84,7 +84,12 @@ class OrderTab(LongTab):
         shown = studied(outcome, self._rows)
         self.view.show(shown)
         words = study_text(shown, any(one.crossings != STUDY_CROSSINGS for one in outcome))
-        return " ".join(filter(None, [words, self._times(outcome), *self._left_out(outcome)]))
+        scene, moved = self.scene, ""
+        if scene.locate and scene.perturbation_order is not None:
+            moved = (
+                f"Crossing times are perturbed by {perturbation(scene.perturbation_order, scene.perturbation_scale)}."
+            )
+        return " ".join(filter(None, [words, moved, self._times(outcome), *self._left_out(outcome)]))
 
     def _times(self, outcome: Studies) -> str:
         return study_times(outcome[0], self._rows is state_rows, self.slid)

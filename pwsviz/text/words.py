@@ -27,8 +27,14 @@ def at_surface(locate: bool, slide: bool, order: int | None = None, scale: float
     """Return what integrators do at a surface: whether they locate, perturb and slide."""
     words = "crossings located by the transition scheme" if locate else "crossings stepped over"
     if locate and order is not None:
-        words += printed(f", their times perturbed by {scale:g}·τ{str(order).translate(RAISED)}")
+        words += f", their times perturbed by {perturbation(order, scale)}"
     return words + "; where the surface attracts, sliding along it (Filippov)" * slide
+
+
+def perturbation(order: int, scale: float) -> str:
+    """Return the perturbation c·τᵖ of crossing times: “2·τ³”, or “τ” for c = p = 1."""
+    factor = "" if scale == 1.0 else f"{scale:g}·"
+    return printed(f"{factor}τ{str(order).translate(RAISED) if order != 1 else ''}")
 
 
 def plural(count: int, noun: str) -> str:

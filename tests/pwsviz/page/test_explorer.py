@@ -726,4 +726,20 @@ def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
     how = explorer._pieces()[1].how
     assert "crossings located by the transition scheme" in how
     assert ("sliding along it" in how) == (view in ("stability", "section")), "no run of the others slides"
-    assert ("their times perturbed by 2·τ¹" in how) == (view == "order"), "others do not perturb"
+    assert ("their times perturbed by 2·τ" in how) == (view == "order"), "others do not perturb"
+
+
+def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbed_crossings_change_is_counted(explorer):
+    for settings, told in (
+        ({"system": "rigid_body", "methods": ["dmm2"]}, "Of the 2 conserved quantities the one that changes most"),
+        ({"perturbation_order": 1}, "A crossing that is perturbed lies off the surface"),
+    ):
+        explorer.scene.load({**settings, "view": "conserved"})
+        assert explorer.settle(60)
+        assert told in explorer._pieces()[1].meaning
+
+
+def test_the_order_says_that_crossing_times_are_perturbed(explorer):
+    explorer.scene.load({"view": "order", "perturbation_order": 1, "methods": ["dmm2"]})
+    assert explorer.settle(60)
+    assert "Crossing times are perturbed by τ." in explorer.view.words.object
