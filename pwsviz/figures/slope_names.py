@@ -40,10 +40,13 @@ const placeNames = () => {
     let best = null, most = -1
     for (let n = 0; n <= PLACES; n++) {
       const x = x0 + (x1 - x0) * n / PLACES, y = y0 + (y1 - y0) * n / PLACES
-      const box = [x - 6 - long, x - 6, y, y + high]  // to the left of a rising line and above it
-      if (box[0] < 2 || box[3] > frame.height - 2 || box[1] > frame.width || box[2] < 0) { continue }
-      const clear = Math.min(CLEAR, ...others.map(([a, b]) => away(box, a, b)))
-      if (clear > most + 0.5) { most = clear; best = [x, y, box] }
+      // Where a name ends, and how low: to the left of a rising line and above it, or to its right and below it.
+      for (const [right, low] of [[x - 6, y], [x + 6 + long, y - high]]) {
+        const box = [right - long, right, low, low + high]
+        if (box[0] < 2 || box[1] > frame.width - 2 || low < 2 || box[3] > frame.height - 2) { continue }
+        const clear = Math.min(CLEAR, ...others.map(([a, b]) => away(box, a, b)))
+        if (clear > most + 0.5) { most = clear; best = [right + 6, low, box] }
+      }
     }
     const [x, y, box] = best ?? [NaN, NaN, null]  // without any room for it, it is not named
     data.x.push(across.start * (across.end / across.start) ** (x / frame.width))
