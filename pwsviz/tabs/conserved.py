@@ -75,7 +75,7 @@ class ConservedTab(Tab):
         if outcome.unmoved:
             said = f"No step was made, so there is no |Δψ| to show: {outcome.unmoved}"
         elif slides and not drawn:
-            said += " Drawn is g, which sliding keeps."
+            return f"{said} Drawn is g, which sliding keeps: no other conserved quantity is known."
         return f"{said} {conserved_note(system)}".strip()
 
     def meaning(self, outcome: ErrorPicture) -> str:

@@ -163,10 +163,10 @@ def test_figures_have_the_same_frame_on_light_and_on_dark_ground(visit):
 def test_a_system_without_conserved_quantities_says_so_and_another_brings_them_back(visit):
     page = visit()
     await_painted(page, "conserved quantity")
-    choose_system(page, "Relay feedback")
-    await_painted(page, "Coordinate x against time")
+    choose_system(page, "Thermostat")
+    await_painted(page, "Coordinate T against time")
     page.get_by_role("tab", name="Conserved quantity").click()
-    page.get_by_text(re.compile("no conserved quantity is known on either side")).wait_for()
+    page.get_by_text(re.compile("no conserved quantity is known in any region")).wait_for()
     page.get_by_text(re.compile("need a conserved quantity; none is known here")).wait_for()
     page.get_by_label("dmm2", exact=True).wait_for(state="detached")
     page.get_by_role("img", name=re.compile("conserved quantity")).wait_for(state="hidden")
