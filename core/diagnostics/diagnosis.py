@@ -17,6 +17,7 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.corners import undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
+from core.diagnostics.near_touches import near_touch
 from core.diagnostics.resolution import RUNS_AWAY, unresolved
 from core.diagnostics.scheme import Scheme
 from core.integration.crossings import Crossings
@@ -132,7 +133,7 @@ def step_warning(run: Trajectory) -> str:
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
-    warnings = unresolved(run) or tuple(undecided_corners(run))
+    warnings = unresolved(run) or tuple(undecided_corners(run)) or tuple(filter(None, [near_touch(run)]))
     if not warnings and run.status not in RUNS_AWAY:  # where they run away, no step is below a bound
         warnings = _diagnosis(run, run.crossings.first(min(_FIRST, _entered_for_good(run)))).warnings
     return f"{warnings[0]}." if warnings else ""

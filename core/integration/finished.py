@@ -57,6 +57,7 @@ def trajectory_of(
         "tolerance": settings.tolerance if adaptive else math.nan,
         "samples": run.samples,
         "unlike": run.unlike,
+        "passes": run.passes,
         "slides": settings.slides,
         "events": run.log.events(),
     })  # fmt: skip

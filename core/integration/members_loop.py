@@ -144,8 +144,8 @@ def _signature() -> Any:
     whole = types.int64
     return whole(
         types.FunctionType(march_signature()), whole[:, ::1], guards, blank, vector, whole, matrix, matrix, matrix,
-        run, vector, row, matrix, hit, places, places, matrix, matrix, events, hit, places, vector, matrix, whole,
-        whole, whole[::1], whole[::1], vector, vector, matrix, matrix, ends, matrix, wanted, hit, places, whole[::1],
+        run, vector, row, matrix, hit, places, places, matrix, matrix, matrix, events, hit, places, vector, matrix,
+        whole, whole, whole[::1], whole[::1], vector, vector, matrix, matrix, ends, matrix, wanted, hit, places, whole[::1],
         whole[::1], *PSI_TYPES, whole, whole, whole[::1], run, matrix, hit, places,
     )  # fmt: skip
 
@@ -157,7 +157,7 @@ def compiled_members() -> Callable[..., int]:
     Returns
     -------
     members(march, functions, guards, blank, frame, d, scratch, nodes, pieces,
-            records, w, rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
+            records, w, rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series,
             budget, max_steps, first_rows, first_guards, tau, shift, p, x, ends, x_ends, wanted, kept, kept_places,
             counters, told, *PsiArrays, regions, jumps, failed, failed_records, failed_w, failed_hits,
             failed_places) -> int
@@ -176,7 +176,7 @@ def compiled_members() -> Callable[..., int]:
     @njit(_signature(), cache=True, nogil=True, **OPTIONS)
     def members(
         march, functions, guards, blank, frame, d, scratch, nodes, pieces,
-        records, w, rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
+        records, w, rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series,
         budget, max_steps, first_rows, first_guards, tau, shift, p, x, ends, x_ends, wanted, kept, kept_places,
         counters, told, levels, level_rows, level_frame, sums, followed, regions, jumps,
         failed, failed_records, failed_w, failed_hits, failed_places,
@@ -205,7 +205,7 @@ def compiled_members() -> Callable[..., int]:
                 part = min(budget, max_steps - run.steps)
                 status = march(
                     functions, guards, records, p[k], w, d, scratch, nodes, pieces, part,
-                    rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
+                    rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series,
                 )  # fmt: skip
                 if run.crowded == 1:
                     return ASKS

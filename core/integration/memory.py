@@ -7,6 +7,7 @@ import numpy as np
 from core.integration.unlike import rows_of_looks
 from core.kernels.arrays import Floats
 from core.transition.event_location import MAX_NODES
+from core.transition.passes import PASSES
 from core.transition.records import HIT, RUN
 
 __all__ = ["FIELDS", "FIRST_HITS", "Memory"]
@@ -42,6 +43,8 @@ class Memory:
         (k, 3 + d): see `Trajectory.samples`.
     looks
         See `unlike`.
+    passes
+        See `transition.passes`.
     hits, places
         Crossings and their states.
 
@@ -69,6 +72,7 @@ class Memory:
         self.x, self.carry = self.w[state : state + d], self.w[state + d : state + 2 * d]
         self.nodes, self.pieces, self.coefficients = np.empty((MAX_NODES, 3)), np.empty(pieces), np.empty((1, 1))
         self.samples, self.looks = np.empty((_SAMPLES, 3 + d)), np.empty((rows_of_looks(d), 3 + d))
+        self.passes = np.empty((PASSES, 4 + d))
         self.make_room()
 
     def make_room(self) -> None:
@@ -82,5 +86,5 @@ class Memory:
     def take(self, other: Memory) -> None:
         """Take over what the run in another memory has come to."""
         self._own[:], self.w[:], self.p[:], self.samples[:] = other._own, other.w, other.p, other.samples
-        self.looks[:] = other.looks
+        self.looks[:], self.passes[:] = other.looks, other.passes
         self.coefficients = other.coefficients.copy()

@@ -23,6 +23,7 @@ from core.kernels.arrays import Floats
 from core.methods import Method
 from core.symbolic.singularities import Singularity
 from core.system import PiecewiseSystem
+from core.transition.passes import PASSES
 from core.transition.records import NO_JUMP, NO_MODE
 from core.transition.status import Status
 
@@ -34,8 +35,8 @@ AT_SURFACE = (Status.SLIDING, Status.REPELLING, Status.GRAZING, Status.CORNER, S
 _T, _T_CARRY, _TAU, _LONGEST, _MODE, _FIRST_MODE, _ROW, _GUARD = (
     FIELDS[name] for name in ("t", "t_carry", "tau", "longest", "mode", "first_mode", "row", "guard")
 )
-_STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _MAX_CROSSINGS, _MAX_EVENTS = (
-    FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "max_crossings", "max_events")
+_STEPS, _EVALUATIONS, _CROSSINGS, _SAMPLES, _PASSES, _MAX_CROSSINGS, _MAX_EVENTS = (
+    FIELDS[name] for name in ("steps", "evaluations", "crossings", "samples", "passes", "max_crossings", "max_events")
 )
 _LOOKS = itemgetter(*(FIELDS[name] for name in ("looks", "look_segment", "crossings", "changes", "doublings")))
 
@@ -155,6 +156,12 @@ class Run:
         last = begun_rows(looks) if segment == crossings else []
         rows = np.array([*last, *kept_rows(changes, doublings, len(self.start))], dtype=np.intp)
         return self.memory.looks.take(rows, axis=0)
+
+    @property
+    def passes(self) -> Floats:
+        """(k, 4 + d) see `Trajectory.passes`."""
+        kept = [row for row in range(PASSES) if self.wholes[_PASSES] >> row & 1]
+        return self.memory.passes.take(kept, axis=0)
 
     @property
     def samples(self) -> Floats:

@@ -258,12 +258,12 @@ class Runner(Run):
         if self._room_for_hits > size:
             size = min(self._room_for_hits, _HITS_KEPT if keep_hits else _HITS_NOT_KEPT)
             hits, places = np.empty(size, dtype=HIT), np.empty((size, 3, d))
-        saved = self.log.saved(memory.record, memory.w, memory.samples, memory.looks)
+        saved = self.log.saved(memory.record, memory.w, memory.samples, memory.looks, memory.passes)
         started = time.thread_time()
         status = begun.march(
             self.ready.functions, begun.table.guards, memory.record, memory.p, memory.w, d, memory.coefficients,
             memory.nodes, memory.pieces, budget, rows, rows_x, hits, places, self.envelope, memory.samples,
-            memory.looks, *self.log.arrays,
+            memory.looks, memory.passes, *self.log.arrays,
         )  # fmt: skip
         self.seconds += time.thread_time() - started
         if wholes[_CROWDED]:

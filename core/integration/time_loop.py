@@ -96,7 +96,7 @@ def march_signature() -> Any:
     whole = types.int64
     return whole(
         whole[:, ::1], guards, run, vector, vector, whole, matrix, matrix, matrix, whole,
-        row, matrix, hit, places, places, matrix, matrix, events, hit, places, vector, matrix,
+        row, matrix, hit, places, places, matrix, matrix, matrix, events, hit, places, vector, matrix,
     )  # fmt: skip
 
 
@@ -107,7 +107,7 @@ def compiled_march() -> Callable[..., int]:
     Returns
     -------
     march(functions, guards, run, p, w, d, scratch, nodes, pieces, budget,
-          rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series) -> int
+          rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series) -> int
         A Status. Takes up to `budget` steps or parts of steps, and leaves the records ready for the next call; RUNNING
         means that the budget or a buffer is used up, or that the mode to be entered is not compiled yet. See `abi` for
         functions (rows, functions), p, the frame w and scratch, `records` for the guards (rows,) and records. Without
@@ -119,7 +119,7 @@ def compiled_march() -> Callable[..., int]:
     @njit(march_signature(), cache=True, nogil=True, **OPTIONS)
     def march(
         functions, guards, records, p, w, d, scratch, nodes, pieces, budget,
-        rows, rows_x, hits, places, envelope, samples, looks, events, found, found_x, v, series,
+        rows, rows_x, hits, places, envelope, samples, looks, passes, events, found, found_x, v, series,
     ):  # fmt: skip
         _ = sources  # closed over, it enters the key of numba's cache
         run = records[0]
@@ -130,7 +130,7 @@ def compiled_march() -> Callable[..., int]:
         context = by_reference(
             StepContext(functions, guards, run, p, w, scratch, x, carry, increment, place, nodes, pieces)
         )
-        log = by_reference(Log(hits, places, residual, envelope))
+        log = by_reference(Log(hits, places, residual, envelope, passes))
         other = (
             v[head : head + d],
             v[head + d : head + 2 * d],

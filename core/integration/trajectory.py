@@ -73,6 +73,9 @@ class Trajectory:
     """(k, 3 + d) time, mode, length and state at the start of some steps; the length ends at a crossing."""
     unlike: Floats | None = field(default=None, repr=False)
     """(k, 3 + d) time, -, mode and state where stretches of steps begin that may hold one unlike the others."""
+    passes: Floats | None = field(default=None, repr=False)
+    """(k, 4 + d) time, -, row of the guard, time since the last crossing, and state where a height comes to its least
+    near the surface: see `core.transition.passes`."""
     slides: bool = False
     """Whether the run was asked to slide along the surface where both fields point to it."""
     events: Events = field(default_factory=Events)
@@ -350,7 +353,7 @@ class Trajectory:
     def nbytes(self) -> int:
         """Bytes of its arrays, also of those that are yet to be made."""
         states = self.t, self.x, self.mode, self.segment, self.entered_t, self.entered_x
-        own = (*states, self.samples, self.unlike, self.envelope)
+        own = (*states, self.samples, self.unlike, self.passes, self.envelope)
         met = (getattr(part, column.name) for part in (self.crossings, self.events) for column in fields(part))
         return sum(part.nbytes for part in (*own, *met) if isinstance(part, np.ndarray))
 

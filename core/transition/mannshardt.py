@@ -32,6 +32,7 @@ from core.transition.event_location import (
     try_step,
     write_end,
 )
+from core.transition.passes import keep_turns
 from core.transition.plain_steps import end_of_guard, look_at, update_other_guards
 from core.transition.records import NO_JUMP
 from core.transition.status import Status
@@ -156,16 +157,17 @@ def locate(context, t, h, kind, low, high):
 
 
 @inlined
-def end_step(context, t, h):
+def end_step(context, log, t, h):
     """Accept a step of length h in which no crossing has been found."""
     run, w = context.run, context.w
     if run.tried != h:  # the search has changed the increment
         try_step(context, t, h)
     height, rate = height_at_end(context), rate_at_end(context)
-    if run.guards > 1:
-        update_other_guards(run, w)
     accept_step(context)
     advance_time(run, h)
+    keep_turns(context, log, h, height, rate)
+    if run.guards > 1:
+        update_other_guards(run, w)
     run.height, run.rate, run.taken = height, rate, h
     run.leaving = 0 if height > 0.0 else run.leaving
     run.longest = max(run.longest, abs(h))
@@ -255,7 +257,7 @@ def advance(context, log, h):
         found, length = compare_guards(context, t, found, length)
     if found == NONE:
         run.rest = h - length if run.adaptive == 0 else 0.0
-        return end_step(context, t, length)
+        return end_step(context, log, t, length)
     if found == FAILED or not land(context, log, t):
         return _NO_CONVERGENCE
     if found == TOUCH:

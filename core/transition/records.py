@@ -87,6 +87,7 @@ RUN = np.dtype(
         ("changes", np.int64),  # number of changes of rates seen so far, and how often their parts were doubled
         ("doublings", np.int64),
         ("unlike", np.float64),  # largest change of a rate seen, relative to the largest such rate
+        ("passes", np.int64),  # bits of the rows of the table of passes that hold one (see `passes`)
         ("rows", np.int64),  # number of rows written since the last return
         ("hits", np.int64),  # number of crossings written since the last return
         ("taken", np.float64),  # length by which `advance` has moved the state

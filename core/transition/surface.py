@@ -32,6 +32,7 @@ class Log(NamedTuple):
     places: Any  # (…, 3, d): states on the surface, where the run landed, from which it continued
     residual: Any  # (m,) level residual, a part of the frame
     envelope: Any  # (columns, m, 2) least and greatest level residual in equal parts of the time
+    passes: Any  # (PASSES, 4 + d): see `passes`
 
 
 @inlined

@@ -27,6 +27,7 @@ from core.kernels.abi import (
 from core.kernels.jit import inlined, internal
 from core.transition.entering import begin_mode, enter_mode, set_mode
 from core.transition.event_location import TOUCH
+from core.transition.passes import keep_crossing
 from core.transition.plain_steps import look_at
 from core.transition.records import JUMP_TO_SURFACE, NO_JUMP, NO_MODE
 from core.transition.status import CROSSING_KINDS, Status
@@ -230,6 +231,8 @@ def accumulates(run, w, surface):
 def switch_mode(context, log, found):
     """At the surface: jump, classify, record the crossing, and enter the next mode."""
     run, x = context.run, context.x
+    if run.chain == 0:
+        keep_crossing(context, log)
     if run.sliding == 1:
         return leave_sliding(context, log, found)
     hit, along = log.hits[run.hits], math.copysign(1.0, context.run.tau)

@@ -1,0 +1,190 @@
+"""Warn where a run cannot tell whether the solution crosses a surface or only touches it, or misses it.
+
+There the height of a guard falls ever more slowly, and comes to its least within the error of the run.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from core.codegen.rounding import rounding_bound
+from core.compilation.guards import guard_table
+from core.integration.dense_output import Stepper, Track
+from core.integration.run_settings import Settings
+from core.integration.runner import Runner
+from core.integration.trajectory import Status, Trajectory
+from core.kernels.arrays import Floats
+from core.methods import METHODS
+
+__all__ = ["near_touch"]
+
+#: Bound on the error of a height, in units of the first-order bound on its rounding.
+_ROUNDINGS = 16.0
+#: A run is made again if a pass is slighter than this many times what its local errors add up to: errors may grow.
+_GROWTH = 1e6
+#: Most steps of a run that is made again: beyond, what its local errors add up to stands for its error.
+_MOST_STEPS = 500_000
+#: Part of the tolerance with which a method that chooses its steps makes a run again.
+_FINER = 1.0 / 16.0
+#: Longest time to the least height of a slight pass, from where another run is compared, in steps.
+_NEAR = 8.0
+#: Longest way to the least height, in steps.
+_FARTHEST = 32
+#: Trial steps to the least height.
+_TRIALS = 12
+_EPS = 2.0**-52
+
+
+class _Place(NamedTuple):
+    """A state of a run, in a mode that the guard, given by its number in the mode, ends."""
+
+    t: float
+    x: Floats
+    mode: int
+    guard: int
+
+
+class _Least(NamedTuple):
+    """Where a height is least."""
+
+    t: float
+    height: float
+    noise: float
+    """Bound on its error by rounding."""
+    bend: float
+    """Rate of its rate."""
+
+
+def near_touch(run: Trajectory) -> str:
+    """Say where a run first passes a surface by less than its own error; '' if it does so nowhere.
+
+    What half the step size changes, or a smaller tolerance, is taken for half the error.
+
+    Returns
+    -------
+    str
+        A sentence or two, without the last full stop.
+    """
+    if run.passes is None or not len(run.passes):
+        return ""
+    search = _Search(run, run.passes)
+    found = [(place, least, since) for place, since in search.places() if (least := search.least(place)) is not None]
+    if not any(search.is_slight(place, least) for place, least, _ in found):
+        return ""
+    for place, least, since in found:
+        if search.is_slight(place, least):
+            error = search.error(place, least, since)
+            if not abs(least.height) > error + least.noise:
+                return _words(run, least, error)
+    return ""
+
+
+def _again(run: Trajectory) -> Runner:
+    """The same run with smaller steps, before it has begun."""
+    method = METHODS[run.method]
+    settings = Settings(0.5 * run.tau, max(_FINER * run.tolerance, _EPS), slides=run.slides)
+    return Runner(run.system, method, float(run.t[0]), tuple(run.x[0].tolist()), settings, 0)
+
+
+def _words(run: Trajectory, least: _Least, error: float) -> str:
+    adaptive = METHODS[run.method].adaptive
+    known = f", about {max(error, least.noise):.1g} in g" if math.isfinite(error) else ", as smaller steps show"
+    return (
+        f"At t = {least.t:.6g} the run passes the surface by less than its own error{known}: the solution may cross it "
+        "there, touch it or miss it. If it touches it, no step size helps: change the initial condition or a "
+        f"parameter; if not, take {'a smaller tolerance' if adaptive else 'a smaller tau'}"
+    )
+
+
+class _Search:
+    """Finds the least heights of the passes of a run."""
+
+    def __init__(self, run: Trajectory, passes: Floats) -> None:
+        self.run, self.passes, self.way = run, passes, 1.0 if run.t[-1] >= run.t[0] else -1.0
+        self.stepper = Stepper(run.system, METHODS[run.method], run.tolerance)
+
+    def places(self) -> list[tuple[_Place, float]]:
+        """The passes that the loop has kept, in the order of the run, with the times since the last crossing."""
+        table, found = guard_table(self.run.system.laws), []
+        passes = self.passes
+        for t, _, row, since, *x in passes[np.argsort(self.way * passes[:, 0], kind="stable")].tolist():
+            mode = int(table.guards["mode"][int(row)])
+            found.append((_Place(t, np.array(x), mode, int(row) - int(table.first_rows[mode])), since))
+        return found
+
+    def least(self, place: _Place) -> _Least | None:
+        """The least height next to a place: the zero of its rate, by the secant method; None if there is none."""
+        far, low = _FARTHEST * self.run.tau, 0.0
+        height, rate, noise = self.height(place, 0.0)
+        step = -self.way * math.copysign(2.0**-10 * self.run.tau, rate)
+        bend = math.nan
+        for _ in range(_TRIALS):
+            s = low + step
+            if not abs(s) <= far:
+                return None
+            height, after, noise = self.height(place, s)
+            bend = (after - rate) / step * self.way
+            if not bend > 0.0:
+                return None
+            low, rate = s, after
+            step = -after / bend * self.way
+            if abs(step) <= 4.0 * _EPS * abs(place.t) or 0.5 * bend * step * step <= _EPS * noise:
+                break
+        return _Least(place.t + low, height, noise, bend)
+
+    def height(self, place: _Place, s: float) -> tuple[float, float, float]:
+        """Height, its rate along the run, and the bound on its rounding, at the end of steps of length s in all."""
+        x, laws = self.after(place, s), self.run.system.laws
+        law = laws.mode(place.mode).written
+        height = law.heights[place.guard]
+        wanted, p = (height, law.rate_of(height), rounding_bound(height)), self.run.system.parameter_array
+        values = laws.evaluate(("least", place.mode, place.guard), wanted, np.array([place.t + s]), x[None], p)
+        g, rate, noise = values[0].tolist()
+        sign = self.way if law.turns(place.guard) else 1.0
+        return sign * g, sign * self.way * rate, _ROUNDINGS * _EPS * noise
+
+    def after(self, place: _Place, s: float, parts: int = 1) -> Floats:
+        """State at the end of steps of length s in all, none longer than a step of the run."""
+        count = parts * max(1, math.ceil(abs(s) / self.run.tau - 1e-9))
+        t, x = place.t, place.x
+        for k in range(1, count + 1):
+            begin, start, mode = np.array([t]), x[None], np.array([place.mode])
+            time = place.t + s * (k / count)
+            track = Track(begin, start, mode, np.zeros(1, dtype=np.int64), begin, start, mode)
+            found = self.stepper.find(track, np.array([time]))
+            t, x = time, found.x[0] if found.solved else np.full_like(x, np.nan)
+        return x
+
+    def is_slight(self, place: _Place, least: _Least) -> bool:
+        """Whether the least height may be within the error of the run, and is reached within few steps."""
+        near = abs(place.t - least.t) <= _NEAR * self.run.tau and self.lead(least) <= _NEAR * self.run.tau
+        return near and abs(least.height) <= _GROWTH * self.local_error(place, least)
+
+    def lead(self, least: _Least) -> float:
+        """Time before the least height at which another run is compared: the height is some times as large then."""
+        return max(2.0 * math.sqrt(2.0 * (abs(least.height) + least.noise) / least.bend), self.run.tau)
+
+    def local_error(self, place: _Place, least: _Least) -> float:
+        """What the errors of a step, and its rounding, add up to over all steps, as an error of the height."""
+        step = -self.way * self.run.tau
+        apart = np.abs(self.after(place, step) - self.after(place, step, 2)).max()
+        of_step = apart / (_ROUNDINGS * _EPS * np.abs(place.x).max() or 1.0)
+        return float(self.run.steps * least.noise * (1.0 + np.nan_to_num(of_step, nan=np.inf)))
+
+    def error(self, place: _Place, least: _Least, since: float) -> float:
+        """Twice the change of the least height in a run with smaller steps; inf where that one leads elsewhere.
+
+        Both are compared from a state on that the other run, too, has before it meets the surface, if it does.
+        """
+        if self.run.steps > _MOST_STEPS:
+            return self.local_error(place, least)
+        before = max(self.lead(least) - self.way * (least.t - place.t), 0.0)
+        t = place.t - self.way * min(before, 0.5 * since)
+        again = _again(self.run)
+        if again.advance(t, record=False, keep_hits=False) is not Status.COMPLETED or again.mode != place.mode:
+            return math.inf
+        other = self.least(_Place(t, again.x, place.mode, place.guard))
+        return math.inf if other is None else 2.0 * abs(other.height - least.height)

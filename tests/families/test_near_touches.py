@@ -1,0 +1,55 @@
+"""A run that passes a surface on another side than the solution does, within its own error, says so."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import core
+
+#: What the warning says.
+WORDS = "by less than its own error"
+#: How a run may end that does not pass the surface at all.
+TOUCHES = (core.Status.GRAZING, core.Status.ZENO)
+
+
+def oscillator(rng: np.random.Generator, depth: float, jump: bool) -> tuple[core.PiecewiseSystem, float]:
+    """u = A cos(wt − phase) comes to the wall u = A − depth: the system, and the time when u is largest.
+
+    Beyond the wall another field leads away from it, or the velocity jumps there.
+    """
+    w, phase, amplitude = float(rng.uniform(0.6, 1.7)), float(rng.uniform(0.5, 2.5)), float(rng.uniform(0.5, 2.0))
+    below = ("v", "-w**2*u")
+    system = core.PiecewiseSystem(
+        "Touch", ("u", "v"), below, below if jump else ("1 + v**2", "-v"), "u - wall",
+        parameters={"w": w, "wall": amplitude - depth},
+        x0=(amplitude * math.cos(phase), amplitude * w * math.sin(phase)),
+        **({"jump": ("u", "v - 1")} if jump else {}),
+    )  # fmt: skip
+    return system, phase / w
+
+
+@pytest.mark.parametrize("record", ["steps", "end"])
+@pytest.mark.parametrize("jump", [False, True])
+def test_a_run_that_decides_a_touch_otherwise_than_the_solution_says_so(draws, jump, record):
+    for rng in draws(60):
+        depth = float(rng.choice([-1, 1]) * 10 ** rng.uniform(-15, -3))
+        system, touch = oscillator(rng, depth, jump)
+        method = str(rng.choice(["rk2", "rk4", "rk8", "gauss4", "taylor"]))
+        settings = {} if method == "taylor" else {"tau": float(10 ** rng.uniform(-2.5, -0.7))}
+        run = core.integrate(system, (0.0, touch + 0.3), method=method, record=record, **settings)
+        crosses = run.crossing_count > 0
+        if crosses != (depth > 0.0) and run.status not in TOUCHES:
+            assert run.warning, f"{method}, {settings}, depth {depth:.3g}, {system.values}, {system.x0}: {run.message}"
+
+
+@pytest.mark.parametrize("jump", [False, True])
+def test_a_run_whose_error_is_far_smaller_than_the_pass_is_not_warned_of(draws, jump):
+    for rng in draws(60):
+        depth = float(rng.choice([-1, 1]) * 10 ** rng.uniform(-9, -3))
+        system, touch = oscillator(rng, depth, jump)
+        run = core.integrate(system, (0.0, touch + 0.3), method="rk8", tau=0.02)
+        assert WORDS not in run.message, f"depth {depth:.3g}, {system.values}, {system.x0}: {run.message}"
+        assert (run.crossing_count > 0) == (depth > 0.0)
