@@ -145,8 +145,8 @@ def _signature() -> Any:
     return whole(
         types.FunctionType(march_signature()), whole[:, ::1], guards, blank, vector, whole, matrix, matrix, matrix,
         run, vector, row, matrix, hit, places, places, matrix, matrix, matrix, events, hit, places, vector, matrix,
-        whole, whole, whole[::1], whole[::1], vector, vector, matrix, matrix, ends, matrix, wanted, hit, places, whole[::1],
-        whole[::1], *PSI_TYPES, whole, whole, whole[::1], run, matrix, hit, places,
+        whole, whole, whole[::1], whole[::1], vector, vector, matrix, matrix, ends, matrix, wanted, hit, places,
+        whole[::1], whole[::1], *PSI_TYPES, whole, whole, whole[::1], run, matrix, hit, places,
     )  # fmt: skip
 
 
