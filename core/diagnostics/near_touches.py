@@ -12,6 +12,7 @@ import numpy as np
 
 from core.codegen.rounding import rounding_bound
 from core.compilation.guards import guard_table
+from core.diagnostics.resolution import RUNS_AWAY
 from core.integration.dense_output import Stepper, Track
 from core.integration.run_settings import Settings
 from core.integration.runner import Runner
@@ -35,6 +36,8 @@ _NEAR = 8.0
 _FARTHEST = 32
 #: Trial steps to the least height.
 _TRIALS = 12
+#: How a run ends at a touch, which is told then.
+_TOUCHES = (Status.GRAZING, Status.ZENO)
 _EPS = 2.0**-52
 
 
@@ -68,7 +71,7 @@ def near_touch(run: Trajectory) -> str:
     str
         A sentence or two, without the last full stop.
     """
-    if run.passes is None or not len(run.passes):
+    if run.passes is None or not len(run.passes) or run.status in RUNS_AWAY:
         return ""
     search = _Search(run, run.passes)
     found = [(place, least, since) for place, since in search.places() if (least := search.least(place)) is not None]
@@ -161,7 +164,8 @@ class _Search:
     def is_slight(self, place: _Place, least: _Least) -> bool:
         """Whether the least height may be within the error of the run, and is reached within few steps."""
         near = abs(place.t - least.t) <= _NEAR * self.run.tau and self.lead(least) <= _NEAR * self.run.tau
-        return near and abs(least.height) <= _GROWTH * self.local_error(place, least)
+        told = self.run.status in _TOUCHES and abs(self.run.t[-1] - least.t) <= self.run.tau
+        return near and not told and abs(least.height) <= _GROWTH * self.local_error(place, least)
 
     def lead(self, least: _Least) -> float:
         """Time before the least height at which another run is compared: the height is some times as large then."""

@@ -256,8 +256,9 @@ class _Run:
             memory.coefficients, memory.nodes, memory.pieces, memory.record.copy(), memory.w.copy(), self.rows,
             self.rows_x, self.hits, self.places, blank.envelope, memory.samples, memory.looks, memory.passes,
             *blank.events, blank.budget, members.settings.max_steps, self.first_rows, members.places.guards,
-            members.tau, members.shift, members.p, members.x, self.ends, self.x, self.wanted, self.kept, self.kept_places,
-            self.counters, members.told.flag, *self.psi, len(laws.regions), int(laws.jumps), *self.failed,
+            members.tau, members.shift, members.p, members.x, self.ends, self.x, self.wanted, self.kept,
+            self.kept_places, self.counters, members.told.flag, *self.psi, len(laws.regions), int(laws.jumps),
+            *self.failed,
         )  # fmt: skip
 
     def _integrate_one(self, k: int) -> None:
