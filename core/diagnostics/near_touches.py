@@ -32,6 +32,8 @@ _MOST_STEPS = 500_000
 _FINER = 1.0 / 16.0
 #: Longest time to the least height of a slight pass, from where another run is compared, in steps.
 _NEAR = 8.0
+#: Time by which two runs of a method that chooses its steps meet a surface apart, in units of its longest step.
+_LATER = 2.0**-7
 #: Longest way to the least height, in steps.
 _FARTHEST = 32
 #: Trial steps to the least height.
@@ -118,10 +120,13 @@ class _Search:
             found.append((_Place(t, np.array(x), mode, int(row) - int(table.first_rows[mode])), since))
         return found
 
-    def least(self, place: _Place) -> _Least | None:
-        """The least height next to a place: the zero of its rate, by the secant method; None if there is none."""
-        far, low = _FARTHEST * self.run.tau, 0.0
-        height, rate, noise = self.height(place, 0.0)
+    def least(self, place: _Place, low: float = 0.0) -> _Least | None:
+        """The least height of a place, `low` after it at first: the zero of its rate, by the secant method.
+
+        None if the height does not come to a least one there.
+        """
+        far = _FARTHEST * self.run.tau + abs(low)
+        height, rate, noise = self.height(place, low)
         step = -self.way * math.copysign(2.0**-10 * self.run.tau, rate)
         bend = math.nan
         for _ in range(_TRIALS):
@@ -169,7 +174,8 @@ class _Search:
 
     def lead(self, least: _Least) -> float:
         """Time before the least height at which another run is compared: the height is some times as large then."""
-        return max(2.0 * math.sqrt(2.0 * (abs(least.height) + least.noise) / least.bend), self.run.tau)
+        apart = _LATER * self.run.tau if METHODS[self.run.method].adaptive else self.run.tau
+        return max(2.0 * math.sqrt(2.0 * (abs(least.height) + least.noise) / least.bend), apart)
 
     def local_error(self, place: _Place, least: _Least) -> float:
         """What the errors of a step, and its rounding, add up to over all steps, as an error of the height."""
@@ -190,5 +196,5 @@ class _Search:
         again = _again(self.run)
         if again.advance(t, record=False, keep_hits=False) is not Status.COMPLETED or again.mode != place.mode:
             return math.inf
-        other = self.least(_Place(t, again.x, place.mode, place.guard))
+        other = self.least(_Place(t, again.x, place.mode, place.guard), least.t - t)
         return math.inf if other is None else 2.0 * abs(other.height - least.height)
