@@ -27,6 +27,7 @@ from pwsviz.figures.cost_text import (
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
 from pwsviz.figures.style import (
     GREY,
+    PALE_GREY,
     WITH_TABLE,
     Line,
     assign,
@@ -46,7 +47,7 @@ __all__ = ["CostView", "compared_with", "cost_numbers", "cost_rows", "cost_text"
 
 EXTERNAL_LINES = {
     "scipy": Line(GREY, (6, 3, 1, 3), "x", 1.6),
-    "heyoka": Line("#B4B4B4", (20, 6), "cross", 1.6),
+    "heyoka": Line(PALE_GREY, (20, 6), "cross", 1.6),
 }
 """Looks of external solvers: grey, with dashes and markers that none of our methods has."""
 
@@ -74,9 +75,7 @@ class CostView:
         self.curves = ColumnDataSource(
             {name: [] for name in ("xs", "ys", "colour", "dash", "width", "label", *MARK_COLUMNS)}
         )
-        lines = plot.multi_line(
-            "xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width="width", line_alpha=0.85
-        )
+        lines = plot.multi_line("xs", "ys", source=self.curves, color="colour", line_dash="dash", line_width="width")
         names = ("x", "y", "colour", "marker", "label", "setting", "cost", "error", "status")
         self.points = ColumnDataSource({name: [] for name in names})
         look: dict[str, Any] = {"color": "colour", "size": 8, "line_width": 1.6}

@@ -19,13 +19,17 @@ import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import REPAINT, TELL_PLACE
-from pwsviz.figures.style import GREEN, GREY, PURPLE, SIDES, assign, ranges, tips
+from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name
 from pwsviz.geometry.shades import shade_names
 
 __all__ = ["Ground"]
+
+LEVEL_SET: dict[str, Any] = {"line_alpha": 0.85, "line_width": 0.8}
+OWN_LEVEL_SET: dict[str, Any] = {"line_width": 2.0}
+"""Looks of the level sets of ψ, and of those on which the run is: the palest that WCAG admits (3:1), on every shade."""
 
 READOUT_STYLES: dict[str, str | None] = {
     "font-size": "0.8125rem",
@@ -52,16 +56,16 @@ class Ground:
         self.figure = plot
         self._shown: Backdrop | None = None
         self.side = ColumnDataSource({"xs": [], "ys": []})
-        tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SIDES[-1], fill_alpha=0.13, line_width=0))
+        tint = plot.add_glyph(self.side, MultiPolygons(fill_color=SHADES[-1], fill_alpha=0.13, line_width=0))
         self.bare = ColumnDataSource({"xs": [], "ys": []})
         hatched: dict[str, Any] = {"hatch_pattern": "/", "hatch_color": GREY, "hatch_alpha": 0.35, "hatch_scale": 12}
         bare = plot.add_glyph(self.bare, MultiPolygons(fill_color=GREY, fill_alpha=0.08, line_width=0, **hatched))
         self.levels, self.orbit_levels, self.arrows = ({side: _line_source() for side in SIDES} for _ in range(3))
         usual, own, field = (list[Any]() for _ in range(3))
         for side, colour in SIDES.items():
-            usual.append(plot.add_glyph(self.levels[side], Line(line_color=colour, line_alpha=0.45)))
-            own.append(plot.add_glyph(self.orbit_levels[side], Line(line_color=colour, line_alpha=0.9, line_width=1.5)))
-            field.append(plot.add_glyph(self.arrows[side], Line(line_color=GREY, line_alpha=0.75)))
+            usual.append(plot.add_glyph(self.levels[side], Line(line_color=colour, **LEVEL_SET)))
+            own.append(plot.add_glyph(self.orbit_levels[side], Line(line_color=colour, **OWN_LEVEL_SET)))
+            field.append(plot.add_glyph(self.arrows[side], Line(line_color=GREY, line_alpha=0.8)))
         plot.add_tools(tips([("ψ on this level set", "@psi{5}")], renderers=[*usual, *own], visible=False, limit=1))
         self.attracting, self.repelling, self.surface = _line_source(), _line_source(), _line_source()
         look: dict[str, Any] = {"line_color": GREEN, "line_width": 7}
@@ -72,7 +76,7 @@ class Ground:
         self.labels = self._names.data_source
         self._surface_labels: list[str] = []
         self._arrow_lines = field
-        self._level_keys = {1: _keys(plot, line_alpha=0.45), 2: _keys(plot, line_alpha=0.9, line_width=1.5)}
+        self._level_keys = {1: _keys(plot, **LEVEL_SET), 2: _keys(plot, **OWN_LEVEL_SET)}
         usual_keys, own_keys = (list(keys.values()) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
             ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field), ("ψ = const.", usual_keys),

@@ -26,7 +26,6 @@ from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.style import (
     AMBER,
-    ORANGE,
     VERMILION,
     assign,
     describe,
@@ -50,11 +49,11 @@ from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
-PALE_STAR = "#F7DDA2"
-"""Fill of the stars of other starts, on which a black number is legible."""
+STAR, PALE_STAR = "#E69F00", "#F7DDA2"
+"""Fill of the star of the selected start, and of others: a black number is legible on either."""
 
-RIM = "#9A6700"
-"""Outline of the stars; black would be lost on a dark page."""
+OTHERS_ALPHA = 0.9
+"""Opacity of the curves from other starts, which are thin, too."""
 
 ROOM = 1.08
 """Size of the view relative to the box of the trajectories that it is fitted to."""
@@ -168,7 +167,7 @@ class PortraitView:
             "line_join": "round",
         }
         self.others = ColumnDataSource({name: [] for name in columns})
-        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=0.55, **looks))
+        self.beside = plot.add_glyph(self.others, MultiLine(line_alpha=OTHERS_ALPHA, **looks))
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.add_glyph(self.orbits, MultiLine(**looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
@@ -210,13 +209,13 @@ class PortraitView:
         plot = self.figure
         columns = ("x", "y", "number", "crowd", "size", "fill", "chosen", "heard")
         self.starts = unseen(columns)
-        look: dict[str, Any] = {"size": "size", "fill_color": "fill", "line_color": RIM, "line_width": 1.2}
+        look: dict[str, Any] = {"size": "size", "fill_color": "fill", "line_color": AMBER, "line_width": 1.2}
         self.stars = plot.add_glyph(self.starts, Scatter(marker="star", **look))
         letters: dict[str, Any] = {"text_color": "black", "text_font_size": "10px", "text_font_style": "bold"}
         centred: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "y_offset": 1}
         plot.add_glyph(self.starts, Text(text="number", **letters, **centred))
         beside: dict[str, Any] = {"text_align": "left", "text_baseline": "bottom", "x_offset": 9, "y_offset": -5}
-        plot.add_glyph(self.starts, Text(text="crowd", **{**letters, "text_color": RIM}, **beside))
+        plot.add_glyph(self.starts, Text(text="crowd", **{**letters, "text_color": AMBER}, **beside))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size")})
         look = {"size": "size", "fill_color": "colour", "line_color": "white", "line_width": 1.5}
         plot.add_glyph(self.moving, Scatter(marker="marker", **look))
@@ -329,7 +328,7 @@ class PortraitView:
             number=numbers,
             crowd=crowds,
             size=[26 if it else 21 for it in chosen],
-            fill=[ORANGE if it else PALE_STAR for it in chosen],
+            fill=[STAR if it else PALE_STAR for it in chosen],
             chosen=chosen,
             heard=[self._heard] * len(starts),  # sent after each gesture: the browser may have moved them by itself
         )

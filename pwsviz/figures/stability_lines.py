@@ -146,7 +146,7 @@ class GrazingFigure:
 
 
 def _lines(plot: Any, source: ColumnDataSource) -> Any:
-    look = {"color": "colour", "line_dash": "dash", "line_width": "width", "line_alpha": 0.85}
+    look = {"color": "colour", "line_dash": "dash", "line_width": "width"}
     return plot.multi_line("xs", "ys", source=source, **look)
 
 

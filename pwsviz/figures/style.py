@@ -30,29 +30,43 @@ from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.text.numbers import PRINTED, printed
 
-# The palette of Okabe and Ito, which is legible in the common kinds of colour blindness, on light and on dark ground.
-BLUE = "#1378BC"  # theirs, a little lighter, for the shaded sides of a dark page
-VERMILION = "#D55E00"
-GREEN = "#009E73"
-ORANGE = "#E69F00"
-SKY = "#56B4E9"
-PURPLE = "#CC79A7"
-AMBER = "#B87800"  # of orange, which is too pale on light ground: for marks, which need 3:1 on either
-# Four more, as distinct from these and from one another as these are, in the same kinds of colour blindness.
-VIOLET = "#9000F0"
-OCHRE = "#C0A860"
-BROWN = "#786030"
-BERRY = "#9B4776"
-# Neutral ones.
-GREY = "#808080"
-SAND = "#A89A80"
+# Of light ground. Each has 3:1 or more on every shade of a figure, and 4.5:1 on the page itself, so that none is pale;
+# any two differ in the common kinds of colour blindness, too.
+BLUE = "#0064A6"
+VERMILION = "#A23400"
+GREEN = "#00885A"
+ORANGE = "#B26800"
+SKY = "#69769F"
+PURPLE = "#994F71"
+VIOLET = "#9006F0"
+OCHRE = "#837738"
+BROWN = "#6D512D"
+BERRY = "#752355"
+AMBER = "#7F5300"  # of marks alone
+LAKE = "#2B7CA8"  # of level sets, with sand
+SAND = "#776B52"
+GREY = "#4A4A4A"
+PALE_GREY = "#767676"
 
-SIDES = {-1: SKY, 1: SAND}
-"""Colour of each side of the surface; of several, of the first two shades of regions."""
+RULE = "#7A7A7A"
+"""Grey of what Bokeh draws beside the glyphs, which keeps its colour: as far from light as from dark ground."""
+
+ON_DARK = {
+    BLUE: "#2D81C7", VERMILION: "#D55E01", GREEN: "#19A87B", ORANGE: "#E9A005", SKY: "#65BEF3", PURPLE: "#E18DBC",
+    VIOLET: "#BD31FF", OCHRE: "#BDA55D", BROWN: "#947947", BERRY: "#B7608F", AMBER: "#C98A10", LAKE: "#5DB3E6",
+    SAND: "#B5A88F", GREY: "#A8A8A8", PALE_GREY: "#CFCFCF",
+}  # fmt: skip
+"""The same on dark ground, where the browser paints these in their place (see `widgets.browser`)."""
+
+SHADES = {-1: "#56B4E9", 1: "#A89A80", 2: "#D55E00", 3: "#9000F0", 0: "#009E73"}
+"""Colour of each shade of ground, painted transparently, on light and on dark."""
+
+SIDES = {-1: LAKE, 1: SAND}
+"""Colour of lines on each side of the surface; of several, in the first two shades of regions."""
 
 OCCUPIED = {
-    -1: ("g < 0", SIDES[-1]), 1: ("g > 0", SIDES[1]), 2: ("", VERMILION), 3: ("", VIOLET), 0: ("sliding", GREEN),
-}  # fmt: skip
+    shade: (name, SHADES[shade]) for shade, name in {-1: "g < 0", 1: "g > 0", 2: "", 3: "", 0: "sliding"}.items()
+}
 """Name, of one surface, and colour of where a run is, by its shade: on a side, in a further region, or sliding."""
 
 HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
@@ -140,6 +154,11 @@ def line_of(method: str) -> Line:
     return looks[members.index(method) % len(looks)]
 
 
+def on_either_ground(colour: str) -> str:
+    """Return the CSS of a colour, which is that of `ON_DARK` on a dark page."""
+    return f"light-dark({colour}, {ON_DARK[colour]})"
+
+
 def together(lines: Iterable[Line]) -> list[Line]:
     """Return the looks of curves that are drawn together, each over those before it.
 
@@ -216,7 +235,7 @@ def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:
 BESIDE = 0.025
 """Part of an axis before the first and after the last mark, so that both are whole on a phone, too."""
 
-LEVEL: dict[str, Any] = {"line_color": GREY, "line_dash": "dotted", "line_width": 1.5}
+LEVEL: dict[str, Any] = {"line_color": RULE, "line_dash": "dotted", "line_width": 1.5}
 """Look of what marks a level."""
 
 

@@ -9,7 +9,7 @@ from html import escape
 import core
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.order import Studied
-from pwsviz.figures.style import Line, line_of, together
+from pwsviz.figures.style import Line, line_of, on_either_ground, together
 from pwsviz.results.run_summary import Summary
 from pwsviz.results.studies import STUDY_CROSSINGS
 from pwsviz.scene.scene import Scene
@@ -50,7 +50,8 @@ def swatch(line: Line) -> str:
     dashes = " ".join(map(str, line.dash))
     return (
         f'<svg width="{LEGEND_GLYPH}" height="8" aria-hidden="true"><line x1="0" y1="4" x2="{LEGEND_GLYPH}" y2="4" '
-        f'stroke="{line.colour}" stroke-width="2.5" stroke-dasharray="{dashes}"/></svg>'
+        f'stroke="{line.colour}" style="stroke: {on_either_ground(line.colour)}" stroke-width="2.5" '
+        f'stroke-dasharray="{dashes}"/></svg>'
     )
 
 

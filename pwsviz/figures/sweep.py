@@ -13,7 +13,7 @@ from bokeh.models.glyphs import VSpan, VStrip
 
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
-from pwsviz.figures.style import BLUE, GREY, VERMILION, WITH_TABLE, assign, plain_figure, tips
+from pwsviz.figures.style import BLUE, GREY, RULE, VERMILION, WITH_TABLE, assign, plain_figure, tips
 from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.phase_plane import Window
@@ -62,7 +62,7 @@ class SweepView:
         line = plot.add_glyph(self.present, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[6, 4]))
         plot.add_tools(
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
-            CrosshairTool(dimensions="height", line_color=GREY, line_alpha=0.6, visible=False),
+            CrosshairTool(dimensions="height", line_color=RULE, line_alpha=1.0, visible=False),
         )
         self._present, self._early = legend_below(plot, [("present value", line), ({"field": "words"}, strips)])
         plot.on_event(Tap, lambda event: _choose(event, on_choose))

@@ -11,7 +11,7 @@ from typing import Any
 
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.still import still
-from pwsviz.figures.style import HEIGHT
+from pwsviz.figures.style import HEIGHT, ON_DARK
 from pwsviz.page.help import GREETING, GREETING_CSS
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
@@ -23,6 +23,9 @@ COLUMNS = """display: grid !important; gap: 8px 20px; grid-auto-rows: max-conten
     grid-template-columns: repeat(auto-fit, minmax(min(100%, max(430px, 50% - 10px)), 1fr));"""
 """CSS of a portrait and the view beside it: two columns at most, one where the screen is narrow."""
 
+TONES = "\n".join(f'#cover.dark [stroke="{colour}"] {{ stroke: {tone} }}' for colour, tone in ON_DARK.items())
+"""CSS of the lines of the picture on a dark page."""
+
 SIDEBAR_WIDTH = 300
 """Width of the sidebar in pixels."""
 
@@ -31,6 +34,7 @@ MARKUP = """
 #cover { position: fixed; inset: 0; z-index: 1; overflow: hidden; background: white; color: rgba(0, 0, 0, 0.87); }
 GREETING_CSS
 #cover.dark { background: #121212; color: white; }
+TONES
 #cover header { font: 700 21.6px/48px Roboto, Helvetica, Arial, sans-serif; padding-left: 68px;
                 border-bottom: 1px solid rgba(128, 128, 128, 0.3); }
 #cover main { COLUMNS margin: 19px 16px 0 calc(SIDEBARpx + 16px); }
@@ -95,7 +99,7 @@ class Cover:
 
 
 MARKUP_OF_THE_PAGE = (
-    MARKUP.replace("GREETING_CSS", GREETING_CSS).replace("GREETING", GREETING)
+    MARKUP.replace("TONES", TONES).replace("GREETING_CSS", GREETING_CSS).replace("GREETING", GREETING)
     .replace("COLUMNS", COLUMNS).replace("SIDEBAR", str(SIDEBAR_WIDTH)).replace("HEIGHT", HEIGHT)
     .replace("NARROW", str(NARROW)).replace("IS_DARK", IS_DARK)
 )  # fmt: skip

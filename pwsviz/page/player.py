@@ -10,7 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.portrait import OTHERS_ALPHA, PortraitView
 from pwsviz.figures.style import line_of
 from pwsviz.results.animation import MET, Frames
 from pwsviz.text.numbers import PRINTED
@@ -195,12 +195,12 @@ const { t, traced, trails: ways, ...markers } = cb_obj.now
 moving.setv({ data: markers }, { sync: false })
 trails.setv({ data: ways }, { sync: false })
 played_time.setv({ data: { t: t == null ? [] : [t] } }, { sync: false })
-for (const [curve, alpha] of [[curves, 1.0], [beside, 0.55]]) {  // faint under the trails
+for (const [curve, alpha] of [[curves, 1.0], [beside, BESIDE]]) {  // faint under the trails
   const line_alpha = { value: traced ? FAINT * alpha : alpha }
   if (curve.glyph.line_alpha?.value != line_alpha.value) { curve.glyph.setv({ line_alpha }, { sync: false }) }
 }
 clock.setv({ data: { t: [t ?? 0], running: [t != null] } }, { sync: false })
-""".replace("FAINT", str(FAINT))
+""".replace("FAINT", str(FAINT)).replace("BESIDE", str(OTHERS_ALPHA))
 
 
 class Bar(pn.custom.JSComponent):

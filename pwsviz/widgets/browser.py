@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import panel as pn
 import param
+
+from pwsviz.figures.style import ON_DARK
 
 NARROW = 600
 """Pixels of window width below which the controls start hidden, as they would cover the picture."""
@@ -101,6 +105,54 @@ paint_whole()
 """JavaScript that lets no figure be painted with rows that have no colours yet."""
 
 
+TONE = """
+// On dark ground the colours of glyphs are others: a figure is painted with those that go with its own ground.
+const tone_figures = on_dark => {
+  const { GlyphView } = Bokeh.loader["models/glyphs/glyph"], { color2rgba } = Bokeh.loader["core/util/color"]
+  const plot = Bokeh.Models.get("Plot").prototype.default_view.prototype, { paint } = plot
+  const image = Bokeh.Models.get("Image").prototype.default_view.prototype, { _flat_img_to_buf8 } = image
+  const { set_visuals } = GlyphView.prototype, dark = new WeakSet()  // renderers that have them
+  const number = colour => parseInt(colour.slice(1), 16)
+  const tones = new Map(Object.entries(on_dark).map(pair => pair.map(number)))
+  const is_dark = ({ model }) => {
+    const [r, g, b] = color2rgba(model.background_fill_color ?? "white")
+    return r + g + b < 384
+  }
+  const toned = rgba => {  // of a glyph that is one line, it is as it was given
+    if (typeof rgba == "string") { return on_dark[rgba] ?? rgba }
+    const tone = tones.get(rgba >>> 8)
+    return tone == null ? rgba : (tone << 8 | rgba & 255) >>> 0
+  }
+  GlyphView.prototype.set_visuals = function(...given) {
+    set_visuals.apply(this, given)
+    if (!is_dark(this.renderer.plot_view)) { dark.delete(this.renderer); return }
+    dark.add(this.renderer)
+    for (const name of ["line_color", "fill_color", "text_color"]) {
+      const colours = this[name]
+      if (colours == null) { continue }
+      if (colours.is_Scalar()) { colours.value = toned(colours.value); continue }
+      for (let k = 0; k < colours.length; k++) { colours._view.setUint32(4 * k, toned(colours.get(k))) }
+    }
+  }
+  image._flat_img_to_buf8 = function(values) {
+    const bytes = _flat_img_to_buf8.call(this, values)
+    if (!is_dark(this.renderer.plot_view)) { return bytes }
+    const pixels = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength)
+    for (let k = 0; k < bytes.byteLength; k += 4) { pixels.setUint32(k, toned(pixels.getUint32(k))) }
+    return bytes
+  }
+  plot.paint = function() {
+    for (const view of this.renderer_views.values()) {
+      if (view.glyph != null && dark.has(view) != is_dark(this)) { view.update_data() }
+    }
+    paint.call(this)
+  }
+}
+tone_figures(ON_DARK)
+""".replace("ON_DARK", json.dumps(ON_DARK))
+"""JavaScript that paints the colours of `ON_DARK` on dark ground, in figures and legends, on the page and in files."""
+
+
 class Browser(pn.custom.JSComponent):
     """Invisible: tells whether the window is narrow or dark, counts keys for undo, redo, help, writes the address."""
 
@@ -143,6 +195,7 @@ export function render({ model }) {
   NAME_PANEL
   NAME_MENU
   PAINT_WHOLE
+  TONE
   model.on("remove", () => document.removeEventListener("keydown", press))
   model.on("query", () => {
     const address = new URL(window.location.href)
@@ -156,4 +209,5 @@ export function render({ model }) {
         .replace("NAME_PANEL", NAME_PANEL)
         .replace("NAME_MENU", NAME_MENU)
         .replace("PAINT_WHOLE", PAINT_WHOLE)
+        .replace("TONE", TONE)
     )

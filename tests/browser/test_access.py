@@ -5,6 +5,7 @@ from importlib import resources
 
 import pytest
 
+from pwsviz.figures.style import ON_DARK
 from tests.browser.looking import UNPRINTED, await_built, await_painted, field, moments, type_into
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -121,6 +122,26 @@ def test_every_view_and_dialog_shows_itself_without_violating_wcag(inspected):
     assert page.locator("math").count() > 5
     page.keyboard.press("?")
     page.get_by_role("dialog").get_by_text("Ctrl+Z").wait_for()
+
+
+PAINTED = """() => [...Bokeh.index.query(view => view.glyph?.line_color != null)].flatMap(({glyph: {line_color}}) => {
+    const values = line_color.is_Scalar() ? [line_color.value] : [...line_color]
+    return values.map(one => typeof one == "string" ? one : "#" + (one >>> 8).toString(16).padStart(6, "0"))
+})"""
+"""The colours in which the lines of all figures are painted."""
+
+
+def test_figures_are_painted_in_the_colours_that_go_with_the_page(visit):
+    page = visit(color_scheme="dark")
+    await_painted(page, "conserved quantity")
+    for own, other in ((ON_DARK.values(), ON_DARK.keys()), (ON_DARK.keys(), ON_DARK.values())):
+        for _ in moments(page):
+            painted = {colour.upper() for colour in page.evaluate(PAINTED)}
+            if not painted & {*other}:
+                break
+        assert len(painted & {*own}) > 6
+        assert not painted & {*other}
+        page.get_by_label("Toggle theme").click()
 
 
 def test_the_button_of_the_controls_and_its_tip_speak_of_a_menu(visit):

@@ -107,19 +107,6 @@ def test_a_start_from_which_methods_stop_for_different_reasons_is_named_once():
     assert "Start 1 of 2. Others stop early: 2 (no solution or blow-up)." in told
 
 
-def light(colour):
-    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
-@pytest.mark.parametrize("ground", ["#ffffff", "#121212"])
-def test_marks_stand_out_from_light_and_from_dark_ground(ground):
-    for colour in {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values())}:
-        darker, lighter = sorted((light(colour), light(ground)))
-        assert (lighter + 0.05) / (darker + 0.05) >= 3.0, colour  # WCAG 2.2, 1.4.11
-
-
 def test_markers_that_are_painted_smaller_are_given_larger_sizes():
     columns = kind_columns(["transversal", "leaving", "sliding"], [5, 5, 7])
     circle, triangle, square = columns["size"]

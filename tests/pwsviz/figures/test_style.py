@@ -5,12 +5,19 @@ from itertools import combinations
 import numpy as np
 import pytest
 from bokeh.models import ColumnDataSource, WheelZoomTool
+from bokeh.models.glyphs import Line, MultiLine, MultiPolygons, Scatter, Text
 
 import core
+from pwsviz.figures.cost import EXTERNAL_LINES
 from pwsviz.figures.legends import LEGEND_GLYPH
-from pwsviz.figures.marks import KIND_COLOURS
+from pwsviz.figures.marks import ENDS, KIND_COLOURS
+from pwsviz.figures.order import LINES
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.section import START_COLOURS
 from pwsviz.figures.style import (
+    LEVEL,
     OCCUPIED,
+    ON_DARK,
     assign,
     line_of,
     plain_figure,
@@ -28,6 +35,9 @@ SIGHT = {
     "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
     "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
 }
+PAGES = {"#ffffff": False, "#121212": True}
+"""Colours of the page, and whether that is dark."""
+
 TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 
 
@@ -66,11 +76,12 @@ def test_of_curves_that_coincide_those_below_are_seen_beside_those_above(names):
         assert 2 <= widths[0] / widths[-1] <= 3
 
 
+@pytest.mark.parametrize("ground", PAGES)
 @pytest.mark.parametrize("seen", SIGHT.values(), ids=SIGHT)
-def test_no_two_colours_are_close_in_any_sight(seen):
+def test_no_two_colours_are_close_in_any_sight(seen, ground):
     # A difference of 2.3 is just noticed side by side; the palette of Okabe and Ito keeps 16 among those used here.
-    for a, b in combinations(map(line_of, core.METHODS), 2):
-        assert np.linalg.norm(lab(a.colour, seen) - lab(b.colour, seen)) > 15
+    for a, b in combinations([painted(line_of(name).colour, ground) for name in core.METHODS], 2):
+        assert np.linalg.norm(lab(a, seen) - lab(b, seen)) > 15
 
 
 def contrast(a, b):
@@ -83,14 +94,58 @@ def rgb(colour):
     return [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
 
 
-def test_curves_and_marks_stand_out_from_a_dark_page_and_the_usual_method_from_its_shaded_sides_too():
-    page = "#121212"
-    for colour in {*(line_of(name).colour for name in core.METHODS), *KIND_COLOURS.values()}:
-        assert contrast(colour, page) >= 3, f"WCAG 1.4.11: {colour}"
-    for _, shade in OCCUPIED.values():
-        alpha = side_strips(1).fill_alpha
-        over = (alpha * np.array(rgb(shade)) + (1 - alpha) * np.array(rgb(page))).round().astype(int)
-        assert contrast(line_of("dmm2").colour, "#" + "".join(f"{part:02x}" for part in over)) >= 3
+def mixed(colour, alpha, ground):
+    parts = (alpha * np.array(rgb(colour)) + (1 - alpha) * np.array(rgb(ground))).round().astype(int)
+    return "#" + "".join(f"{part:02x}" for part in parts)
+
+
+def painted(colour, page):
+    """What the browser paints a colour in."""
+    return ON_DARK.get(colour, colour) if PAGES[page] else colour
+
+
+def grounds(page):
+    """The page, and every shade that may lie on it."""
+    strips = [mixed(shade, side_strips(1).fill_alpha, page) for _, shade in OCCUPIED.values()]
+    return [page, *strips]
+
+
+CURVES = {line_of(name).colour for name in core.METHODS} | {line.colour for line in (*LINES, *EXTERNAL_LINES.values())}
+MARKS = {*KIND_COLOURS.values(), *(look.colour for look in ENDS.values()), *START_COLOURS, *ON_DARK}
+
+
+@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("colour", sorted(CURVES | MARKS | {LEVEL["line_color"]}))
+def test_every_colour_of_curves_and_marks_stands_out_from_both_pages_and_all_shades(colour, page):
+    least = min(contrast(painted(colour, page), ground) for ground in grounds(page))
+    assert least >= 3, "WCAG 1.4.11"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_line_and_mark_of_the_portrait_stands_out_as_it_is_painted(page):
+    plot = PortraitView(*[lambda *_: None] * 5).figure
+    fills = [one.glyph for one in plot.renderers if isinstance(one.glyph, MultiPolygons)]
+    on = [page, *(mixed(painted(one.fill_color, page), one.fill_alpha, page) for one in fills)]
+    strokes = {(one.glyph.line_color, one.glyph.line_alpha) for one in plot.renderers
+               if isinstance(one.glyph, Line | MultiLine | Scatter) and one.glyph.line_alpha > 0}  # fmt: skip
+    assert len(strokes) > 8
+    for given, alpha in strokes:
+        for colour in sorted(CURVES | MARKS) if given == "colour" else [] if given == "white" else [given]:
+            for ground in on:
+                assert contrast(mixed(painted(colour, page), alpha, ground), ground) >= 3, (given, alpha, ground)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_names_in_a_figure_are_read_on_every_shade(page):
+    plot = PortraitView(*[lambda *_: None] * 5).figure
+    names = {one.glyph.text_color for one in plot.renderers if isinstance(one.glyph, Text)} - {"black"}
+    assert names
+    for colour in names:
+        assert min(contrast(painted(colour, page), ground) for ground in grounds(page)) >= 4.5, "WCAG 1.4.3"
+
+
+def test_the_colours_of_one_ground_are_not_those_of_the_other():
+    assert not {*ON_DARK} & {*ON_DARK.values()}, "a colour that is painted twice stays as it is"
 
 
 @pytest.mark.parametrize("ground", ["#ffffff", "#1e1e1e"], ids=["light", "dark"])
