@@ -25,6 +25,7 @@ from bokeh.plotting import figure
 from numpy.typing import NDArray
 
 import core
+from pwsviz.figures.keys import FOCUS_CSS, REACHED, attach_keys
 from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.ticks import print_ticks
 from pwsviz.geometry.polyline_reduction import Floats
@@ -79,13 +80,6 @@ PLOT_STYLES = {"height": f"calc({HEIGHT} + {ROOM})", "flex": "none"}
 
 WITH_TABLE = {"height": f"calc(max(300px, {HEIGHT} - 190px) + {ROOM})", "flex": "none"}
 """Styles of a figure that leaves room on the screen for a small table below it."""
-
-NO_TAB_STOP = """
-const ground = cb_context.index.find_one(cb_obj)?.canvas_view.events_el
-if (ground != null) { ground.tabIndex = -1 }
-"""
-"""JavaScript that takes a figure out of the order of the Tab key: it has no name there, and takes no key that the page
-does not offer elsewhere. After a click it has the focus all the same."""
 
 FRAME = 0.25
 """Opacity of the frame of a figure on the page, on light and on dark ground."""
@@ -197,13 +191,14 @@ def plain_figure(summary: str, **options: Any) -> figure:
         "active_drag": None,
         "output_backend": "canvas",
         "min_border_right": 12,
-        "html_attributes": {"role": "img", "aria-label": summary[:1].upper() + summary[1:]},
+        "html_attributes": {"role": "img", "aria-label": summary[:1].upper() + summary[1:], **REACHED},
+        "stylesheets": [FOCUS_CSS],
     }
     plot = figure(**{**settings, **options})
     for wheel in plot.select(WheelZoomTool):  # without Ctrl the wheel scrolls the page
         wheel.update(modifiers="ctrl", zoom_on_axis=False, description="Zoom with Ctrl and the wheel")
     print_ticks(plot)
-    plot.js_on_change("inner_width", CustomJS(code=NO_TAB_STOP))
+    attach_keys(plot)
     # In the browser the theme of the page leaves out the frame on light ground alone; in print it is always there.
     plot.js_on_change("outline_line_alpha", CustomJS(code=f"cb_obj.outline_line_alpha = {FRAME}"))
     plot.toolbar.logo = None

@@ -13,6 +13,7 @@ from panel_material_ui.template.base import Page
 from pwsviz.figures.style import TIP_CSS
 from pwsviz.page.cover import SIDEBAR_WIDTH, Cover
 from pwsviz.text.maths_font import FACE
+from pwsviz.widgets.browser import FIND
 
 __all__ = ["THE_PAGE", "make_frame"]
 
@@ -57,6 +58,24 @@ THEME = {
 }  # fmt: skip
 """Styles and elements of parts of the page that are drawn beside it in the document."""
 
+SKIP = """
+<style>
+#skip { position: fixed; top: 8px; left: 8px; z-index: 2000; padding: 8px 14px; border-radius: 4px; color: white;
+        background: #0b57a0; font: 16px Roboto, Helvetica, Arial, sans-serif; }
+#skip:not(:focus) { transform: translateY(-60px); }
+</style>
+<a id="skip" href="#portrait">Skip to the portrait</a><div id="portrait" tabindex="-1"></div>
+<script>{
+  FIND
+  document.getElementById("portrait").addEventListener("focus", () => find(document, "[role=img]")?.focus())
+  document.getElementById("skip").addEventListener("click", event => {  // the address bar holds the scene alone
+    event.preventDefault()
+    document.getElementById("portrait").focus()
+  })
+}</script>
+""".replace("FIND", FIND)
+"""The first stop of the Tab key: to the portrait, past the header and some thirty controls."""
+
 TEMPLATE = """{% extends "base.html" %}
 {% block custom_css %}<style>FACE</style>{% endblock %}
 {% block postamble %}{{ super() }}
@@ -70,9 +89,9 @@ import("{{ components }}")
 #loader:not(.error) { background: none; cursor: progress; }
 {% endblock %}
 {% block js_resources %}{% endblock %}
-{% block loader %}{{ cover.markup() }}{{ bokeh_js }}
+{% block loader %}SKIP{{ cover.markup() }}{{ bokeh_js }}
 <script>importShim.addImportMap = () => {}</script>
-{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS)
+{{ super() }}{% endblock %}""".replace("FACE", FACE + TIP_CSS).replace("SKIP", SKIP)
 """The browser imports the code of the components while it waits for the page: loading it only then takes half a second
 more. It is one module, which imports nothing: the browser needs no es-module-shims, which would parse it first, and no
 map of imports, which Panel adds. Scripts come after the cover, which is painted while they load. While the page is

@@ -63,6 +63,7 @@ _KEYS = {
     "?": "this help",
     "Ctrl+Z, Ctrl+Y": "undo, redo",
     "Tab, arrow keys, Enter": "go through the controls, choose, press",
+    "Arrow keys, + and −, 0": "move what a figure shows, zoom it, fit it again: go to the figure with Tab, or click it",
     "Space": "play or pause the animation, while it is open",
     "L": "lecture mode: full screen and large type, on and off; Esc leaves it",
     "Ctrl+wheel": "zoom a figure around the pointer; the wheel alone scrolls the page",

@@ -76,7 +76,7 @@ export function render({ model, data, el }) {
       trails: { xs: tail("x"), ys: tail("y"), colour, width: there.map(way => Math.max(2, way.size / 4)) },
     }
     scrub.max = end
-    scrub.value = time
+    scrub.value = time.toPrecision(4)  // as it is told
     const counts = MET.map((_, k) => there.length > 0 ? last(time, there[0].met[k]) + 1 : 0)
     const told = counts.map((count, k) => {
       const many = count > 0 && count == there[0].met[k].length && there[0].tally[k] > count ? "more than " : ""

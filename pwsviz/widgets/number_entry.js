@@ -29,6 +29,10 @@ function render({ model, el }) {
     slider.hidden = model.ends == null
     slider.setAttribute("aria-label", `${model.label}, slider`)
     slider.setAttribute("aria-valuetext", model.said)
+    if (model.bounds != null) {  // the slider counts its own steps: what it stands for is told in their place
+      const [low, high] = model.bounds, now = Math.min(Math.max(model.value, low), high)
+      for (const [name, told] of Object.entries({ min: low, max: high, now })) slider.setAttribute(`aria-value${name}`, told)
+    }
     if (model.ends != null && !sliding) {
       const [low, high] = model.ends
       slider.value = Math.round(STEPS * (model.place - low) / (high - low))
@@ -58,7 +62,7 @@ function render({ model, el }) {
   entry.addEventListener("change", take)
   slider.addEventListener("input", slide)
   for (const name of ["change", "blur", "pointerup"]) slider.addEventListener(name, rest)
-  for (const name of ["said", "label", "description", "note", "complaint", "disabled", "ends", "place"]) {
+  for (const name of ["said", "label", "description", "note", "complaint", "disabled", "ends", "place", "bounds", "value"]) {
     model.on(name, write)
   }
   model.on("text", fill)

@@ -40,6 +40,8 @@ class NumberEntry(pn.custom.JSComponent):
     disabled = param.Boolean(default=False, doc="Whether the number has no effect at present.")
     ends = param.Tuple(default=None, length=2, allow_None=True, doc="Ends of the slider; None for no slider.")
     place = param.Number(default=0.0, doc="Place of the slider, between its ends.")
+    bounds = param.Tuple(default=None, length=2, allow_None=True, doc="The numbers at the ends of the slider.")
+    value = param.Number(default=0.0, doc="The number.")
 
     _debounce = SLIDER_RESTS
     _busy__ignore: ClassVar[list[str]] = ["text", "place"]  # Panel's list of what it is busy with is shown nowhere
@@ -93,9 +95,9 @@ class NumberField(pn.viewable.Viewer):
     def _track(self, bounds: tuple[float, float] | None, value: float) -> dict[str, Any]:
         """Return ends and place of the slider for these bounds, at a value."""
         if bounds is None:
-            return {"ends": None, "place": 0.0}
+            return {"ends": None, "place": 0.0, "bounds": None}
         low, high = (self._to_slider(bound) for bound in bounds)
-        return {"ends": (low, high), "place": min(max(self._to_slider(value), low), high)}
+        return {"ends": (low, high), "place": min(max(self._to_slider(value), low), high), "bounds": bounds}
 
     def rebind(
         self,
@@ -171,12 +173,12 @@ class NumberField(pn.viewable.Viewer):
         return self.entry
 
 
-def _told(value: float, typed: str = "") -> dict[str, str]:
+def _told(value: float, typed: str = "") -> dict[str, Any]:
     """Return what the field says of a number: a formula that was typed, or a ratio, with its value beside."""
     text = typed.strip() if typed and not _is_decimal(typed) else shortest(value)
     said = printed(repr(value))
     note = "" if _is_decimal(text) or text == said else f"= {said}"
-    return {"text": text, "said": said, "note": note, "complaint": ""}
+    return {"text": text, "said": said, "note": note, "complaint": "", "value": value}
 
 
 def _is_decimal(text: str) -> bool:

@@ -79,13 +79,16 @@ def assert_without_objections(page, role=None, rules=None):
     assert found == [], role
 
 
+FOCUSED = """() => {
+    let node = document.activeElement
+    while (node.shadowRoot?.activeElement) { node = node.shadowRoot.activeElement }
+    return node.ariaLabel ?? node.innerText
+}"""
+
+
 def focused(page):
     """The name of what has the focus."""
-    return page.evaluate("""() => {
-        let node = document.activeElement
-        while (node.shadowRoot?.activeElement) { node = node.shadowRoot.activeElement }
-        return node.ariaLabel ?? node.innerText
-    }""")
+    return page.evaluate(FOCUSED)
 
 
 @pytest.fixture
@@ -151,6 +154,76 @@ def test_the_button_of_the_controls_and_its_tip_speak_of_a_menu(visit):
         button.hover()
         page.get_by_role("tooltip", name=name).wait_for()
         button.click()
+
+
+ENDS = """name => {
+    const { x_range, y_range } = [...Bokeh.index.query(view => view.model.type == "Figure")]
+        .map(view => view.model).find(model => model.html_attributes["aria-label"].includes(name))
+    return [x_range.start, x_range.end, Math.log(y_range.start), Math.log(y_range.end)]
+}"""
+
+
+@pytest.mark.parametrize("name", ["Phase portrait", "conserved quantity"])
+def test_a_figure_is_reached_by_tab_and_moved_zoomed_and_fitted_by_keys(visit, name):
+    page = visit()
+    await_painted(page, name)
+    figure, before = page.get_by_role("img", name=name), page.evaluate(ENDS, name)
+    page.get_by_role("button", name="Close menu").focus()
+    while focused(page) != figure.get_attribute("aria-label"):
+        page.keyboard.press("Tab")
+    assert figure.evaluate("one => getComputedStyle(one).outlineWidth") == "2px"
+    width = before[1] - before[0]
+    for key, across in (("ArrowRight", (0.1, 0.1)), ("ArrowLeft", (0, 0)), ("+", (0.1, -0.1)), ("-", (0, 0))):
+        page.keyboard.press(key)
+        wanted = [end + share * width for end, share in zip(before[:2], across, strict=True)]
+        assert page.evaluate(ENDS, name)[:2] == pytest.approx(wanted)
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate(ENDS, name) != pytest.approx(before, nan_ok=True)
+    page.keyboard.press("0")
+    for _ in moments(page):
+        if page.evaluate(ENDS, name) == pytest.approx(before, nan_ok=True):
+            break
+    assert page.evaluate(ENDS, name) == pytest.approx(before, nan_ok=True)
+    page.keyboard.press("Tab")
+    assert focused(page) != figure.get_attribute("aria-label"), "no trap"
+
+
+def test_the_first_stop_leads_to_the_portrait(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.keyboard.press("Tab")
+    assert focused(page) == "Skip to the portrait"
+    sync_api.expect(page.get_by_role("link", name="Skip to the portrait")).to_be_in_viewport(ratio=1)
+    page.keyboard.press("Enter")
+    assert focused(page).startswith("Phase portrait of")
+
+
+SLIDERS = """() => {
+    const found = []
+    const look = node => node.querySelectorAll("*").forEach(one => {
+        if (one.type == "range" && one.checkVisibility()) found.push([one.getAttribute("aria-valuenow"),
+            one.getAttribute("aria-valuetext"), one.getAttribute("aria-valuemin"), one.getAttribute("aria-valuemax")])
+        if (one.shadowRoot) look(one.shadowRoot)
+    })
+    look(document)
+    return found
+}"""
+
+
+def test_the_value_of_a_slider_is_the_number_that_its_field_shows_between_its_ends(visit):
+    page = visit()
+    await_painted(page, "conserved quantity")
+    sliders = page.evaluate(SLIDERS)
+    assert len(sliders) == 4
+    for now, text, low, high in sliders:
+        assert float(now) == float(text.replace("−", "-"))
+        assert float(low) <= float(now) <= float(high)
+    page.get_by_role("button", name="Animate").click()
+    time = page.get_by_role("slider", name="Time")
+    time.press("ArrowRight")
+    told = re.match(r"t = ([0-9.]+), ", time.get_attribute("aria-valuetext"))[1]
+    assert float(time.evaluate("one => one.value")) == float(told)
+    assert len(told) < 7
 
 
 TAB_STOP = """() => {
