@@ -11,6 +11,7 @@ from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 from numpy.typing import NDArray
 
+from pwsviz.figures.crowding import Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
@@ -101,13 +102,10 @@ class ConservedView:
         self._tick_glyphs()
         _, *entries, _ = legend_below(
             self.figure,
-            [
-                ({"field": "method"}, self.keys),
-                *((name if side else f"{name}: |Δg|", self.bands[side]) for side, (name, _) in OCCUPIED.items()),
-                ({"field": "label"}, self.ticks),
-            ],
+            [({"field": "method"}, self.keys), *shade_keys(self.figure), ({"field": "label"}, self.ticks.key)],
         )
-        self.entries = dict(zip(OCCUPIED, entries, strict=True))
+        self.entries = dict(zip(OCCUPIED, entries, strict=False))
+        attach_shades(self.figure, self.bands, entries)
 
     def _band_glyphs(self) -> None:
         plot = self.figure
@@ -140,10 +138,8 @@ class ConservedView:
         plot = self.figure
         columns = ("t", "foot", "x", "y", "label", "kind", "marker", "colour", "size", "number", "method")
         self.instants = unseen(columns)
-        place: dict[str, Any] = {"x": "t", "y": "foot"}
-        look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 1.8}
-        self.ticks = plot.add_glyph(self.instants, Scatter(size="size", **place, **look))
-        reach = plot.add_glyph(self.instants, invisible(size=18, **place))
+        self.ticks = Marks(plot, self.instants, "t", "foot", width=1.8)
+        reach = plot.add_glyph(self.instants, invisible(size=18, x="t", y="foot"))
         rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
         self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
         plot.add_tools(self.hover)
@@ -198,25 +194,27 @@ class ConservedView:
         for side, source in self.segments.items():
             few = slice(None) if len(first.crossings) <= MOST_BANDS else slice(0)
             shaded = segments(bounds, first.sides[few], side)
-            assign(source, **shaded)
             entry, name = self.entries[side], first.names.get(side, "")
             name = name if side else f"{name}: |Δg|"
             if entry.label != value(name):  # each change rebuilds the legend
                 entry.label = value(name)
             entry.visible = len(shaded["start"]) > 0
+            assign(source, **shaded)  # last: the browser hides the entry of shades that are too narrow
 
     def _show_ticks(self, first: ErrorCurve, landmarks: Landmarks | None) -> None:
         t = first.crossings if len(first.crossings) <= MOST_BANDS else first.crossings[:0]
         count = len(t)
         places = np.full((count, 2), np.nan) if landmarks is None else landmarks.places[:count]
         kinds = ("crossing",) * count if landmarks is None else landmarks.kinds[:count]
+        looks = kind_columns(kinds, [TICK] * count)
+        self.ticks.name(looks)
         assign(
             self.instants,
             t=t,
             foot=np.full(count, FLOOR / 1.5),
             x=places[:, 0],
             y=places[:, 1],
-            **kind_columns(kinds, [TICK] * count),
+            **looks,
             number=np.arange(1, 1 + count),
             method=[first.method] * count,
         )

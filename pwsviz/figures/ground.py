@@ -9,7 +9,7 @@ import numpy as np
 from bokeh.core.properties import value
 from bokeh.events import MouseLeave, MouseMove, RangesUpdate
 from bokeh.models import ColumnDataSource, CustomJS
-from bokeh.models.annotations import LegendItem
+from bokeh.models.annotations import Label, LegendItem
 from bokeh.models.glyphs import Line, MultiPolygons
 from bokeh.models.renderers import GlyphRenderer
 from bokeh.models.widgets import Div
@@ -18,7 +18,7 @@ from bokeh.plotting import figure
 import core
 from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
-from pwsviz.figures.moving import REPAINT, TELL_PLACE
+from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
 from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, assign, ranges, tips
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.polyline_reduction import Floats
@@ -50,6 +50,8 @@ class Ground:
         One row: the time t that is shown, and whether it is running; changed in the browser.
     readout : Div
         Tells what is under the pointer.
+    waiting : Label
+        Says that the backdrop has not come yet for all that is seen.
     """
 
     def __init__(self, plot: figure) -> None:
@@ -85,6 +87,10 @@ class Ground:
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})
         self._marked = ColumnDataSource({"count": [0]})
+        self.waiting = Label(
+            x=8, y=8, x_units="screen", y_units="screen", text="", text_font_size="12px", text_color=GREY
+        )
+        plot.add_layout(self.waiting)
         self.readout = Div(text="", render_as_text=True, styles=READOUT_STYLES, margin=0)
 
     def follow(self, entries: list[LegendItem], marks: list[ColumnDataSource], curves: list[ColumnDataSource]) -> None:
@@ -119,9 +125,11 @@ class Ground:
         forget = CustomJS(args={"readout": self.readout}, code="readout.setv({ text: '' }, { sync: false })")
         self.formulas.js_on_change("data", forget)
         self.figure.js_on_event(RangesUpdate, repaint)
+        wait = CustomJS(args=plane | {"waiting": self.waiting}, code=AWAIT)
+        self.formulas.js_on_change("data", wait)
         for axis in ranges(self.figure):
-            axis.js_on_change("start", label)
-            axis.js_on_change("end", label)
+            axis.js_on_change("start", label, wait)
+            axis.js_on_change("end", label, wait)
         tell = CustomJS(args=plane | {"readout": self.readout}, code=TELL_PLACE)
         self.figure.js_on_event(MouseMove, tell)
         self.figure.js_on_event(MouseLeave, tell)
@@ -187,7 +195,7 @@ class Ground:
             entry.visible = bool(there)
             if there and k in self._level_keys:
                 _colour(self._level_keys[k], there)
-        text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels})
+        text = json.dumps({**backdrop.formulas, "surfaces": self._surface_labels, "window": backdrop.window})
         # Sent last: the browser then paints what moves as it is at the time of the player.
         self.formulas.data = {"text": [text], "across": [names[0]], "up": [names[1]]}
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from core import Status
 from pwsviz.figures.style import AMBER, GREEN, GREY, PURPLE, VERMILION
@@ -130,7 +129,7 @@ def kind_columns(kinds: Sequence[str], sizes: Sequence[float]) -> dict[str, Sequ
     }
 
 
-def crossing_columns(orbits: Sequence[tuple[int, Orbit]], selected: int) -> dict[str, ArrayLike]:
+def crossing_columns(orbits: Sequence[tuple[int, Orbit]], selected: int) -> dict[str, Any]:
     """Return a row for each marked crossing.
 
     Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pwsviz.geometry.formulas import FUNCTIONS
 from pwsviz.text.numbers import PRINTED
 
-__all__ = ["REPAINT", "TELL_PLACE"]
+__all__ = ["AWAIT", "REPAINT", "TELL_PLACE"]
 
 FORMULAS = """
 const KNOWN = new Set(FUNCTIONS)
@@ -136,3 +136,12 @@ readout.setv({ text: words.join(" \\u00b7 ") }, { sync: false })
 """
 )
 """JavaScript run when the pointer moves over the portrait: place, side, and ψ of that side there."""
+
+AWAIT = """
+const [left, right, low, high] = JSON.parse(formulas.data.text[0] || "null")?.window ?? []
+const [across, up] = ranges
+const lacks = across.start < left || across.end > right || up.start < low || up.end > high
+const text = lacks ? "drawing what lies here \u2026" : ""
+if (waiting.text != text) { waiting.setv({ text }, { sync: false }) }
+"""
+"""JavaScript run when the user pans or zooms: it says so as long as the backdrop does not cover what is seen."""

@@ -17,13 +17,14 @@ from bokeh.models.glyphs import Line, MultiLine, Scatter, Text
 from bokeh.plotting import figure
 
 import core
+from pwsviz.figures.crowding import Marks
 from pwsviz.figures.framing import extent, power_of_ten
 from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
+from pwsviz.figures.orbit_lines import OF_OTHERS, curve_columns, fitted_widths, step_columns
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
-from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.style import (
     AMBER,
     VERMILION,
@@ -32,20 +33,17 @@ from pwsviz.figures.style import (
     fit_to_corners,
     invisible,
     legend_lines,
-    line_of,
     plain_figure,
     ranges,
     refit,
     show_methods,
     tips,
-    together,
     unseen,
 )
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.first_view import with_room
 from pwsviz.geometry.phase_plane import Backdrop, Window
 from pwsviz.geometry.projection import Axes, axis_labels
-from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
@@ -171,7 +169,7 @@ class PortraitView:
         self.orbits = ColumnDataSource({name: [] for name in columns})
         self.curves = plot.add_glyph(self.orbits, MultiLine(**looks))
         self.steps = ColumnDataSource({name: [] for name in ("x", "y", "colour")})
-        plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="white", line_color="colour"))
+        plot.add_glyph(self.steps, Scatter(size=STEP_SIZE, fill_color="colour", line_color="white"))
         self.methods, self.keys = legend_lines(plot)
         self.jumps = ColumnDataSource({"x": [], "y": []})
         self.jump_lines = plot.add_glyph(self.jumps, Line(line_color=AMBER, line_dash=[2, 4], line_width=2))
@@ -181,8 +179,7 @@ class PortraitView:
         self.crossings = unseen(
             ("x", "y", "label", "kind", "marker", "colour", "method", "number", "time", "start", "chosen", "size")
         )
-        look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
-        self.marks = plot.add_glyph(self.crossings, Scatter(size="size", **look))
+        self.marks = Marks(plot, self.crossings)
         reach = plot.add_glyph(self.crossings, invisible(size=16))  # easier to hit than the mark
         rows = [
             ("crossing", "@number"), ("time", "@time{9}"), ("kind", "@kind"), ("integrator", "@method"),
@@ -200,7 +197,7 @@ class PortraitView:
     def _end_glyphs(self) -> None:
         plot = self.figure
         self.ends = unseen(("x", "y", "label", "marker", "colour", "method", "time", "kind", "start"))
-        look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
+        look: dict[str, Any] = {"marker": "marker", "fill_alpha": 0.0, "line_color": "colour", "line_width": 2}
         self.stops = plot.add_glyph(self.ends, Scatter(size=END_SIZE, **look))
         rows = [("stops at time", "@time{9}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start")]
         plot.add_tools(tips(rows, renderers=[self.stops], attachment="above", visible=False, limit=3))
@@ -229,7 +226,7 @@ class PortraitView:
             [
                 ({"field": "method"}, self.keys),
                 ("start", self.stars),
-                ({"field": "label"}, self.marks),
+                ({"field": "label"}, self.marks.key),
                 ({"field": "label"}, self.stops),
                 *self.ground.legend,
             ],
@@ -305,12 +302,15 @@ class PortraitView:
         """
         axes = pictures.axes
         self._name(system, axes)
-        self.orbits.data = _curves(pictures.orbits)
+        view = self._visible or self.frame
+        self.orbits.data = curve_columns(pictures.orbits, view)
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
-        assign(self.others, **_curves(pictures.others, thinner=0.5))
-        assign(self.crossings, **crossing_columns(pictures.numbered, pictures.inputs.index + 1))
+        assign(self.others, **curve_columns(pictures.others, view, OF_OTHERS))
+        marked = crossing_columns(pictures.numbered, pictures.inputs.index + 1)
+        self.marks.name(marked)
+        assign(self.crossings, **marked)
         assign(self.ends, **end_columns(pictures.numbered, self._visible or self.frame))
-        assign(self.steps, **_step_columns([*pictures.orbits, *pictures.others]))
+        assign(self.steps, **step_columns([*pictures.orbits, *pictures.others]))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
         self.show_starts(starts, selected)
@@ -335,8 +335,9 @@ class PortraitView:
         self.ground.keep_clear()
 
     def _label_marks(self) -> None:
-        """Number the stars anew where the view tells others apart, and name the ends where it shows others."""
+        """Fit numbers of stars, names of ends and widths of curves to what the view tells apart."""
         if self._pictures is not None:
+            self._fit_widths(self._pictures)
             ends = end_columns(self._pictures.numbered, self._visible or self.frame)
             if ends["label"] and ends["label"] != list(self.ends.data["label"]):
                 assign(self.ends, **ends)
@@ -344,6 +345,14 @@ class PortraitView:
         numbers, crowds = star_labels(list(zip(x, y, strict=True)), self._visible or self.frame)
         if self._pictures is not None and crowds != list(self.starts.data["crowd"]):
             self.starts.data = {**self.starts.data, "number": numbers, "crowd": crowds}
+
+    def _fit_widths(self, pictures: Pictures) -> None:
+        """Give the curves the widths that suit the view, without sending the curves."""
+        view = self._visible or self.frame
+        for source, orbits, share in ((self.orbits, pictures.orbits, 1.0), (self.others, pictures.others, OF_OTHERS)):
+            widths = fitted_widths(orbits, view, share)
+            if len(widths) == len(source.data["width"]) and widths != list(source.data["width"]):
+                source.patch({"width": list(enumerate(widths))})
 
     def _name(self, system: core.PiecewiseSystem, axes: Axes) -> None:
         """Label the axes, and show only what is drawn in the legend; each change rebuilds parts of the figure."""
@@ -372,21 +381,3 @@ class PortraitView:
     def show_backdrop(self, backdrop: Backdrop) -> None:
         """Draw the backdrop of the orbits."""
         self.ground.show(backdrop, self._names, self._visible or self.frame or backdrop.window)
-
-
-def _curves(orbits: Sequence[Orbit], thinner: float = 1.0) -> dict[str, list[Any]]:
-    lines = together(line_of(orbit.method) for orbit in orbits)
-    return {
-        "xs": sent([orbit.path[:, 0] for orbit in orbits]),
-        "ys": sent([orbit.path[:, 1] for orbit in orbits]),
-        "method": [orbit.method for orbit in orbits],
-        "colour": [line.colour for line in lines],
-        "dash": [list(line.dash) for line in lines],
-        "width": [thinner * line.width for line in lines],
-    }
-
-
-def _step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:
-    dots = np.concatenate([orbit.steps for orbit in orbits])
-    colours = [line_of(orbit.method).colour for orbit in orbits for _ in orbit.steps]
-    return {"x": dots[:, 0], "y": dots[:, 1], "colour": colours}

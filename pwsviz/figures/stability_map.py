@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
@@ -45,9 +44,6 @@ LIMIT = "largest τ that works: "
 
 PLACE = "chosen τ and start"
 """Legend of the cross."""
-
-LABEL = 0.06
-"""Part of the axis that the label of a line is high: on a phone, where 12 pixels are most of it."""
 
 HATCH: Mapping[str, Any] = {
     "hatch_pattern": "right_diagonal_line", "hatch_color": "#FFFFFF", "hatch_alpha": 0.6, "hatch_scale": 8.0,
@@ -111,16 +107,10 @@ class MapFigure:
         plot.on_event(Tap, lambda event: _choose(event, on_choose))
 
     def _limit_glyphs(self) -> GlyphRenderer[Any]:
-        """Make the labelled lines at the largest step size that works for each integrator; return these."""
-        self.limits = ColumnDataSource({name: [] for name in ("x", "y", "text", "colour", "dash", "entry")})
+        """Make the lines at the largest step size that works for each integrator; return these."""
+        self.limits = ColumnDataSource({name: [] for name in ("x", "colour", "dash", "entry")})
         self.figure.vspan("x", source=self.limits, line_color="#FFFFFF", line_width=5)
-        lines = self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
-        box: dict[str, Any] = {"background_fill_color": "#FFFFFF", "background_fill_alpha": 0.75, "padding": 1}
-        self.figure.text(
-            "x", "y", "text", source=self.limits, angle=np.pi / 2, text_color="#000000", text_font_size="12px",
-            text_baseline="bottom", x_offset=-3, y_offset=-6, **box,
-        )  # fmt: skip
-        return lines
+        return self.figure.vspan("x", source=self.limits, line_color="colour", line_dash="dash", line_width=2.5)
 
     def _place_glyphs(self) -> list[GlyphRenderer[Any]]:
         """Make the cross at the step size and the start of the page: a dark one on a light one, seen on every cell."""
@@ -161,27 +151,12 @@ class MapFigure:
         there = [] if largest is None else np.flatnonzero(np.isfinite(largest.tau)).tolist()
         names = [study.methods[k] for k in there]
         self._limit.visible = bool(there)
-        bottom = 0.0 if study.map is None else float(_edges(study.map.values)[0])
         self.limits.data = {
             "x": [] if largest is None else largest.tau[there],
-            "y": [bottom] * len(there),
-            "text": [] if largest is None else _labels(names, largest.tau[there], largest.taus),
             "colour": [line_of(name).colour for name in names],
             "dash": [list(line.dash) for line in together(map(line_of, names))],
             "entry": [LIMIT + name for name in names],
         }
-
-
-def _labels(names: list[str], limits: Floats, taus: Floats) -> list[str]:
-    """Return the label of each limit; of limits close to one another the leftmost has the names of all."""
-    apart = LABEL * math.log(taus[-1] / taus[0])
-    labels, first, last = [""] * len(names), 0, -math.inf
-    for k in np.argsort(limits, kind="stable").tolist():
-        if math.log(limits[k]) - last > apart:
-            first = k
-        labels[first] += f"{',' * bool(labels[first])} {names[k]}"
-        last = math.log(limits[k])
-    return labels
 
 
 def _edges(centres: Floats) -> Floats:

@@ -11,9 +11,9 @@ from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range1d
 from bokeh.models.glyphs import Scatter
 from bokeh.models.labeling import NoOverlap
-from bokeh.models.renderers import GlyphRenderer
 
 import core
+from pwsviz.figures.crowding import Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
@@ -106,14 +106,13 @@ class Panel:
         self.corners = ColumnDataSource({"x": [0.0, 0.0], "y": [-1.0, 1.0]})
         self.up.renderers = [self.figure.add_glyph(self.corners, invisible(size=1))]
         self.marks, self.hover = self._add_marks(_column(k), shared.instants)
-        sides = [(name, self.bands[side]) for side, (name, _) in OCCUPIED.items()]
-        entries = [({"field": "method"}, self.lines), *sides]
-        self.entries = legend_below(self.figure, [*entries, ({"field": "label"}, self.marks)])
+        entries = [({"field": "method"}, self.lines), *shade_keys(self.figure), ({"field": "label"}, self.marks.key)]
+        self.entries = legend_below(self.figure, entries)
+        attach_shades(self.figure, self.bands, self.entries[1:-1])
 
-    def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[GlyphRenderer[Any], HoverTool]:
+    def _add_marks(self, column: str, instants: ColumnDataSource) -> tuple[Marks, HoverTool]:
         plot = self.figure
-        look: dict[str, Any] = {"fill_color": "white", "line_color": "colour", "line_width": 1.8, "size": "size"}
-        marks = plot.add_glyph(instants, Scatter(x="t", y=column, marker="marker", **look))
+        marks = Marks(plot, instants, "t", column, width=1.8)
         reach = plot.add_glyph(instants, invisible(x="t", y=column, size=14))  # easier to hit than the mark
         rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
         hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
@@ -201,23 +200,27 @@ class StateView:
         sides = shades_of(run.system, np.concatenate([run.mode[:1], run.crossings.mode])[:MOST_MARKS])
         names = shade_names(run.system)
         for k, (side, source) in enumerate(self.shared.segments.items()):
-            assign(source, **segments(bounds, sides, side))
+            shaded = segments(bounds, sides, side)
             for panel in self.panels:
                 label = value(names.get(side, ""))
                 if panel.entries[1 + k].label != label:  # each change rebuilds the legend
                     panel.entries[1 + k].label = label
-                panel.entries[1 + k].visible = len(source.data["start"]) > 0
+                panel.entries[1 + k].visible = len(shaded["start"]) > 0
+            assign(source, **shaded)  # last: the browser hides the entry of shades that are too narrow
 
     def _show_crossings(self, crossings: core.Crossings, method: str, places: Floats) -> None:
         count = len(crossings)
         states = {_column(k): crossings.x[:, k] for k in range(min(crossings.x.shape[1], MOST_PANELS))}
+        looks = kind_columns(tuple(map(str, crossings.kind)), [MARK] * count)
+        for panel in self.panels:
+            panel.marks.name(looks)
         states |= {_column(k): np.full(count, np.nan) for k in range(len(states), MOST_PANELS)}
         assign(
             self.shared.instants,
             t=crossings.t,
             x=places[:, 0],
             y=places[:, 1],
-            **kind_columns(tuple(map(str, crossings.kind)), [MARK] * count),
+            **looks,
             number=np.arange(1, 1 + count),
             method=[method] * count,
             **states,

@@ -70,7 +70,10 @@ OCCUPIED = {
 }
 """Name, of one surface, and colour of where a run is, by its shade: on a side, in a further region, or sliding."""
 
-HEIGHT = "clamp(340px, min(100vh - 250px, 100vw), 1400px)"
+SHADE_ALPHA = 0.16
+"""Opacity of these colours behind curves against time."""
+
+HEIGHT = "clamp(340px, min(100vh - 15.6rem, 100vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
 ROOM = "var(--legend, 0px)"
@@ -294,7 +297,7 @@ def run_lines() -> MultiLine:
 
 def side_strips(side: int) -> VStrip:
     """Return the shade of the times between ``start`` and ``end``, which a run spends on one side, or sliding."""
-    return VStrip(x0="start", x1="end", fill_color=OCCUPIED[side][1], fill_alpha=0.16, line_width=0)
+    return VStrip(x0="start", x1="end", fill_color=OCCUPIED[side][1], fill_alpha=SHADE_ALPHA, line_width=0)
 
 
 def segments(t: Floats, sides: NDArray[np.int64], side: int) -> dict[str, Floats]:

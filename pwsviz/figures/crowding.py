@@ -1,0 +1,194 @@
+"""Marks that would cover one another, and shades too narrow to tell apart, are left out, and the legend says so.
+
+What is left out depends on the zoom and on the size of the screen, so the browser chooses it. Keys in the legend have
+sources of their own: from the marks themselves, a legend would be made anew at each zoom.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.models import CDSView, ColumnDataSource, CustomJS, IndexFilter
+from bokeh.models.annotations import LegendItem
+from bokeh.models.glyphs import Scatter, VStrip
+from bokeh.models.renderers import GlyphRenderer
+from bokeh.plotting import figure
+
+from pwsviz.figures.style import OCCUPIED, SHADE_ALPHA, assign, unseen
+
+__all__ = ["NARROW_SHADES", "Marks", "attach_shades", "shade_keys"]
+
+APART = 6
+"""Pixels between the middles of two marks, at least: they then cover each other by little."""
+
+NARROWEST = 6
+"""Mean width in pixels of neighbouring shades from which on they are told apart."""
+
+WEIGHTS = [0.5, 1.0, 1.0, 1.0, 0.5]
+"""Of a shade and of two on either side in this mean: two sides that alternate have the same."""
+
+SOME = " (not all marked)"
+"""What a legend adds to the name of marks of which some are left out."""
+
+NARROW_SHADES = "no shade: sides change too often"
+"""What a legend says where shades are left out."""
+
+FACTOR = "const factor = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16  // large in a lecture\n"
+"""JavaScript of the size of what is painted, relative to the usual one."""
+
+THIN = (
+    FACTOR
+    + """
+const view = cb_context.index.query_one(one => one.model.id == plot)
+const across = view?.frame?.x_scale, up = view?.frame?.y_scale
+const columns = source.data, xs = columns[x], ys = columns[y], kinds = columns.label
+if (across == null || !(view.frame.bbox.width > 0) || xs == null) { return }
+const apart = APART * factor, { left, right, top, bottom } = view.frame.bbox
+const counts = new Map()
+for (const kind of kinds) { counts.set(kind, (counts.get(kind) ?? 0) + 1) }
+const order = Array.from(kinds, (_, k) => k).sort((a, b) => counts.get(kinds[a]) - counts.get(kinds[b]) || a - b)
+const cells = new Map(), kept = [], hidden = new Set()
+for (const k of order) {  // rare kinds first, so that none is lost among many of another
+  const px = across.compute(xs[k]), py = up.compute(ys[k])
+  if (!Number.isFinite(px + py)) { continue }
+  const i = Math.floor(px / apart), j = Math.floor(py / apart)
+  let nearest = Infinity
+  for (let a = i - 1; a <= i + 1; a++) {
+    for (let b = j - 1; b <= j + 1; b++) {
+      for (const [qx, qy] of cells.get(`${a},${b}`) ?? []) {
+        nearest = Math.min(nearest, Math.hypot(px - qx, py - qy))
+      }
+    }
+  }
+  if (nearest >= apart) {
+    kept.push(k)
+    const cell = `${i},${j}`
+    if (cells.has(cell)) { cells.get(cell).push([px, py]) } else { cells.set(cell, [[px, py]]) }
+  } else if (nearest > apart / 2 && left <= px && px <= right && top <= py && py <= bottom) {
+    hidden.add(kinds[k])
+  }
+}
+kept.sort((a, b) => a - b)
+if (String(filter.indices) != String(kept)) { filter.setv({ indices: kept }, { sync: false }) }
+const label = keys.data.kind.map(kind => hidden.has(kind) ? kind + SOME : kind)
+if (String(label) != String(keys.data.label)) { keys.setv({ data: { ...keys.data, label } }, { sync: false }) }
+""".replace("APART", str(APART)).replace("SOME", repr(SOME))
+)
+"""JavaScript that chooses the marks to paint: none nearer than a mark to one before it.
+
+Those that coincide on the screen, as of two integrators, count as one, of which nothing is left out.
+"""
+
+SHADE = (
+    FACTOR
+    + """
+const view = cb_context.index.query_one(one => one.model.id == plot), across = view?.frame?.x_scale
+if (across == null || !(view.frame.bbox.width > 0)) { return }
+const width = (start, end) => Math.abs(across.compute(end) - across.compute(start))
+const bands = sources.flatMap(({ data }, shade) =>
+  Array.from(data.start, (start, k) => [start, width(start, data.end[k]), shade, k]))
+bands.sort((a, b) => a[0] - b[0])
+const kept = sources.map(() => [])
+bands.forEach(([_start, _width, shade, k], n) => {
+  const middle = Math.max(Math.min(n, bands.length - 3), 2)  // the run cuts the first and the last one short
+  const near = WEIGHTS.map((weight, m) => [weight, bands[middle + m - 2]]).filter(([, band]) => band != null)
+  const total = near.reduce((sum, [weight]) => sum + weight, 0)
+  const mean = near.reduce((sum, [weight, [, width]]) => sum + weight * width, 0) / total
+  if (mean >= NARROWEST * factor) { kept[shade].push(k) }
+})
+let left_out = false
+sources.forEach(({ data }, shade) => {
+  const indices = kept[shade].sort((a, b) => a - b)
+  if (String(filters[shade].indices) != String(indices)) { filters[shade].setv({ indices }, { sync: false }) }
+  left_out ||= indices.length < data.start.length
+  const visible = indices.length > 0
+  if (entries[shade].visible != visible) { entries[shade].setv({ visible }, { sync: false }) }
+})
+if (narrow.visible != left_out) { narrow.setv({ visible: left_out }, { sync: false }) }
+""".replace("WEIGHTS", str(WEIGHTS)).replace("NARROWEST", str(NARROWEST))
+)
+"""JavaScript that chooses the shades to paint: those that are wide enough, on the mean with their neighbours."""
+
+
+class Marks:
+    """Marks of crossings, of which the browser paints those that do not cover one another.
+
+    Parameters
+    ----------
+    plot : figure
+        The figure.
+    source : ColumnDataSource
+        A row for each crossing, with the columns of `kind_columns`.
+    x, y : str
+        Columns of their places.
+    width : float
+        Of their lines, in pixels.
+    """
+
+    def __init__(self, plot: figure, source: ColumnDataSource, x: str = "x", y: str = "y", width: float = 2.0) -> None:
+        look: dict[str, Any] = {
+            "marker": "marker", "fill_alpha": 0.0, "line_color": "colour", "line_width": width, "size": "size",
+        }  # fmt: skip
+        self.filter = IndexFilter()
+        self.painted = plot.add_glyph(source, Scatter(x=x, y=y, **look), view=CDSView(filter=self.filter))
+        self._keys = unseen(("nowhere", "kind", "label", "marker", "colour", "size"))
+        self.key = plot.add_glyph(self._keys, Scatter(x="nowhere", y="nowhere", **look))
+        given = {"plot": plot.id, "source": source, "filter": self.filter, "keys": self._keys, "x": x, "y": y}
+        _on_change(plot, CustomJS(args=given, code=THIN), [source])
+
+    def name(self, columns: Mapping[str, Sequence[Any]]) -> None:
+        """Name the kinds of these marks in the legend; called before they are assigned to the source."""
+        first = {label: k for k, label in reversed(list(enumerate(columns["label"])))}
+        rows = sorted(first.values())
+        kept = {name: [columns[name][k] for k in rows] for name in ("label", "marker", "colour", "size")}
+        assign(self._keys, nowhere=[np.nan] * len(rows), kind=kept["label"], **kept)
+
+
+def shade_keys(plot: figure) -> list[tuple[str, GlyphRenderer[Any]]]:
+    """Return the entries of the shades for a legend, and one that says that some are left out; for `attach_shades`."""
+    return [
+        *((name if side else f"{name}: |Δg|", _key(plot, OCCUPIED[side][1])) for side, (name, _) in OCCUPIED.items()),
+        (NARROW_SHADES, _key(plot, None)),
+    ]
+
+
+def _key(plot: figure, colour: str | None) -> GlyphRenderer[Any]:
+    """Return what a legend paints of a shade, or of none: nothing in the figure."""
+    nowhere = ColumnDataSource({"start": [np.nan], "end": [np.nan]})
+    look: dict[str, Any] = {"fill_color": colour, "fill_alpha": SHADE_ALPHA, "line_width": 0}
+    return plot.add_glyph(nowhere, VStrip(x0="start", x1="end", **look))
+
+
+def attach_shades(plot: figure, bands: Mapping[int, GlyphRenderer[Any]], entries: Sequence[LegendItem]) -> None:
+    """Let the browser leave out shades that are too narrow.
+
+    Parameters
+    ----------
+    plot : figure
+        The figure.
+    bands : dict
+        Renderer of each shade, with the columns start and end.
+    entries : sequence of LegendItem
+        The entry of each shade in the legend, in the same order, and the one that says that some are left out.
+    """
+    *named, narrow = entries
+    filters = [IndexFilter() for _ in bands]
+    for band, chosen in zip(bands.values(), filters, strict=True):
+        band.view = CDSView(filter=chosen)
+    narrow.visible = False
+    sources = [band.data_source for band in bands.values()]
+    given = {"plot": plot.id, "sources": sources, "filters": filters, "entries": named, "narrow": narrow}
+    _on_change(plot, CustomJS(args=given, code=SHADE), sources, across_alone=True)
+
+
+def _on_change(plot: figure, code: CustomJS, sources: Sequence[Any], across_alone: bool = False) -> None:
+    """Run code when the zoom, the size or the data change."""
+    for axis in (plot.x_range,) if across_alone else (plot.x_range, plot.y_range):
+        axis.js_on_change("start", code)
+        axis.js_on_change("end", code)
+    for name in ("inner_width",) if across_alone else ("inner_width", "inner_height"):
+        plot.js_on_change(name, code)
+    for source in sources:
+        source.js_on_change("data", code)

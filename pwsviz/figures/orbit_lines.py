@@ -1,0 +1,54 @@
+"""The curves of a portrait and the ends of their steps, as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pwsviz.figures.sent_arrays import sent
+from pwsviz.figures.style import WIDEST, line_of, together
+from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.turns import spacing
+from pwsviz.results.orbits import Orbit
+
+__all__ = ["OF_OTHERS", "curve_columns", "fitted_widths", "step_columns"]
+
+OF_OTHERS = 0.5
+"""Width of the curves of other starts, relative to those of the selected one."""
+
+TOUCH = 0.45
+"""Width of the widest curve, relative to the distance between its turns, from which on all curves are thinner."""
+
+THINNEST = 0.7
+"""Width in pixels of a curve whose turns touch all the same."""
+
+
+def curve_columns(orbits: Sequence[Orbit], view: Window | None, thinner: float = 1.0) -> dict[str, list[Any]]:
+    """Return a row for each orbit, of curves `thinner` times as wide as usual."""
+    lines = together(line_of(orbit.method) for orbit in orbits)
+    return {
+        "xs": sent([orbit.path[:, 0] for orbit in orbits]),
+        "ys": sent([orbit.path[:, 1] for orbit in orbits]),
+        "method": [orbit.method for orbit in orbits],
+        "colour": [line.colour for line in lines],
+        "dash": [list(line.dash) for line in lines],
+        "width": fitted_widths(orbits, view, thinner),
+    }
+
+
+def fitted_widths(orbits: Sequence[Orbit], view: Window | None, thinner: float) -> list[float]:
+    """Return the width of each curve: the usual one, or less where its turns would touch."""
+    usual = [thinner * line.width for line in together(line_of(orbit.method) for orbit in orbits)]
+    if view is None:
+        return usual
+    fits = [min(1.0, TOUCH * spacing(orbit.path, view) / WIDEST) for orbit in orbits]
+    return [max(min(THINNEST, width), fit * width) for width, fit in zip(usual, fits, strict=True)]
+
+
+def step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:
+    """Return a row for each step that is marked."""
+    dots = np.concatenate([orbit.steps for orbit in orbits])
+    colours = [line_of(orbit.method).colour for orbit in orbits for _ in orbit.steps]
+    return {"x": dots[:, 0], "y": dots[:, 1], "colour": colours}

@@ -1,0 +1,70 @@
+"""Of marks and shades that a screen cannot tell apart some are left out, and the legend says so."""
+
+from tests.browser.looking import await_painted, moments
+
+LEGENDS = """() => [...Bokeh.index.query(view => view.model.type == "Legend")]
+    .map(view => view.entries.map(entry => entry.label))"""
+"""The labels in each legend, as they are painted."""
+
+ZOOM = """factor => {
+    const [view] = [...Bokeh.index.query(view => view.model.type == "Figure" && view.model.y_scale.type == "LogScale")]
+    const range = view.model.x_range
+    range.setv({ start: 0, end: factor })
+}"""
+"""Shows the first part of the time in the conserved quantity."""
+
+NARROW, SOME = "no shade: sides change too often", " (not all marked)"
+
+
+def labels(page):
+    return [label for legend in page.evaluate(LEGENDS) for label in legend]
+
+
+def await_labels(page, says):
+    for _ in moments(page):
+        if says(labels(page)):
+            return
+    raise AssertionError(labels(page))
+
+
+def test_shades_too_narrow_to_tell_apart_are_left_out_until_one_zooms_in(visit):
+    page = visit(query="v=2&t_end=150")
+    await_painted(page, "conserved quantity")
+    await_labels(page, lambda found: NARROW in found and "g > 0" not in found)
+    page.evaluate(ZOOM, 10)
+    await_labels(page, lambda found: NARROW not in found and "g > 0" in found)
+    page.evaluate(ZOOM, 150)
+    await_labels(page, lambda found: NARROW in found and "g > 0" not in found)
+
+
+def test_the_legend_says_of_marks_that_some_are_left_out(visit):
+    page = visit(query="v=2&system=bouncing_ball")
+    await_painted(page, "phase portrait")
+    await_labels(page, lambda found: f"jump{SOME}" in found)
+
+
+def test_marks_of_two_integrators_at_one_place_count_as_one(visit):
+    page = visit()
+    await_painted(page, "phase portrait")
+    await_labels(page, lambda found: "crossing" in found and f"crossing{SOME}" not in found)
+
+
+WAITING = """() => [...Bokeh.index.query(view => view.model.type == "Label")].map(view => view.model.text)"""
+
+FAR = """() => {
+    const [view] = [...Bokeh.index.query(view => view.model.type == "Figure" && view.model.match_aspect)]
+    view.model.x_range.setv({ start: -30, end: 30 })
+    return [...Bokeh.index.query(view => view.model.type == "Label")].map(view => view.model.text)
+}"""
+"""Shows far more of the plane than before, and returns what is said of it at once."""
+
+
+def test_the_portrait_says_so_while_its_backdrop_does_not_cover_what_is_seen(visit):
+    page = visit()
+    await_painted(page, "phase portrait")
+    assert page.evaluate(WAITING) == [""]
+    assert page.evaluate(FAR) == ["drawing what lies here …"]
+    for _ in moments(page):
+        if page.evaluate(WAITING) == [""]:
+            return
+    raise AssertionError("the backdrop did not come")

@@ -1,0 +1,40 @@
+"""Curves whose turns would touch are thinner, in the view in which they would."""
+
+import pytest
+
+from pwsviz.figures.framing import extent
+from pwsviz.figures.orbit_lines import THINNEST, fitted_widths
+from pwsviz.figures.portrait import PortraitView
+from pwsviz.figures.style import line_of, together
+from pwsviz.results.results import PortraitInputs, Results
+from pwsviz.scene.permalink import read
+from pwsviz.scene.scene import Scene
+
+
+def drawn(link):
+    scene = Scene()
+    scene.restore(read(link)[0])
+    return scene, Results().pictures(PortraitInputs.of(scene))
+
+
+def usual(pictures):
+    return [line.width for line in together(line_of(orbit.method) for orbit in pictures.orbits)]
+
+
+@pytest.mark.parametrize("link", ["", "system=bouncing_ball"])
+def test_curves_whose_turns_lie_apart_or_on_one_another_have_their_usual_widths(link):
+    _, pictures = drawn(link)
+    assert fitted_widths(pictures.orbits, extent(pictures), 1.0) == usual(pictures)
+
+
+def test_a_dense_spiral_is_thin_and_wider_where_it_is_zoomed_apart():
+    scene, pictures = drawn("system=harmonic_oscillator&perturbation_order=1&t_end=60&tau=0.05")
+    view = PortraitView(*[print] * 5)
+    view.look_at(extent(pictures))
+    view.show_orbits(scene.declaration, pictures, [(1.0, 1.0)], 0)
+    thin = list(view.orbits.data["width"])
+    assert all(THINNEST <= width < full for width, full in zip(thin, usual(pictures), strict=True))
+    paths = list(view.orbits.data["xs"])
+    view.look_at(extent(pictures).scaled(0.02))
+    assert list(view.orbits.data["width"]) == usual(pictures)
+    assert all(one is other for one, other in zip(view.orbits.data["xs"], paths, strict=True)), "no curve is sent anew"
