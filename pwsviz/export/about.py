@@ -19,7 +19,7 @@ __all__ = ["about", "caption", "release"]
 LONGEST = 400
 """Characters of equations in a caption, about five lines of a page; longer ones are left out."""
 
-OMITTED = "its equations are in the CSV and NPZ files"
+OMITTED = "its equations are in the TEX, CSV and NPZ files"
 """What a caption says in place of longer equations."""
 
 
@@ -32,7 +32,7 @@ def release() -> str:
 
 
 def about(
-    scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, slid: bool = True
+    scene: Scene, address: str = "", how: str = "", *, every_start: bool = True, slid: bool = True, endings: str = ""
 ) -> dict[str, str]:
     """Return what recomputes a scene, each part under its name: for the header of a file.
 
@@ -48,6 +48,8 @@ def about(
         Whether it shows runs from all starts, or from the selected one alone.
     slid : bool
         Whether one of the runs slides; if none does, sliding is not mentioned.
+    endings : str
+        Which runs ended before the end time, if any did.
     """
     try:
         link = f"{address}?{query(scene)}"
@@ -59,25 +61,26 @@ def about(
         "variables": f"{_variables(scene)}; a column of such a name has its values",
         "parameters": _parameters(scene),
         "starts": _starts(scene, every_start),
-        "integration": how or _integration(scene, slid),
+        "integration": "; ".join(filter(None, (how or _integration(scene, slid), endings))),
     }
 
 
 def caption(
-    scene: Scene, title: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True
-) -> str:
+    scene: Scene, title: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
+    endings: str = "",
+) -> str:  # fmt: skip
     """Return the caption of a picture: its title, the equations, the parameters and the method.
 
     Parameters
     ----------
-    scene, how, every_start, slid
+    scene, how, every_start, slid, endings
         As in `about`.
     title : str
         What the picture shows.
     free : str
         A parameter that has many values in it, whose present one is left out.
     """
-    parts = about(scene, how=how, every_start=every_start, slid=slid)
+    parts = about(scene, how=how, every_start=every_start, slid=slid, endings=endings)
     values = f"; {values}" if (values := _parameters(scene, free)) else ""
     how = " ".join(f"{parts[name][0].upper()}{parts[name][1:]}." for name in ("starts", "integration"))
     laws = parts["equations"] if len(parts["equations"]) <= LONGEST else OMITTED

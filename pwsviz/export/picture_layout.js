@@ -114,22 +114,26 @@ const fitted_axis = (axis, side, seen, width) => {
   return { ...title, major_label_policy: new NoOverlap({ min_distance: SPARE / 2 }) }
 }
 
-// A legend with as many columns as fit into the picture, in its middle.
+// A legend in the middle of the picture: in columns, or in lines of entries one after another where these are fewer.
 const fitted_legend = (legend, seen, width) => {
-  const { items, glyph_width, glyph_height, label_standoff, spacing } = legend
+  const { items, glyph_width, glyph_height, label_standoff } = legend, room = width - SPARE
   const labels = items.filter(item => item.visible).flatMap(item => item.get_labels_list_from_label_prop())
-  const widths = labels.map(label => glyph_width + label_standoff + width_of(label, TEXT) + spacing)
+  const widths = labels.map(label => glyph_width + label_standoff + width_of(label, TEXT) + SPARE)
   const fits = count => {  // each column is as wide as its widest entry
     const wide = Array(count).fill(0)
     widths.forEach((one, k) => { wide[k % count] = Math.max(wide[k % count], one) })
-    return wide.reduce((sum, one) => sum + one, 0) <= width - SPARE
+    return wide.reduce((sum, one) => sum + one, 0) <= room
   }
-  let ncols = Math.max(1, Number.isFinite(legend.ncols) ? legend.ncols : labels.length)
+  let ncols = Math.max(1, labels.length)
   while (ncols > 1 && !fits(ncols)) ncols -= 1
+  const lines = widths.reduce(([count, used], one) => used + one <= room ? [count, used + one] : [count + 1, one], [1, 0])[0]
+  const flowing = `.bk-grid.bk-grid { display: flex; flex-wrap: wrap; justify-content: center; gap: 2px ${SPARE}px }
+    :host { width: max-content; max-width: ${room}px }`
   const shift = (seen.right - seen.left) / 2  // it stands below the frame
   return {
-    ncols, stylesheets: [  // it is laid out before its glyphs have a size
+    ncols, spacing: SPARE / 2, stylesheets: [  // it is laid out before its glyphs have a size
       `svg { width: ${glyph_width}px; height: ${glyph_height}px } :host { translate: ${shift}px 0 }`,
+      lines < Math.ceil(labels.length / ncols) ? flowing : `.bk-grid.bk-grid { column-gap: ${SPARE}px }`,
     ],
   }
 }

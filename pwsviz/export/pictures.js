@@ -12,7 +12,9 @@ const INCH = 25.4  // mm
 let bytes = null  // of the font, fetched once
 const load_font = async () => {
   if (bytes == null) {
-    bytes = await (await fetch(new URL("vendor/DejaVuSans-subset.ttf", HERE))).arrayBuffer()
+    const answer = await fetch(new URL("vendor/DejaVuSans-subset.ttf", HERE))
+    if (!answer.ok) throw new Error("its font was not found")
+    bytes = await answer.arrayBuffer()
     document.fonts.add(await new FontFace(FONT, bytes.slice(0)).load())
   }
   return btoa(Array.from(new Uint8Array(bytes), byte => String.fromCharCode(byte)).join(""))
@@ -31,14 +33,14 @@ const composed = async (views, wish) => {
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
   const pictures = await drawn(views, width, wish.printed)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
-  const words = [...pictures.map(one => one.note), wish.caption].filter(Boolean).join(" ")
+  const words = [...pictures.map(one => one.note), wish.captions[wish.caption]].filter(Boolean).join(" ")
   const lines = wrapped(words, picture.width - 2 * GAP, SMALL), step = LEADING * SMALL
   const height = picture.height + (lines.length > 0 ? 2 * GAP + step * lines.length : GAP / 2)
   const svg = node("svg", {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
     height: `${wish.millimetres * height / picture.width}mm`, viewBox: `0 0 ${picture.width} ${height}`,
   })
-  svg.append(node("title", {}, wish.title), node("style", {},
+  svg.append(node("title", {}, wish.title), node("desc", {}, wish.captions.full), node("style", {},
     `@font-face { font-family: "${FONT}"; src: url(data:font/ttf;base64,${font}) }`))
   const [ground, ink] = wish.printed ? [PAPER, INK] : colours_of(views[0].el)
   svg.append(node("rect", { x: 0, y: 0, width: picture.width, height, fill: ground }))
@@ -113,6 +115,7 @@ const WRITERS = {
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height)
     URL.revokeObjectURL(address)
     const made = await new Promise(resolve => canvas.toBlob(resolve, "image/png"))
+    if (made == null) throw new Error("a PNG of so many pixels is too large for this browser")
     return of_width(made, Math.round(canvas.width / wish.millimetres * 1000))
   },
   async pdf({ svg, width, height }, wish) {
@@ -122,7 +125,7 @@ const WRITERS = {
     }
     const size = [wish.millimetres, wish.millimetres * height / width]
     const paper = new jspdf.jsPDF({ unit: "mm", format: size, orientation: size[0] > size[1] ? "l" : "p", putOnlyUsedFonts: true, compress: true })
-    paper.setProperties({ title: wish.title, subject: wish.caption, creator: "pwsviz" })
+    paper.setProperties({ title: wish.title, subject: wish.captions.full, creator: "pwsviz" })
     paper.addFileToVFS("font.ttf", await load_font())
     for (const style of ["normal", "italic", "bold"]) paper.addFont("font.ttf", FONT, style)
     paper.setFont(FONT)
@@ -133,11 +136,11 @@ const WRITERS = {
 
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
 
-// Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, caption, and the choices width, points, dpi
-// and look as they are offered.
+// Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, captions ("short" and "full", which is always
+// in the metadata of SVG and PDF), and the choices as they are offered.
 export const save = async (ids, chosen) => {
   const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
-  if (views.length == 0) return
+  if (views.length == 0) throw new Error("the figure is no longer on the page")
   const [millimetres, points, dpi] = [chosen.width, chosen.points, chosen.dpi].map(amount)
   const wish = { ...chosen, millimetres, points, dpi, printed: chosen.look == "for print" }
   const blob = await WRITERS[wish.kind](await composed(views, wish), wish)

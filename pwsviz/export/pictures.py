@@ -18,6 +18,7 @@ CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
     "points": ("Text", ("7 pt", "8 pt", "9 pt", "10 pt", "12 pt"), 2),
     "dpi": ("PNG", ("150 dpi", "300 dpi", "600 dpi"), 1),  # of a screen, and what journals ask of images and of lines
     "look": ("Colours", ("for print", "as on the page"), 0),
+    "caption": ("Caption", ("no caption", "short", "full"), 1),
 }
 """Title, options and the number of the default option of each choice about pictures."""
 
@@ -44,9 +45,13 @@ class PictureFiles:
 
 _SAVE = """
 const files = new URL("components/MODULE/PictureFiles/_resources/files/", document.baseURI)
-const wished = { ...wish, caption: captioned.data.value ? wish.caption : "" }
-for (const [name, choice] of Object.entries({ width, points, dpi, look })) wished[name] = choice.data.value
-import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished))
+const wished = { ...wish }
+for (const [name, choice] of Object.entries({ CHOICES })) wished[name] = choice.data.value
+trouble.data.object = ""
+import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).catch(reason => {
+  const why = String(reason?.message ?? reason).replace(/[<>&*_`]/g, " ")
+  trouble.data.object = `${wish.name} could not be saved: ${why}. Is the page still connected? If so, try SVG, or another width.`
+})
 """
 
 
@@ -54,6 +59,7 @@ def picture_callback(plots: Sequence[figure]) -> str:
     """Return JavaScript that saves figures as one file, one below the other.
 
     It takes from its arguments ``wish``, a mapping with ``kind`` (of `KINDS`), ``name`` of the file, ``title`` and
-    ``caption``; a widget for each of `CHOICES`; and ``captioned``, a checkbox.
+    ``captions``, "short" and "full"; a widget for each of `CHOICES`; and ``trouble``, a text that says why it failed.
     """
-    return _SAVE.replace("MODULE", __name__).replace("IDS", json.dumps([plot.id for plot in plots]))
+    code = _SAVE.replace("MODULE", __name__).replace("CHOICES", ", ".join(CHOICES))
+    return code.replace("IDS", json.dumps([plot.id for plot in plots]))

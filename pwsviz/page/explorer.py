@@ -13,7 +13,8 @@ import panel_material_ui as pmui
 
 import core
 from pwsviz.editor.form import SystemEditor
-from pwsviz.export.tables import drawn_runs, drawn_table, portrait_tables
+from pwsviz.export.endings import endings
+from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
 from pwsviz.page.cover import COLUMNS, Cover
 from pwsviz.page.export_dialog import ExportDialog, Piece
@@ -22,7 +23,7 @@ from pwsviz.page.help import ABOUT, CITATION, GREETING, GREETING_CSS, Help
 from pwsviz.page.portrait_panel import PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
-from pwsviz.results.results import Results
+from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.history import History
 from pwsviz.scene.permalink import adopt, query
 from pwsviz.scene.scene import Scene
@@ -114,7 +115,9 @@ class Explorer(pn.viewable.Viewer):
             self.adopt(pn.state.location.search)  # before anything is computed
         self.scheduler = Scheduler()
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
-        self.portrait_panel = PortraitPanel(self.scene, self.results, self.scheduler, self._await_system)
+        self.portrait_panel = PortraitPanel(
+            self.scene, self.results, self.scheduler, self._await_system, self._refresh_export
+        )
         link_portrait(self.portrait_panel.portrait)
         self.history = History(self.scene)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
@@ -228,6 +231,9 @@ class Explorer(pn.viewable.Viewer):
 
     def _show(self, view: Tab, wanted: Any, outcome: Any) -> None:
         view.present(wanted, outcome)
+        self._refresh_export()
+
+    def _refresh_export(self) -> None:
         if "export" in vars(self):  # made with the rest of the page
             self.export.refresh()
 
@@ -290,16 +296,18 @@ class Explorer(pn.viewable.Viewer):
     def _pieces(self) -> list[Piece]:
         """Return what can be exported: the run of the portrait, and the view beside it."""
         panel, view, title = self.portrait_panel, self.view, VIEWS[self.scene.view].title
-        shown, tables, slid = panel.shown, portrait_tables(list), True
-        if shown is not None:
-            runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
-            tables = {**portrait_tables(runs), **drawn_table(shown)}
-            slid = any(one.run.sliding.any() for one in runs())
-        pieces = [Piece("Phase portrait", tables, [panel.portrait.figure], slid=slid)]
+        shown, pieces, runs = panel.shown, [Piece("Phase portrait", {}, [])], list[DrawnRun]()
+        if shown is not None and shown.inputs == PortraitInputs.of(self.scene):  # else of other settings
+            all_runs = drawn_runs(shown.inputs, self.scene.selected, self.results.run)
+            tables, runs = {**portrait_tables(all_runs), **drawn_table(shown)}, list(all_runs())
+            slid = any(one.run.sliding.any() for one in runs)
+            drawn = [panel.portrait.figure]
+            pieces = [Piece("Phase portrait", tables, drawn, slid=slid, endings=endings(runs))]
         if view.outcome is None or view.shown != view.inputs():  # of other settings, or not to its end
             return [*pieces, Piece(title, {}, [])]
         said = view.how(view.outcome), view.every_start, view.slid, view.free(), view.meaning(view.outcome)
-        return [*pieces, Piece(title, view.tables(), view.pictures(), *said)]
+        of_scene = [] if said[0] else [one for one in runs if view.every_start or one.start == self.scene.selected + 1]
+        return [*pieces, Piece(title, view.tables(), view.pictures(), *said, endings(of_scene))]
 
     def settle(self, timeout: float) -> bool:
         """Wait at most `timeout` seconds; return whether all computations are done. For use without a server."""

@@ -16,8 +16,10 @@ from bokeh.plotting import figure
 
 from pwsviz.export.about import about, caption
 from pwsviz.export.files import Table, Tables, csv_bytes, file_name, npz_bytes
+from pwsviz.export.latex import latex_file
 from pwsviz.export.pictures import CHOICES, KINDS, picture_callback, pixels
 from pwsviz.export.script import snippet
+from pwsviz.export.short_caption import short_caption
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.dialog import dialog
@@ -62,11 +64,13 @@ class Piece(NamedTuple):
     """The parameter that has many values in it, if one has."""
     meaning: str = ""
     """What its axes and lines mean, where their names do not say it."""
+    endings: str = ""
+    """Which of the runs of the scene ended before the end time."""
 
     @property
     def origin(self) -> dict[str, Any]:
         """What `about` and `caption` are told of it."""
-        return {"how": self.how, "every_start": self.every_start, "slid": self.slid}
+        return {"how": self.how, "every_start": self.every_start, "slid": self.slid, "endings": self.endings}
 
 
 class ExportDialog(pn.viewable.Viewer):
@@ -87,6 +91,7 @@ class ExportDialog(pn.viewable.Viewer):
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self._choices: dict[str, Any] = {}
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
+        self.trouble = pmui.Typography("", color="error", variant="body2", margin=(4, 8))
         self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
         self.dialog = dialog("Export & share", self.contents)
         self.dialog.param.watch(self._drop_files, "open")
@@ -113,20 +118,21 @@ class ExportDialog(pn.viewable.Viewer):
         program = escape(snippet(self.scene, self._program()))
         self.program.object = f'<pre tabindex="0" aria-label="Python program">{program}</pre>'
         self.contents.objects = self.contents.objects or self._make_contents()
+        self.trouble.object = ""
         self.dialog.open = True
         self.refresh()
 
     def refresh(self) -> None:
         """Offer the files of what is visible by now, while the dialog is open."""
         if self.dialog.open:
-            self.numbers.objects = [self._row(piece) for piece in self._pieces()]
+            self.numbers.objects = [*map(self._row, self._pieces()), self._equations()]
 
     def _make_contents(self) -> list[Any]:
         """Make the widgets at the first opening, so that the page itself loads sooner."""
         return [
             self.link, self._copy("Copy the link", self.link, "value"),
             heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
-            heading("Data and figures"), self._make_choices(), self.numbers,
+            heading("Data and figures"), self._make_choices(), self.numbers, self.trouble,
         ]  # fmt: skip
 
     @staticmethod
@@ -151,7 +157,7 @@ class ExportDialog(pn.viewable.Viewer):
         return pn.FlexBox(title, *buttons, margin=0, sizing_mode="stretch_width")
 
     def _make_choices(self) -> Any:
-        """Return the choices about pictures: width, size of the text, resolution, colours, and whether with caption."""
+        """Return the choices about pictures."""
         self._choices = {
             name: pmui.RadioButtonGroup(
                 options=list(options), value=options[usual], label=title, size="small", margin=(4, 12, 4, 0),
@@ -159,7 +165,6 @@ class ExportDialog(pn.viewable.Viewer):
             )
             for name, (title, options, usual) in CHOICES.items()
         }  # fmt: skip
-        self._choices["captioned"] = pmui.Checkbox(label="with caption", value=True, size="small", margin=(4, 0))
         width, dpi = self._choices["width"], self._choices["dpi"]
         wide = pmui.Typography(pixels(width.value, dpi.value), margin=(8, 0), variant="body2")
         for one in (width, dpi):
@@ -169,17 +174,25 @@ class ExportDialog(pn.viewable.Viewer):
     def _picture(self, piece: Piece, kind: str) -> Any:
         """Return a button that saves figures as a picture, without the server."""
         button = pmui.Button(label=kind.upper(), icon="image", color="primary", size="small", margin=(4, 4))
+        captions = {"short": short_caption(self.scene, piece.title, free=piece.free, **piece.origin)}
+        captions["full"] = _caption(self.scene, piece)
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
-        wish["caption"] = _caption(self.scene, piece)
-        button.js_on_click(args={"wish": wish, **self._choices}, code=picture_callback(piece.figures))
+        given = {"wish": {**wish, "captions": captions}, "trouble": self.trouble, **self._choices}
+        button.js_on_click(args=given, code=picture_callback(piece.figures))
         return button
 
     def _copy_caption(self, piece: Piece) -> Any:
-        """Return a button that copies the caption of a picture as text, without the server."""
-        button = pmui.Button(label="Copy caption", icon="content_copy", variant="text", size="small", sx=PLAIN_SX)
+        """Return a button that copies the full caption of a picture as text, without the server."""
+        button = pmui.Button(label="Copy full caption", icon="content_copy", variant="text", size="small", sx=PLAIN_SX)
         words = _caption(self.scene, piece)
         button.js_on_click(args={"words": words}, code="navigator.clipboard.writeText(words)")
         return button
+
+    def _equations(self) -> pn.FlexBox:
+        """Return the row of the equations in LaTeX."""
+        title = pmui.Typography("Equations", margin=(8, 8), width=170)
+        file = self._download("TEX", "Equations", "tex", partial(latex_file, self.scene), Piece("Equations", {}, []))
+        return pn.FlexBox(title, file, margin=0, sizing_mode="stretch_width")
 
     def _download(
         self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes], piece: Piece
@@ -193,7 +206,12 @@ class ExportDialog(pn.viewable.Viewer):
             a second click saves a second file. (Clearing the data in between made the browser save some files twice.)
             """
             written = origin | {"written": datetime.now(UTC).isoformat()}
-            return await asyncio.to_thread(lambda: io.BytesIO(write(written)))
+            self.trouble.object = ""
+            try:
+                return await asyncio.to_thread(lambda: io.BytesIO(write(written)))
+            except Exception as reason:
+                self.trouble.object = f"{label} could not be written: {reason or type(reason).__name__}"
+                raise
 
         return pmui.FileDownload(
             callback=data,

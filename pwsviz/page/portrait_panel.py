@@ -44,6 +44,8 @@ class PortraitPanel(pn.viewable.Viewer):
         The settings, the source of arrays, and what runs the computations.
     on_wait : callable
         Called with a text while the integrators of another system are compiled.
+    on_show : callable
+        Called when other trajectories have been drawn.
     """
 
     def __init__(
@@ -52,9 +54,11 @@ class PortraitPanel(pn.viewable.Viewer):
         results: Results,
         scheduler: Scheduler,
         on_wait: Callable[[str], None],
+        on_show: Callable[[], None],
     ) -> None:
         super().__init__()
-        self.scene, self.results, self.scheduler, self._on_wait = scene, results, scheduler, on_wait
+        self.scene, self.results, self.scheduler = scene, results, scheduler
+        self._on_wait, self._on_show = on_wait, on_show
         self.portrait = PortraitView(
             on_window=self._look_at,
             on_place=self.place,
@@ -125,6 +129,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self._tell(outcome)
         self._cover()
         self._submit_frames()
+        self._on_show()
         runs = (*outcome.inputs.selected, *outcome.inputs.others)
         self.scheduler.submit(
             "warnings",

@@ -1,0 +1,51 @@
+"""The short caption of a picture: what is drawn, the parameters and the integrators, without the equations."""
+
+from __future__ import annotations
+
+import re
+
+from pwsviz.export.about import about
+from pwsviz.scene.equations import indexed
+from pwsviz.scene.names import short_name
+from pwsviz.scene.scene import Scene
+from pwsviz.text.numbers import printed
+from pwsviz.text.words import at_surface, plural
+
+__all__ = ["short_caption"]
+
+DIGITS = 5
+"""Significant digits of a parameter."""
+
+LONGEST = 70
+"""Characters of the starts, about a line and a half of a column; of longer ones the number is told."""
+
+
+def short_caption(
+    scene: Scene, title: str, how: str = "", free: str = "", *, every_start: bool = True, slid: bool = True,
+    endings: str = "",
+) -> str:  # fmt: skip
+    """Return a caption of a few lines, for a picture whose text tells the equations; the arguments as of `caption`.
+
+    Of how a study was made it has the first clause, and what is done at crossings where that is out of the usual.
+    """
+    parts = about(scene, how=how, every_start=every_start, slid=slid)
+    known = [q for q in scene.declaration.parameters if q.name != free]
+    values = ", ".join(_value(short_name(q), scene.values[q.name]) for q in known)
+    first, *further = parts["integration"].split("; ")
+    usual = at_surface(locate=True, slide=False)
+    unusual = [one for one in further if one.startswith("crossings ") and one.partition(". ")[0] != usual]
+    told = "; ".join([first, *unusual, *([endings] if endings else [])])
+    sentences = [_starts(scene, parts["starts"], every_start), told]
+    what = f"{title}, {parts['system']}{f': {values}' if values else ''}"
+    return printed(indexed(". ".join([what, *(f"{one[0].upper()}{one[1:]}" for one in sentences)]).rstrip(".") + "."))
+
+
+def _value(symbol: str, value: float) -> str:
+    short = f"{value:.{DIGITS}g}"
+    return f"{symbol} {'=' if float(short) == value else '≈'} {short}"
+
+
+def _starts(scene: Scene, told: str, every: bool) -> str:
+    if len(told) <= LONGEST or not every:
+        return told if len(told) <= LONGEST else re.sub(r" at .*?(, start|$)", r"\1", told)
+    return f"from {plural(len(scene.starts), 'start')}"
