@@ -127,13 +127,15 @@ const fitted_legend = (legend, seen, width) => {
   let ncols = Math.max(1, labels.length)
   while (ncols > 1 && !fits(ncols)) ncols -= 1
   const lines = widths.reduce(([count, used], one) => used + one <= room ? [count, used + one] : [count + 1, one], [1, 0])[0]
-  const flowing = `.bk-grid.bk-grid { display: flex; flex-wrap: wrap; justify-content: center; gap: 2px ${SPARE}px }
-    :host { width: max-content; max-width: ${room}px }`
+  const flows = lines < Math.ceil(labels.length / ncols), narrow = 100
   const shift = (seen.right - seen.left) / 2  // it stands below the frame
   return {
-    ncols, spacing: SPARE / 2, stylesheets: [  // it is laid out before its glyphs have a size
-      `svg { width: ${glyph_width}px; height: ${glyph_height}px } :host { translate: ${shift}px 0 }`,
-      lines < Math.ceil(labels.length / ncols) ? flowing : `.bk-grid.bk-grid { column-gap: ${SPARE}px }`,
+    ncols, spacing: SPARE / 2, stylesheets: [  // it is laid out before its glyphs have a size, and as a narrow one, lest
+      // it widen the plot
+      `svg { width: ${glyph_width}px; height: ${glyph_height}px }
+       :host { width: ${narrow}px; translate: ${shift}px 0 }
+       .bk-grid.bk-grid { width: ${room}px; position: relative; left: ${(narrow - room) / 2}px; justify-content: center;
+                          gap: 2px ${SPARE}px; ${flows ? "display: flex; flex-wrap: wrap" : ""} }`,
     ],
   }
 }
