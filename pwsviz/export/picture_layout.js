@@ -141,7 +141,7 @@ const fitted_legend = (legend, seen, width) => {
 }
 
 // With `seen`, the layout before this one, in pixels: what is left and right of the frame, its height, and its scale.
-const copy_of = async (view, width, printed, height, seen) => {
+const copy_of = async (view, width, printed, { height, inset, up }, seen) => {
   const { model } = view, looks = printed ? PRINTED : {}
   const part = (one, side) => {
     const kind = kind_of(one)
@@ -154,11 +154,11 @@ const copy_of = async (view, width, printed, height, seen) => {
   }
   const room_for = (one, side) => !names_levels(one, side) || levels_of(one, model.y_range, width).fit
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
-  const ranges = [range(model.x_range), range(model.y_range)]
-  const frame = { width: Math.round(width - seen.left - seen.right), height: Math.round(height) }
+  const ranges = [range(model.x_range), range(up)], [left, right] = [seen.left + inset, seen.right + inset]
+  const frame = { width: Math.round(width - left - right), height: Math.round(height) }
   const letters = { text_font: { value: FONT }, text_font_size: { value: `${SMALL}px` } }
   return copied(model, {
-    ...looks.plot, min_border_left: seen.left, min_border_right: seen.right,
+    ...looks.plot, min_border_left: left, min_border_right: right,
     sizing_mode: "fixed", width: null, height: null, styles: {}, match_aspect: false,
     output_backend: "svg",  // the legend is drawn on layers of its own
     frame_width: frame.width, frame_height: frame.height,
@@ -223,24 +223,44 @@ const reach_of = (svg, frame) => {
 const SHAPE = 0.5  // height of a frame by the width of the picture, where neither is bound to the other
 const SHAPES = 1  // the same of several frames together
 
-// Figures for a picture of a given width: each as an SVG element with its size in pixels. Frames have one left edge and one
-// right edge.
-export const drawn = async (views, width, printed) => {
+const LOWEST = 60  // pixels of a frame, however many there are
+
+// A frame of a width, at most so tall, whose scales are equal: what is seen above and below of what the ranges follow is left
+// out first, then the frame is narrower and in the middle.
+const equal_scales = ({ frame, model }, across, most) => {
+  const { start, end } = model.y_range, wanted = across * frame.bbox.height / frame.bbox.width
+  if (wanted <= most) return { height: wanted, inset: 0, up: { start, end } }
+  const followed = [model.y_range.renderers ?? []].flat().flatMap(one => Array.from(one.data_source?.data.y ?? []))
+  const [low, high] = followed.length > 0 ? [Math.min(...followed), Math.max(...followed)] : [start, end]
+  const [bottom, top] = [Math.max(start, Math.min(low, end)), Math.min(end, Math.max(high, start))]
+  const span = Math.max(top - bottom, (end - start) * most / wanted)
+  const from = Math.min(Math.max(start, (bottom + top - span) / 2), end - span)
+  const narrower = most / span * (end - start) / wanted
+  return { height: most, inset: across * Math.max(0, 1 - narrower) / 2, up: { start: from, end: from + span } }
+}
+
+// Figures for a picture of a given width, together at most so tall where that is possible: each as an SVG element with its size
+// in pixels. Frames have one left edge and one right edge.
+export const drawn = async (views, width, printed, tallest) => {
   const shape = Math.min(SHAPE, SHAPES / views.length)
-  let seen = views.map(({ frame }) => ({ left: 0, right: RIM, tall: shape * width, scale: frame.y_scale }))
-  const copy = (view, k) => {
-    const { bbox } = view.frame, across = width - seen[k].left - seen[k].right
-    const height = view.model.match_aspect ? across * bbox.height / bbox.width : shape * width
-    return copy_of(view, width, printed, height, seen[k])
+  let seen = views.map(({ frame }) => ({ left: 0, right: RIM, around: 0, tall: shape * width, scale: frame.y_scale }))
+  const shape_of = (view, k) => {
+    const { start, end } = view.model.y_range, around = seen.reduce((sum, one) => sum + one.around, 0)
+    const most = Math.max(LOWEST, (tallest - around) / views.length), across = width - seen[k].left - seen[k].right
+    if (view.model.match_aspect) return equal_scales(view, across, most)
+    return { height: Math.min(shape * width, most), inset: 0, up: { start, end } }
   }
+  const copy = (view, k) => copy_of(view, width, printed, shape_of(view, k), seen[k])
   for (let pass = 1; pass < PASSES; pass++) {
     const found = []
     for (const [k, view] of views.entries()) {
+      const { inset } = shape_of(view, k)
       found.push(await laid_out(await copy(view, k), (other, host) => {
         const { bbox, frame } = other, svg = other.export("svg", false).canvas
         host.append(svg)
-        const right = Math.max(bbox.width - frame.bbox.right, RIM + reach_of(svg, frame.bbox))
-        return { left: frame.bbox.left, right, tall: frame.bbox.height, scale: frame.y_scale }
+        const right = Math.max(bbox.width - frame.bbox.right, RIM + reach_of(svg, frame.bbox)) - inset
+        const around = bbox.height - frame.bbox.height
+        return { left: frame.bbox.left - inset, right, around, tall: frame.bbox.height, scale: frame.y_scale }
       }))
     }
     const most = side => Math.ceil(Math.max(...found.map(one => one[side])))

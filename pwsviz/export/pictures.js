@@ -31,11 +31,13 @@ const node = (name, attributes, words) => {
 const composed = async (views, wish) => {
   const font = await load_font()
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
-  const pictures = await drawn(views, width, wish.printed)
+  const step = LEADING * SMALL, below = words => words.length > 0 ? 2 * GAP + step * words.length : GAP / 2
+  const caption = wish.captions[wish.caption] ?? "", told = wrapped(caption, width - 2 * GAP, SMALL)
+  const pictures = await drawn(views, width, wish.printed, wish.tallest / wish.millimetres * width - below(told))
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
-  const words = [...pictures.map(one => one.note), wish.captions[wish.caption]].filter(Boolean).join(" ")
-  const lines = wrapped(words, picture.width - 2 * GAP, SMALL), step = LEADING * SMALL
-  const height = picture.height + (lines.length > 0 ? 2 * GAP + step * lines.length : GAP / 2)
+  const words = [...pictures.map(one => one.note), caption].filter(Boolean).join(" ")
+  const lines = wrapped(words, picture.width - 2 * GAP, SMALL)
+  const height = picture.height + below(lines)
   const svg = node("svg", {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
     height: `${wish.millimetres * height / picture.width}mm`, viewBox: `0 0 ${picture.width} ${height}`,
@@ -141,8 +143,8 @@ const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “1
 export const save = async (ids, chosen) => {
   const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
   if (views.length == 0) throw new Error("the figure is no longer on the page")
-  const [millimetres, points, dpi] = [chosen.width, chosen.points, chosen.dpi].map(amount)
-  const wish = { ...chosen, millimetres, points, dpi, printed: chosen.look == "for print" }
+  const [millimetres, tallest, points, dpi] = [chosen.width, chosen.height, chosen.points, chosen.dpi].map(amount)
+  const wish = { ...chosen, millimetres, tallest, points, dpi, printed: chosen.look == "for print" }
   const blob = await WRITERS[wish.kind](await composed(views, wish), wish)
   const link = document.createElement("a")
   link.href = URL.createObjectURL(blob)
