@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import sympy
 from sympy import Expr, Symbol
 
 import core
-from core.symbolic.laws import Way
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import default_name
 
@@ -30,7 +30,7 @@ Names = Mapping[Symbol, str]
 
 
 def latex_file(scene: Scene, about: Mapping[str, str]) -> bytes:
-    """Return a file for ``\\input`` in a paper: the equations, with the values of the parameters and, as comments, `about`.
+    """Return a file that a paper can read: the equations, the values of the parameters and, as comments, `about`.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def _ways(system: core.PiecewiseSystem, names: Names) -> list[str]:
     return blocks
 
 
-def _reset(system: core.PiecewiseSystem, way: Way, names: Names) -> list[str]:
+def _reset(system: core.PiecewiseSystem, way: Any, names: Names) -> list[str]:
     """Return what changes in a reset."""
     pairs = zip(system.laws.x, way.jump or system.laws.x, strict=True)
     return [f"{names[x]} &\\mapsto {_broken(after, names)}" for x, after in pairs if after != x]

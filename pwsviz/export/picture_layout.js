@@ -71,26 +71,28 @@ const spread = (wished, apart, [start, end]) => {
 // Whether an axis beside a plot names levels in it.
 const names_levels = (axis, side) => axis.ticker?.type == "FixedTicker" && axis.formatter.doFormat != null && side == "right"
 
-// The levels of an axis that are seen, downwards, and the lines of their names.
+// The levels of an axis that are seen, downwards, and the lines of their names; letters where these are too long.
 const levels_of = (axis, { start, end }, width) => {
   const levels = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
   const names = axis.formatter.doFormat(levels, { loc: 0 })
   const labels = names.map(name => wrapped(name, NAMED * width, SMALL))
-  return { levels, names, labels, fit: labels.flat().every(line => width_of(line, SMALL) <= NAMED * width) }
+  const fit = labels.flat().every(line => width_of(line, SMALL) <= NAMED * width)
+  const letters = names.map((_, k) => [String.fromCharCode(97 + k)])
+  return { levels, names, labels: fit ? labels : letters, fit }
 }
 
-// Names of levels for which there is no room beside a plot, in a sentence; null where there are none.
-const unnamed_levels = ({ frame, model }, width) => {
-  const names = model.right.filter(axis => names_levels(axis, "right")).flatMap(axis => {
-    const { names, fit } = levels_of(axis, frame.y_scale.source_range, width)
-    return fit ? [] : names
+// What the letters of levels stand for, in a sentence; null where there are none.
+const lettered_levels = ({ frame, model }, width) => {
+  const meanings = model.right.filter(axis => names_levels(axis, "right")).flatMap(axis => {
+    const { names, labels, fit } = levels_of(axis, frame.y_scale.source_range, width)
+    return fit ? [] : names.map((name, k) => `(${labels[k]}) ${name}`)
   })
-  return names.length > 0 ? `Dotted${names.length > 1 ? ", from above" : ""}: ${names.join("; ")}.` : null
+  return meanings.length > 0 ? `Dotted: ${meanings.join("; ")}.` : null
 }
 
 // Names of levels beside a plot: in lines, and apart from one another.
 const named_levels = (axis, { scale }, width) => {
-  const { start, end } = scale.source_range, { levels, labels } = levels_of(axis, scale.source_range, width)
+  const { start, end } = scale.source_range, { levels, labels, fit } = levels_of(axis, scale.source_range, width)
   const high = labels.map(lines => lines.length * LINE * SMALL), apart = high.slice(1).map((one, k) => (one + high[k]) / 2)
   const places = spread(levels.map(tick => scale.compute(tick)), apart, [end, start].map(one => scale.compute(one)))
   const moved = places.map(place => scale.invert(place))
@@ -99,7 +101,7 @@ const named_levels = (axis, { scale }, width) => {
   return {
     ticker: new FixedTicker({ ticks: moved }), formatter: new BasicTickFormatter(),
     major_label_overrides: new Map(moved.map((tick, k) => [tick, labels[k].join("\n")])),
-    major_tick_line_color: null,
+    major_tick_line_color: null, major_tick_out: 0, major_label_standoff: fit ? SPARE / 2 : 1,
   }
 }
 
@@ -152,7 +154,6 @@ const copy_of = async (view, width, printed, { height, inset, up }, seen) => {
     if (kind == "bar") return copied(one, changes)
     return copied(one, { ...changes, axis: null, ticker: one.ticker ?? one.axis?.ticker })
   }
-  const room_for = (one, side) => !names_levels(one, side) || levels_of(one, model.y_range, width).fit
   const range = one => new (Bokeh.loader["models/ranges/range1d"].Range1d)({ start: one.start, end: one.end })
   const ranges = [range(model.x_range), range(up)], [left, right] = [seen.left + inset, seen.right + inset]
   const frame = { width: Math.round(width - left - right), height: Math.round(height) }
@@ -166,7 +167,7 @@ const copy_of = async (view, width, printed, { height, inset, up }, seen) => {
     x_range: ranges[0], y_range: ranges[1], toolbar_location: null,
     toolbar: new model.toolbar.constructor({ tools: [] }),
     ...Object.fromEntries(["left", "right", "above", "below", "center"].map(
-      place => [place, model[place].filter(one => room_for(one, place)).map(one => part(one, place))])),
+      place => [place, model[place].map(one => part(one, place))])),
   })
 }
 
@@ -273,7 +274,7 @@ export const drawn = async (views, width, printed, tallest) => {
       host.append(svg)
       drop_unseen(svg)
       keep_inside(svg, frame.bbox)
-      return { svg, width, height, note: unnamed_levels(view, width) }
+      return { svg, width, height, note: lettered_levels(view, width) }
     }))
   }
   return pictures

@@ -14,8 +14,9 @@ const load_font = async () => {
   if (bytes == null) {
     const answer = await fetch(new URL("vendor/DejaVuSans-subset.ttf", HERE))
     if (!answer.ok) throw new Error("its font was not found")
-    bytes = await answer.arrayBuffer()
-    document.fonts.add(await new FontFace(FONT, bytes.slice(0)).load())
+    const got = await answer.arrayBuffer()
+    document.fonts.add(await new FontFace(FONT, got.slice(0)).load())
+    bytes = got
   }
   return btoa(Array.from(new Uint8Array(bytes), byte => String.fromCharCode(byte)).join(""))
 }

@@ -16,7 +16,7 @@ KINDS = ("svg", "pdf", "png")
 CHOICES: Mapping[str, tuple[str, tuple[str, ...], int]] = {
     "width": ("Width", ("85 mm", "175 mm", "250 mm"), 1),  # of a column, a page, a slide
     "height": ("Height at most", ("80 mm", "120 mm", "160 mm", "200 mm"), 2),  # with the caption
-    "points": ("Text", ("7 pt", "8 pt", "9 pt", "10 pt", "12 pt"), 2),
+    "points": ("Text", ("8 pt", "9 pt", "10 pt", "12 pt"), 1),
     "dpi": ("PNG", ("150 dpi", "300 dpi", "600 dpi"), 1),  # of a screen, and what journals ask of images and of lines
     "look": ("Colours", ("for print", "as on the page"), 0),
     "caption": ("Caption", ("no caption", "short", "full"), 1),
@@ -51,7 +51,8 @@ for (const [name, choice] of Object.entries({ CHOICES })) wished[name] = choice.
 trouble.data.object = ""
 import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).catch(reason => {
   const why = String(reason?.message ?? reason).replace(/[<>&*_`]/g, " ")
-  trouble.data.object = `${wish.name} could not be saved: ${why}. Is the page still connected? If so, try SVG, or another width.`
+  const advice = "Is the page still connected? If so, try SVG, or another width."
+  trouble.data.object = `${wish.name} could not be saved: ${why}. ${advice}`
 })
 """
 

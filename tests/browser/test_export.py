@@ -83,8 +83,9 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     await_still(page)
     page.get_by_role("button", name=re.compile("Take away|Export")).click()
     page.get_by_role("button", name="85 mm").click()
+    page.get_by_role("button", name="full", exact=True).click()
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page.get_by_role("button", name="Copy caption").first.click()
+    page.get_by_role("button", name="Copy full caption").first.click()
     page.wait_for_function("async () => (await navigator.clipboard.readText()).startsWith('Phase portrait, Elliptic')")
     for k in range(2):
         svg = page.evaluate(TEXTS, downloaded(page, page.get_by_role("button", name="SVG").nth(k)).decode())
@@ -116,6 +117,64 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     assert chunk[16] == 1, "pixels per metre"
     assert wide / int.from_bytes(chunk[8:12]) == pytest.approx(0.085, rel=1e-4)
     assert int.from_bytes(chunk[17:]) == zlib.crc32(chunk[4:17])
+
+
+def test_a_short_caption_takes_at_most_five_lines_and_the_full_one_is_in_the_metadata(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="85 mm").click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
+    lines = page.evaluate(TEXT_LINES, svg)
+    words = " ".join(lines)
+    assert words.startswith("Phase portrait, Elliptic curve: a₋ = −3, a₊ = −2, r = 1. Started at (x, y) = (−1, −1).")
+    assert words.endswith("Integrated by dmm2 and rk2 with step size τ = 0.01 to t = 20.")
+    assert len(lines) <= 5
+    assert "y′ = 3x² + a₋" in re.search("<desc>(.*?)</desc>", svg)[1]
+
+
+TEXT_LINES = """svg => {
+    const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement
+    return [...root.querySelectorAll(":scope > text")].map(text => text.textContent)
+}"""
+"""The lines of the caption, which stand directly in a picture."""
+
+
+def test_a_failing_export_says_why(visit):
+    page = visit()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.route("**/DejaVuSans-subset.ttf", lambda route: route.fulfill(body="no font"))
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="SVG").first.click()
+    page.get_by_text("could not be saved: ").wait_for()
+    page.unroute("**/DejaVuSans-subset.ttf")
+    downloaded(page, page.get_by_role("button", name="SVG").first)
+    page.get_by_text("could not be saved").wait_for(state="detached")
+
+
+@pytest.mark.parametrize("height", [80, 160])
+def test_a_portrait_is_no_taller_than_asked_for_with_equal_scales(visit, height):
+    page = visit()
+    await_that(page, PORTRAIT)
+    await_still(page)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name=f"{height} mm", exact=True).click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
+    assert float(re.search(r'height="([0-9.]+)mm"', svg)[1]) < height + 1
+    texts = [text for text in page.evaluate(PLACES, svg)["texts"] if not text["within"]]
+    middles = {axis: {} for axis in (0, 1)}
+    for text in texts:
+        if re.fullmatch("−?[0-9.]+", text["words"]):
+            left, right, top, bottom = text["box"]
+            value = float(text["words"].replace("−", "-"))
+            middles[0].setdefault(round(bottom), []).append((value, (left + right) / 2))
+            middles[1].setdefault(round(right), []).append((value, (top + bottom) / 2))
+    across, up = (max(found.values(), key=len) for found in middles.values())
+    slopes = [(max(ends)[1] - min(ends)[1]) / (max(ends)[0] - min(ends)[0]) for ends in (across, up)]
+    assert slopes[0] == pytest.approx(-slopes[1], rel=0.03)
 
 
 PLACES = """svg => {
@@ -150,9 +209,10 @@ def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visi
                 assert left <= a <= b <= right, (points, text["words"])
                 assert top <= c <= d <= bottom, (points, text["words"])
             words = " ".join(text["words"] for text in texts)
-            assert ("Dotted, from above: round-off; machine ε; below plot range, or 0." in words) == (k == 1), (
+            assert ("Dotted: (a) round-off; (b) machine ε; (c) below plot range, or 0." in words) == (k == 1), (
                 "names of levels are below a narrow plot, which they would halve"
             )
+            assert [text["words"] for text in texts if text["words"] in "abc"] == ["a", "b", "c"] * (k == 1)
             assert "round-off" not in [text["words"] for text in texts]
             for one, other in combinations(texts, 2):
                 across = min(one["box"][1], other["box"][1]) - max(one["box"][0], other["box"][0])
@@ -165,7 +225,7 @@ def test_a_picture_without_a_caption_ends_below_its_legend(visit):
     await_that(page, PORTRAIT)
     await_still(page)
     page.get_by_role("button", name=re.compile("Export")).click()
-    page.get_by_label("with caption").uncheck()
+    page.get_by_role("button", name="no caption").click()
     seen = page.evaluate(PLACES, downloaded(page, page.get_by_role("button", name="SVG").first).decode())
     lowest = max(text["box"][3] for text in seen["texts"])
     assert seen["page"][3] - lowest > 3

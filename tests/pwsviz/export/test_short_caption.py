@@ -1,0 +1,60 @@
+"""The short caption, and where runs ended: what a reader has to know, in few lines."""
+
+import pytest
+
+import core
+from pwsviz.export.about import about, caption
+from pwsviz.export.endings import endings
+from pwsviz.export.short_caption import short_caption
+from pwsviz.export.tables import DrawnRun
+from pwsviz.scene.scene import Scene
+from tests.pwsviz.own_systems import OWN_SYSTEMS
+
+SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
+
+
+def scene_of(system):
+    scene = Scene()
+    scene.use(system)
+    return scene
+
+
+@pytest.mark.parametrize("system", SYSTEMS.values(), ids=list(SYSTEMS))
+def test_it_is_short_for_every_system_and_names_every_parameter(system):
+    told = short_caption(scene_of(system), "Phase portrait")
+    assert told.startswith(f"Phase portrait, {system.name}")
+    assert len(told) < 250, "five lines of a column"
+    assert sum(told.count(f" {sign} ") for sign in "=≈") >= len(system.parameters) + 2
+
+
+def test_a_rounded_value_of_a_parameter_is_marked_as_such():
+    told = short_caption(scene_of(core.CATALOGUE["chua"]), "State")
+    assert "α = 9," in told
+    assert "β ≈ 14.286" in told
+
+
+def test_crossings_that_are_perturbed_or_not_located_are_told():
+    scene = Scene(perturbation_order=2)
+    assert "times perturbed by τ²" in short_caption(scene, "Phase portrait")
+    scene = Scene(locate=False)
+    assert "crossings stepped over" in short_caption(scene, "Phase portrait")
+    assert "crossings" not in short_caption(Scene(), "Phase portrait")
+
+
+def test_of_a_study_it_has_the_first_clause():
+    told = short_caption(Scene(), "Order", how="integrated by dmm2; compared with: exact. A rule.")
+    assert told.endswith("Integrated by dmm2.")
+
+
+def test_a_run_that_ended_early_is_told_with_its_time_everywhere():
+    system = core.CATALOGUE["bouncing_ball"]
+    run = core.integrate(system, (0.0, 5.0), tau=0.01)
+    told = endings([DrawnRun(1, run)])
+    assert told.startswith("dmm2 ended at t = 1.35526: crossings come ever closer")
+    scene = scene_of(system)
+    for words in (caption(scene, "State", endings=told), short_caption(scene, "State", endings=told)):
+        assert "ended at t = 1.35526" in words
+    assert "ended at t = 1.35526" in about(scene, endings=told)["integration"]
+    assert endings([DrawnRun(1, core.integrate(system, (0.0, 1.0), tau=0.01))]) == ""
+    assert "from start 2" in endings([DrawnRun(1, run), DrawnRun(2, run)])
+    assert endings([DrawnRun(k, run) for k in range(1, 6)]) == "5 of the 5 runs ended earlier, at t = 1.35526"
