@@ -11,6 +11,7 @@ from bokeh.models.renderers import DataRenderer
 import core
 from core.studies import Grazing, outcome_words
 from pwsviz.figures.conserved import FLOOR, drawable
+from pwsviz.figures.conserved_text import axis_name
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.stability_text import side_words, wrong_number
 from pwsviz.figures.style import (
@@ -44,7 +45,7 @@ class DriftFigure:
             x_axis_type="log",
             y_axis_type="log",
             x_axis_label="time since the start",
-            y_axis_label="numerical drift of ψ, |Δψ|",
+            y_axis_label=axis_name(),
             x_range=DataRange1d(range_padding=2 * BESIDE),
             y_range=DataRange1d(range_padding=0.06),
         )

@@ -46,11 +46,18 @@ class ErrorCurve:
     """(n,) |change of ψ| since the last crossing, if crossings are perturbed: what the perturbation has no part in."""
     undefined: float = np.nan
     """Time from which on ψ is not defined where the run is, though one is known there; NaN if there is none."""
+    steps: int = 0
+    """How many steps the run has made."""
 
     @property
     def round_off(self) -> Floats:
         """(n,) size of the round-off of ψ at each of the times; 0 if no ψ is known."""
         return np.broadcast_to(ROUND_OFF * MACHINE_EPSILON * self.psi_size, self.t.shape)
+
+    @property
+    def accumulated_round_off(self) -> Floats:
+        """(n,) size that the round-off of all steps may reach, as independent errors of one rounding each add up."""
+        return self.round_off * max(1.0, float(np.sqrt(self.steps)) / ROUND_OFF)
 
     @property
     def sliding(self) -> NDArray[np.bool_]:
@@ -72,7 +79,9 @@ def error_curve(inputs: RunInputs, run: core.Trajectory, error: Floats) -> Error
     between = None
     if inputs.scheme.perturbation_order is not None and len(crossings):
         _, between = envelope(run.t, np.fmax.reduce(np.abs(run.conserved_error()), axis=1, initial=0.0))
-    return ErrorCurve(method, t, reduced, t_end, crossings, shades, names, size, runs_off, keeps, between, undefined)
+    return ErrorCurve(
+        method, t, reduced, t_end, crossings, shades, names, size, runs_off, keeps, between, undefined, int(run.steps)
+    )
 
 
 def _undefined(run: core.Trajectory, error: Floats) -> float:

@@ -10,7 +10,8 @@ import numpy as np
 import core
 from pwsviz.export.files import Tables
 from pwsviz.export.tables import DrawnRun, conserved_tables
-from pwsviz.figures.conserved import ConservedView, conserved_text, meaning
+from pwsviz.figures.conserved import ConservedView
+from pwsviz.figures.conserved_text import conserved_text, meaning
 from pwsviz.figures.linking import link_crossings
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.geometry.projection import conserved_note

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.figures.conserved import CEILING, FLOOR, MOST_BANDS, NOWHERE, ConservedView, conserved_text, drawable
+from pwsviz.figures.conserved import FLOOR, NOWHERE, ConservedView, drawable
+from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, conserved_text
 from pwsviz.figures.marks import KIND_COLOURS, KIND_MARKERS
 from pwsviz.geometry.numbers import MACHINE_EPSILON
 from pwsviz.results.animation import landmarks
@@ -37,8 +38,9 @@ def curve(error, method="dmm2", t_end=20.0, size=1.0, runs_off=False):
     keeps = core.METHODS[method].conservative
     level = np.asarray(size)
     return ErrorCurve(
-        method, t, error, t_end, np.empty(0), np.array([-1]), psi_size=level, runs_off=runs_off, keeps=keeps
-    )
+        method, t, error, t_end, np.empty(0), np.array([-1]), psi_size=level, runs_off=runs_off, keeps=keeps,
+        steps=1000,
+    )  # fmt: skip
 
 
 def test_zero_is_drawn_at_the_floor_and_overflow_not_at_all():
@@ -74,7 +76,7 @@ def test_a_run_with_very_many_crossings_has_no_bands():
     view, _, _ = shown(t_end=2000.0, tau=0.05)
     assert all(len(source.data["start"]) == 0 for source in view.segments.values())
     assert len(view.instants.data["t"]) == 0
-    assert "are too many to mark them or to shade the sides." in view.figure.html_attributes["aria-label"]
+    assert "are too many to be marked, and the sides to be shaded." in view.figure.html_attributes["aria-label"]
 
 
 @pytest.mark.parametrize(("system", "kind"), [("elliptic_curve", "transversal"), ("bouncing_ball", "jump")])
@@ -114,7 +116,7 @@ def test_round_off_that_grows_with_psi_is_a_curve_and_what_stays_below_it_is_rou
     assert run.status is core.Status.ESCAPED
     assert curves[0].error[-1] > 1e-7
     assert re.fullmatch(
-        r"dmm2 conserves ψ to round-off, \|Δψ\| ≤ .×10⁻. \(.×10⁻¹. of the size of ψ’s terms, about [\d.]+×10..\)\. "
+        r"dmm2 conserves ψ to round-off: \|Δψ\| ≤ .×10⁻. \(.×10⁻¹. times the size of ψ’s terms, about [\d.]+×10..\)\. "
         r"The size of ψ’s terms is .*\.",
         conserved_text(curves[:1]),
     )
@@ -131,7 +133,7 @@ def test_round_off_that_grows_with_psi_is_a_curve_and_what_stays_below_it_is_rou
 def test_an_early_drift_is_no_round_off_though_psi_grows_large_later():
     sizes = np.array([1.0, 1.0, 1e9])
     assert conserved_text([curve([0.0, 1e-8, 1e-8], size=sizes, runs_off=True)]) == (
-        "|Δψ| of dmm2 is at most 10⁻⁸ up to t = 20, where it runs off."
+        "dmm2: |Δψ| ≤ 10⁻⁸ up to t = 20, where the run stops."
     )
 
 
@@ -145,8 +147,8 @@ def test_screen_readers_hear_the_same_sentence():
 def test_the_sentence_tells_round_off_from_drift():
     drifting = curve(np.linspace(0, 6.4e-7, 300), "rk2")
     noise = curve(1e-16 * np.arange(9))
-    words = "dmm2 conserves ψ to accumulated round-off, |Δψ| ≤ 8×10⁻¹⁶; rk2 drifts to 6.4×10⁻⁷ by t = 20."
-    words += " Shades and marks are those of dmm2."
+    words = "dmm2 conserves ψ to accumulated round-off: |Δψ| ≤ 8×10⁻¹⁶; rk2 drifts: max |Δψ| = 6.4×10⁻⁷ up to t = 20."
+    words += " Shading and marks are those of dmm2."
     assert conserved_text([noise, drifting]) == words
 
 
@@ -158,13 +160,24 @@ def test_only_methods_that_conserve_psi_are_said_to_do_so_however_small_the_erro
     assert "conserves ψ to" in conserved_text([curve(errors, "dmm2")])
 
 
-def test_an_error_of_round_off_size_stays_below_its_bound_even_where_it_rises():
-    assert conserved_text([curve(1e-16 * np.arange(4), "rk2")]) == "rk2 stays below 3×10⁻¹⁶."
+@pytest.mark.parametrize(
+    ("last", "kind"), [(3e-16, "round-off"), (3.2e-15, "accumulated round-off")], ids=["of ψ", "of the steps"]
+)
+def test_an_error_of_round_off_size_is_said_to_be_so_of_any_method_even_where_it_rises(last, kind):
+    errors, bound = last * np.linspace(0, 1, 4), {3e-16: "3×10⁻¹⁶", 3.2e-15: "4×10⁻¹⁵"}[last]
+    for method, does in (("rk8", "stays at the level of"), ("dmm2", "conserves ψ to")):
+        assert conserved_text([curve(errors, method)]).startswith(f"{method} {does} {kind}: |Δψ| ≤ {bound}.")
+
+
+def test_round_off_adds_up_over_the_steps_that_there_are():
+    few, many = (replace(curve([0.0, 4e-15, 4e-15], "rk8"), steps=steps) for steps in (100, 1000))
+    assert conserved_text([few]) == "rk8 drifts: max |Δψ| = 4×10⁻¹⁵ up to t = 20."
+    assert "accumulated round-off" in conserved_text([many])
 
 
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
-    whose, none = "Shades and marks are those of dmm2.", "crossings of dmm2 are too many to mark them"
+    whose, none = "Shading and marks are those of dmm2.", "crossings of dmm2 are too many to be marked"
     for first, said, unsaid in ((curve([0.0, 1e-16]), whose, none), (many, none, whose)):
         words = conserved_text([first, curve([0.0, 1e-7], "rk2")])
         assert said in words
@@ -180,48 +193,49 @@ def test_what_is_round_off_depends_on_the_size_of_psi():
     large, small = 4e-8 * np.arange(9), 1e-16 * np.arange(9)
     assert (
         words(large, 1e9)
-        == "dmm2 conserves ψ to round-off, |Δψ| ≤ 4×10⁻⁷ (4×10⁻¹⁶ of the size of ψ’s terms, about 10⁹)."
+        == "dmm2 conserves ψ to round-off: |Δψ| ≤ 4×10⁻⁷ (4×10⁻¹⁶ times the size of ψ’s terms, about 10⁹)."
     )
-    assert words(large / 1e8, 30.0).endswith("(2×10⁻¹⁶ of the size of ψ’s terms, about 30).")
+    assert words(large / 1e8, 30.0).endswith("(2×10⁻¹⁶ times the size of ψ’s terms, about 30).")
     # 7.5e-16 of 13.4 are 5.6e-17; but the numbers that are printed are 8×10⁻¹⁶ and 13.
-    assert words([0.0, 7.5e-16], 13.4).endswith("≤ 8×10⁻¹⁶ (7×10⁻¹⁷ of the size of ψ’s terms, about 13).")
-    assert words(large, 1.0) == "dmm2 drifts to 3.2×10⁻⁷ by t = 20."
-    assert words(small, 1e-9) == "dmm2 drifts to 8×10⁻¹⁶ (8×10⁻⁷ of the size of ψ’s terms, about 10⁻⁹) by t = 20."
+    assert words([0.0, 7.5e-16], 13.4).endswith("≤ 8×10⁻¹⁶ (7×10⁻¹⁷ times the size of ψ’s terms, about 13).")
+    assert words(large, 1.0) == "dmm2 drifts: max |Δψ| = 3.2×10⁻⁷ up to t = 20."
+    told = "max |Δψ| = 8×10⁻¹⁶ (8×10⁻⁷ times the size of ψ’s terms, about 10⁻⁹) up to t = 20."
+    assert words(small, 1e-9) == f"dmm2 drifts: {told}"
 
 
 def test_no_bound_is_praised_where_less_than_a_digit_of_psi_is_right():
     lost = curve([0.0, 2.7e5, 2.7e5, 2.6e5], "rk2", size=6.5e5)
     assert conserved_text([lost]) == (
-        "rk2 does not keep ψ: |Δψ| reaches 2.7×10⁵ (0.42 of the size of ψ’s terms, about 6.5×10⁵). "
+        "rk2 does not conserve ψ: max |Δψ| = 2.7×10⁵ (0.42 times the size of ψ’s terms, about 6.5×10⁵). "
         "The size of ψ’s terms is |ψ| + Σ |xₖ ∂ψ/∂xₖ|."
     )
 
 
 def test_a_drift_is_rounded_to_the_nearest_and_goes_to_the_end_of_the_run():
     drifting = replace(curve(np.linspace(0, 2.02e-8, 300), "rk4", t_end=99.92), t_end=100.0)
-    assert conserved_text([drifting]) == "rk4 drifts to 2×10⁻⁸ by t = 100."
+    assert conserved_text([drifting]) == "rk4 drifts: max |Δψ| = 2×10⁻⁸ up to t = 100."
     stops = replace(drifting, crossings=np.array([60.0]), sides=np.array([-1, 0]))
-    assert conserved_text([stops]).startswith("rk4 drifts to 1.2×10⁻⁸ by t = 60; rk4 changes g by")
+    assert conserved_text([stops]).startswith("rk4 drifts: max |Δψ| = 1.2×10⁻⁸ up to t = 60; rk4 changes g by")
 
 
 def test_an_error_that_comes_and_goes_is_no_drift():
     waves = curve(1e-3 * np.sin(np.linspace(0, 60, 1000)) ** 2, "rk4")
-    assert conserved_text([waves]) == "rk4 stays below 10⁻³."
+    assert conserved_text([waves]) == "rk4 shows no drift: |Δψ| ≤ 10⁻³."
 
 
 @pytest.mark.parametrize("rise", [0.3, 0.5, 0.9])
 def test_of_an_error_that_rises_it_is_not_said_that_it_stays(rise):
     rising = curve(1e-3 * np.linspace(0, 1, 1000) ** rise, "rk4")
-    assert conserved_text([rising]) in (f"rk4 {word} 10⁻³ by t = 20." for word in ("reaches", "drifts to"))
+    assert conserved_text([rising]) in (f"rk4{word}: max |Δψ| = 10⁻³ up to t = 20." for word in ("", " drifts"))
 
 
 def test_an_error_beyond_the_axis_is_marked_where_it_leaves_with_its_size():
     gone = curve([0.0, 1e-3, 1.0, 4.5e16, 1.0], "rk2", t_end=4.0)
-    assert conserved_text([gone]) == "rk2 leaves the plot at t = 3: |Δψ| reaches 4.5×10¹⁶."
+    assert conserved_text([gone]) == "rk2 leaves the plot at t = 3: max |Δψ| = 4.5×10¹⁶."
     view = ConservedView()
     view.show([gone])
     assert (view.exits.data["t"], view.exits.data["y"]) == ([3.0], [CEILING])
-    assert view.exits.data["words"] == ["rk2 leaves the plot: |Δψ| reaches 4.5×10¹⁶"]
+    assert view.exits.data["words"] == ["rk2 leaves the plot: max |Δψ| = 4.5×10¹⁶"]
     assert view.curves.data["ys"][0][2] == CEILING
     assert view.corners.data["y"][1] >= CEILING
     endless = curve([0.0, 1.0, np.inf], t_end=2.0)
@@ -249,14 +263,16 @@ def test_a_change_of_psi_by_perturbed_crossings_is_not_blamed_on_a_method_that_k
     assert np.abs(run.exit_error()).max() < 1e-14 < 1e-8 < curves[0].error.max()
     words = conserved_text(curves)
     for name in ("dmm2", "gauss4"):
-        assert f"{name} conserves ψ to round-off between crossings; the perturbed crossings change it, so that" in words
-    assert re.search(r"rk2 drifts to .*, of which at most .* between two crossings, since the perturbed", words)
+        assert (
+            f"{name} conserves ψ to round-off between crossings, but perturbed crossings change it: max |Δψ|" in words
+        )
+    assert re.search(r"rk2 drifts: max .*, of which at most .* between two crossings, since perturbed", words)
     unperturbed = conserved_text(computed(**settings | {"perturbation_order": None})[0])
     assert "perturbed" not in unperturbed
-    assert "gauss4 conserves ψ to round-off, |Δψ| ≤" in unperturbed, "it keeps every quadratic ψ"
+    assert "gauss4 conserves ψ to round-off: |Δψ| ≤" in unperturbed, "it keeps every quadratic ψ"
 
 
 def test_gauss4_is_said_to_conserve_only_what_it_keeps():
     (curve, *_), _ = computed(system="elliptic_curve", methods=("gauss4",))
     assert not curve.keeps
-    assert "stays below" in conserved_text([curve])
+    assert "gauss4 shows no drift" in conserved_text([curve])

@@ -470,17 +470,17 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     explorer.scene.load({"system": "coulomb_friction", "view": "conserved"})
     explorer.settle(20)
     view = explorer.view.view
-    assert view.figure.yaxis[0].axis_label == "numerical drift of ψ, |Δψ|; of g while sliding, |Δg|"
+    assert view.figure.yaxis[0].axis_label == "numerical change of ψ, |Δψ|; of g while sliding, |Δg|"
     for xs, ys, curve in zip(view.curves.data["xs"], view.curves.data["ys"], explorer.view.outcome.curves, strict=True):
         changes = np.count_nonzero(np.diff(curve.sliding[1:]))
         assert changes
         assert len(xs) == len(ys) == len(curve.t) - 1 + changes
-    assert "round-off” is 2 machine ε" in explorer._pieces()[1].meaning
+    assert "round-off” is 2ε times the largest size of ψ’s terms" in explorer._pieces()[1].meaning
     explorer.scene.load({"system": "stick_slip", "view": "conserved"})
     explorer.scene.view = "conserved"
     explorer.settle(20)
     assert explorer.view.plots[0].visible
-    assert view.figure.yaxis[0].axis_label == "numerical drift of g while sliding, |Δg|"
+    assert view.figure.yaxis[0].axis_label == "numerical change of g while sliding, |Δg|"
     assert "Drawn is g" in explorer.view.words.object
 
 
@@ -732,7 +732,7 @@ def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
 def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbed_crossings_change_is_counted(explorer):
     for settings, told in (
         ({"system": "rigid_body", "methods": ["dmm2"]}, "Of the 2 conserved quantities the one that changes most"),
-        ({"perturbation_order": 1}, "A crossing that is perturbed lies off the surface"),
+        ({"perturbation_order": 1}, "A perturbed crossing lies off the surface"),
     ):
         explorer.scene.load({**settings, "view": "conserved"})
         assert explorer.settle(60)

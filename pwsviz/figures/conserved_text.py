@@ -1,0 +1,175 @@
+"""The plot of the conserved quantity in words: what each integrator makes of ψ, and what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
+from pwsviz.text.numbers import printed
+from pwsviz.text.words import rounded, rounded_up, upper_bound
+
+__all__ = ["CEILING", "MOST_BANDS", "axis_name", "conserved_text", "largest", "meaning"]
+
+CEILING = 1e9
+"""|Δψ| at which a curve leaves the plot: a method that blows up would leave no room for the others."""
+
+MOST_BANDS = 400
+"""Most crossings for which segments and ticks are drawn; more of them could not be told apart."""
+
+SEEN_TO_RISE = 1.1
+"""Ratio of |Δψ| in the last third of the time to that in the first one beyond which a curve is seen to rise: by less
+it rises by a pixel or two, on an axis of so many decades."""
+
+DRIFT = 2.0
+"""The same ratio beyond which a rise is no wave any more, but a drift: one in proportion to time has 3."""
+
+LOST = 0.1
+"""|Δψ|, relative to the size of ψ’s terms, from which on no bound is told: less than a digit of ψ is right."""
+
+NEAR_ONE = 10.0
+"""Factor by which the size of ψ’s terms must differ from 1 for a change to be stated relative to it, too."""
+
+CHANGE_OF_PSI = "of ψ, |Δψ|"
+"""Whose numerical change the vertical axis shows."""
+
+CHANGE_OF_G = "of g while sliding, |Δg|"
+"""The same where a run slides."""
+
+
+def axis_name(curves: Sequence[ErrorCurve] = ()) -> str:
+    """Return what is drawn: |Δψ|, |Δg| where runs slide, or both."""
+    slides = any(np.isfinite(curve.error[curve.sliding]).any() for curve in curves)
+    other = any((~curve.sliding & np.isfinite(curve.error)).any() for curve in curves)
+    return f"numerical change {'; '.join(filter(None, (CHANGE_OF_PSI * (other or not slides), CHANGE_OF_G * slides)))}"
+
+
+def meaning(curves: Sequence[ErrorCurve]) -> str:
+    """Return what is drawn, in the sentences of a caption."""
+    name, words = axis_name(curves), []
+    if CHANGE_OF_PSI in name:
+        words.append(
+            "|Δψ| is the change of ψ since the start, summed over the pieces of the run between crossings, on each of "
+            "which ψ is constant for the exact solution; the change of ψ from one law to the next is left out"
+        )
+        if any(curve.between is not None for curve in curves):
+            words.append("A perturbed crossing lies off the surface, and the change of ψ that this causes is counted")
+        words.append(
+            f"The line “round-off” is {ROUND_OFF:g}ε times the largest size of ψ’s terms so far, |ψ| + Σ |xₖ ∂ψ/∂xₖ|; "
+            "ε = 2⁻⁵² is the machine epsilon"
+        )
+    if CHANGE_OF_G in name:
+        words.append("While a run slides, |Δg| is drawn, the change of g since it began to slide")
+    return ". ".join(words) + "."
+
+
+def conserved_text(curves: Sequence[ErrorCurve]) -> str:
+    """Return what each integrator makes of ψ in a sentence, and what is not drawn; empty if no ψ is known."""
+    told = [words for curve in curves for words in (_change(curve), _undefined(curve), _off_surface(curve)) if words]
+    if not told:
+        return ""
+    words = "; ".join(told) + "."
+    terms = " The size of ψ’s terms is |ψ| + Σ |xₖ ∂ψ/∂xₖ|." * ("ψ’s terms" in words)
+    return words + terms + _about_marks(curves)
+
+
+def _about_marks(curves: Sequence[ErrorCurve]) -> str:
+    """Say that crossings are too many to be marked, or whose are marked where there are several integrators."""
+    first, many = curves[0], len(curves[0].crossings)
+    if many > MOST_BANDS:
+        whose = f" of {first.method}" * (len(curves) > 1)
+        return f" The {many:,} crossings{whose} are too many to be marked, and the sides to be shaded."
+    return f" Shading and marks are those of {first.method}." * (len(curves) > 1)
+
+
+def _change(curve: ErrorCurve) -> str:
+    """Say whether the change of ψ by one integrator is round-off, bounded, or a drift; empty without ψ.
+
+    Of a method that does not conserve ψ a change that rounding could explain is said to be at its level, not its
+    effect. Where crossings are perturbed, ψ may be conserved between them only.
+    """
+    known = (np.isfinite(curve.error) | np.isinf(curve.error)) & ~curve.sliding
+    t, error, method = curve.t[known], curve.error[known], curve.method
+    if not len(error):
+        return ""
+    worst, size = float(error.max()), float(curve.psi_size[-1])
+    if worst > CEILING:
+        return f"{method} leaves the plot at t = {t[np.argmax(error > CEILING)]:.4g}: {largest(error)}"
+    if worst == 0:
+        return f"{method} conserves ψ exactly"
+    until = f"up to t = {_end_of(curve, known):.4g}"
+    bound = f"|Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
+    value = f"max |Δψ| = {rounded(worst)}{_relative(worst, size, up=False)}"
+    if kind := _kind_of_rounding(curve, error, known):
+        return f"{method} {'conserves ψ to' if curve.keeps else 'stays at the level of'} {kind}: {bound}"
+    if curve.runs_off:
+        return f"{method}: |Δψ| ≤ {rounded_up(worst)} {until}, where the run stops"  # ψ may grow large only there
+    if curve.keeps and curve.between is not None and (kind := _kind_of_rounding(curve, curve.between[known], known)):
+        return f"{method} conserves ψ to {kind} between crossings, but perturbed crossings change it: {value} {until}"
+    share = _share_of_crossings(curve, known)
+    if 0.0 < LOST * size <= worst:
+        return f"{method} does not conserve ψ: {value}{share}"
+    early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
+    if late <= SEEN_TO_RISE * early:
+        return f"{method} shows no drift: {bound}{share}"
+    return f"{method}{' drifts' * (late > DRIFT * early)}: {value} {until}{share}"
+
+
+def _share_of_crossings(curve: ErrorCurve, known: NDArray[np.bool_]) -> str:
+    """Say how much of a change arises between crossings where these are perturbed; empty where they are not."""
+    if curve.between is None:
+        return ""
+    most = rounded_up(float(np.nanmax(curve.between[known])))
+    return f", of which at most {most} between two crossings, since perturbed crossings change ψ, too"
+
+
+def _kind_of_rounding(curve: ErrorCurve, error: Floats, known: NDArray[np.bool_]) -> str:
+    """Say which rounding is as large as an error: that of ψ, or that of all steps; empty if the error is larger."""
+    if (error <= curve.round_off[known]).all():
+        return "round-off"
+    return "accumulated round-off" * bool((error <= curve.accumulated_round_off[known]).all())
+
+
+def _end_of(curve: ErrorCurve, known: NDArray[np.bool_]) -> float:
+    """Return until when an error is known: the end of the run, or the crossing from which on it slides."""
+    if known[-1]:
+        return curve.t_end
+    last = curve.t[known][-1]
+    return float(next((t for t in curve.crossings if t >= last), last))
+
+
+def _undefined(curve: ErrorCurve) -> str:
+    """Say from when on ψ is not defined along a run, as where it has a logarithm of x < 0; empty if it always is."""
+    if np.isnan(curve.undefined):
+        return ""
+    since = f" from t = {curve.undefined:.4g} on" if curve.undefined > curve.t[0] else ""
+    return f"ψ is not defined along the run of {curve.method}{since}, and no |Δψ| is drawn there"
+
+
+def _off_surface(curve: ErrorCurve) -> str:
+    """Say how far g changes while one integrator slides; empty if it does not slide."""
+    error = curve.error[curve.sliding & np.isfinite(curve.error)]
+    if not len(error):
+        return ""
+    worst = float(error.max())
+    kept = f"changes g by at most {rounded_up(worst)}" if worst > 0 else "keeps g exactly"
+    return f"{curve.method} {kept} while it slides"
+
+
+def _relative(error: float, size: float, up: bool = True) -> str:
+    """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown."""
+    if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
+        return ""
+    about = f"{size:.2g}"
+    # Of the numbers that are printed, so that they agree.
+    share = rounded_up(upper_bound(error) / float(about)) if up else rounded(float(f"{error:.1e}") / float(about))
+    return printed(f" ({share} times the size of ψ’s terms, about {about})")
+
+
+def largest(error: Floats) -> str:
+    """Return the largest of some errors in words, be it infinite."""
+    worst = float(np.fmax.reduce(error))
+    return f"max |Δψ| = {rounded(worst)}" if np.isfinite(worst) else "the numerical solution blows up"
