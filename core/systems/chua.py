@@ -4,15 +4,15 @@ from core.system import Parameter, PiecewiseSystem, Region
 
 
 def _law(diode: str) -> Region:
-    """The law where the current of Chua's diode is a given function of x."""
-    return Region(f=(f"alpha*(y - x - ({diode}))", "x - y + z", "-beta*y"))
+    """The law where the current of Chua's diode, with its sign reversed, is a given function of x."""
+    return Region(f=(f"alpha*(y - x {diode})", "x - y + z", "-beta*y"))
 
 
 SYSTEM = PiecewiseSystem(
     name="Chua’s circuit",
     variables=("x", "y", "z"),
     surfaces=("x + 1", "x - 1"),
-    regions={"--": _law("b*x - a + b"), "+-": _law("a*x"), "++": _law("b*x + a - b")},
+    regions={"--": _law("- b*x + a - b"), "+-": _law("- a*x"), "++": _law("- b*x - a + b")},
     parameters=(
         Parameter("alpha", 9.0, (8.0, 9.2), "ratio of the capacitors", r"\alpha"),
         Parameter("beta", 100 / 7, (14.0, 20.0), "resistance squared times capacitance over inductance", r"\beta"),

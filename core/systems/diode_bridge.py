@@ -3,10 +3,10 @@
 from core.system import Parameter, PiecewiseSystem, Region
 
 
-def _law(current: str) -> Region:
-    """Source and capacitor where the bridge leads a current to the capacitor."""
+def _law(charging: str) -> Region:
+    """Source and capacitor, at a given rate of the latter’s voltage."""
     return Region(
-        f=("omega*w", f"({current} - u/load)/capacitance", "-omega*v"),
+        f=("omega*w", charging, "-omega*v"),
         psi=("(v**2 + w**2)/2",),
     )
 
@@ -15,12 +15,16 @@ SYSTEM = PiecewiseSystem(
     name="Diode bridge",
     variables=("v", "u", "w"),  # the first two span the portrait: the plane of both surfaces
     surfaces=("v - u", "v + u"),
-    regions={"-+": _law("0"), "++": _law("(v - u)/resistance"), "--": _law("(-v - u)/resistance")},
+    regions={
+        "-+": _law("-u/(load*capacitance)"),
+        "++": _law("((v - u)/resistance - u/load)/capacitance"),
+        "--": _law("((-v - u)/resistance - u/load)/capacitance"),
+    },
     parameters=(
         Parameter("omega", 1.0, (0.2, 5.0), "frequency of the source", r"\omega"),
-        Parameter("resistance", 0.2, (0.05, 1.0), "resistance of the source", "R"),
+        Parameter("resistance", 0.2, (0.05, 1.0), "resistance of the source", "r"),
         Parameter("capacitance", 1.0, (0.2, 5.0), "capacitance that smooths the voltage", "C"),
-        Parameter("load", 4.0, (1.0, 20.0), "resistance of the load", "R_L"),
+        Parameter("load", 4.0, (1.0, 20.0), "resistance of the load", "R"),
     ),
     x0=(0.0, 0.3, 1.5),
     doc="Four ideal diodes lead the current of an alternating source, of voltage v, to a capacitor of voltage u and a "

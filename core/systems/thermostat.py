@@ -3,15 +3,15 @@
 from core.system import Parameter, PiecewiseSystem, Region, Transition
 
 
-def _law(power: str) -> Region:
-    """Temperatures of room and radiator at a heating power."""
-    return Region(f=("(r - T) - loss*(T + cold)", f"{power} - storage*(r - T)"))
+def _law(radiator: str) -> Region:
+    """Temperatures of room and radiator, at a given rate of the latter."""
+    return Region(f=("r - T - loss*(T + cold)", radiator))
 
 
 SYSTEM = PiecewiseSystem(
     name="Thermostat",
     variables=("T", "r"),
-    regions={"on": _law("power"), "off": _law("0")},
+    regions={"on": _law("power - storage*(r - T)"), "off": _law("-storage*(r - T)")},
     transitions=(Transition("on", "band - T", "off"), Transition("off", "T + band", "on")),
     parameters=(
         Parameter("band", 1.0, (0.2, 2.0), "half the width of the band between switching on and off", r"\delta"),

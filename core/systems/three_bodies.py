@@ -7,13 +7,13 @@ _PAIRS = ((1, 2), (1, 3), (2, 3))
 
 def _apart(i: int, j: int) -> str:
     """Square of the distance of two bodies, softened."""
-    return f"((x{i} - x{j})**2 + (y{i} - y{j})**2 + soft**2)"
+    return f"(x{i} - x{j})**2 + (y{i} - y{j})**2 + soft**2"
 
 
 def _pull(i: int, along: str) -> str:
     """Force on a body."""
     others = [j for j in (1, 2, 3) if j != i]
-    return " + ".join(f"({along}{j} - {along}{i})/{_apart(i, j)}**(3/2)" for j in others)
+    return " + ".join(f"({along}{j} - {along}{i})/({_apart(i, j)})**(3/2)" for j in others)
 
 
 _FIELD = tuple([f"{w}{i}" for i in (1, 2, 3) for w in "uv"] + [_pull(i, along) for i in (1, 2, 3) for along in "xy"])

@@ -20,7 +20,7 @@ from pwsviz.editor.regions import REGION_FIELDS, Formula, Regions, read_parts
 from pwsviz.editor.typeset import constant, equation, rate, state_after
 from pwsviz.scene.checks import MAX_COORDINATE
 from pwsviz.scene.scene import can_use
-from pwsviz.text.math_names import name_markup
+from pwsviz.text.math_names import name_markup, quantity_name, unicode_name
 from pwsviz.text.mathml import markup
 from pwsviz.text.typed import Typed, rates, split
 from pwsviz.text.words import listed
@@ -291,10 +291,10 @@ class _Check:
             Finding(
                 f"{'Conserved' if mode.name in typed else 'Found automatically'} {where(mode.name)}:",
                 True,
-                self.equation(_LeftSide("ψ", "<mi>ψ</mi>"), psi),
+                self.equation(_quantity("", k, len(mode.conserved)), psi),
             )
             for mode in system.laws.regions
-            for psi in mode.conserved
+            for k, psi in enumerate(mode.conserved)
         )
 
     def finding(self, word: str, k: int, verdict: Verdict) -> Finding:
@@ -374,11 +374,8 @@ def _is_decimal(text: str) -> bool:
 
 def _quantity(word: str, k: int, count: int) -> _LeftSide:
     """Return the name of a conserved quantity of a side, with its number if there are several."""
-    sign, shown = _SIGNS[word]
-    if count == 1:
-        return _LeftSide(f"ψ{sign}", f"<msub><mi>ψ</mi><mo>{shown}</mo></msub>")
-    number = f"<mrow><mn>{k + 1}</mn><mo>{shown}</mo></mrow>"
-    return _LeftSide(f"ψ{sign} no. {k + 1}", f"<msub><mi>ψ</mi>{number}</msub>")
+    name = quantity_name({"minus": "-", "plus": "+"}.get(word, ""), k, count)
+    return _LeftSide(unicode_name(name, name), name_markup(name))
 
 
 def _parameter_maths(parameter: core.Parameter) -> str:

@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import core
 from pwsviz.scene.equations import equations, indexed
-from pwsviz.scene.names import short_name
+from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.permalink import digest, query
 from pwsviz.scene.scene import Scene
 from pwsviz.text.math_names import variable_name
@@ -113,7 +113,8 @@ def _integration(scene: Scene, slid: bool) -> str:
     used = scene.used
     steps = [f"step size τ = {scene.tau:.15g}"] if not all(map(_adaptive, used)) else []
     steps += [f"tolerance {scene.tolerance:.3g} (taylor)"] if any(map(_adaptive, used)) else []
-    crossings = at_surface(scene.locate, scene.slides and slid, scene.perturbation_order, scene.perturbation_scale)
+    met = met_at_surfaces(scene.declaration)
+    crossings = at_surface(met, scene.locate, scene.slides and slid, scene.perturbation_order, scene.perturbation_scale)
     return f"integrated by {listed(used)} with {' and '.join(steps)} to t = {scene.t_end:.15g}; {crossings}"
 
 

@@ -6,7 +6,7 @@ import re
 
 from pwsviz.export.about import about
 from pwsviz.scene.equations import indexed
-from pwsviz.scene.names import short_name
+from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.text.numbers import printed
 from pwsviz.text.words import at_surface, plural
@@ -32,8 +32,9 @@ def short_caption(
     known = [q for q in scene.declaration.parameters if q.name != free]
     values = ", ".join(_value(short_name(q), scene.values[q.name]) for q in known)
     first, *further = parts["integration"].split("; ")
-    usual = at_surface(locate=True, slide=False)
-    unusual = [one for one in further if one.startswith("crossings ") and one.partition(". ")[0] != usual]
+    met = met_at_surfaces(scene.declaration)
+    usual = at_surface(met, locate=True, slide=False)
+    unusual = [one for one in further if one.startswith(f"{met} ") and one.partition(". ")[0] != usual]
     told = "; ".join([first, *unusual, *([endings] if endings else [])])
     sentences = [_starts(scene, parts["starts"], every_start), told]
     what = f"{title}, {parts['system']}{f': {values}' if values else ''}"

@@ -17,7 +17,7 @@ from core.symbolic import TIME, DividedDifference, Laws, Mode
 from pwsviz.figures.constants import constants_markup, table
 from pwsviz.figures.equation_sheet import EquationSheet
 from pwsviz.geometry.shades import region_name
-from pwsviz.text.math_names import name_markup, numbered
+from pwsviz.text.math_names import name_markup, numbered, quantity_name
 from pwsviz.text.mathml import Shown, markup, names_of
 from pwsviz.text.numbers import printed
 
@@ -155,9 +155,9 @@ def _write_system(sheet: EquationSheet, laws: Laws, groups: Sequence[Group]) -> 
     for sign, heading, mode in groups:
         sheet.head(heading)
         sheet.equate(f"f_{{{sign}}}", mode.field)
-        if mode.conserved:
-            sheet.equate(rf"\psi_{{{sign}}}", _alone(mode.conserved))
-        else:
+        for k, psi in enumerate(mode.conserved):
+            sheet.equate(quantity_name(sign, k, len(mode.conserved)), psi)
+        if not mode.conserved:
             sheet.say("No conserved quantity is known.")
     one = laws.two_sided
     sheet.head("The switching surface is g = 0" if one else "The switching surfaces are the zeros of")

@@ -11,7 +11,7 @@ from pwsviz.figures.section_prospects import prospects, reset_words
 from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.results.requests import SectionInputs
 from pwsviz.results.sections import SectionPoints
-from pwsviz.scene.names import readable
+from pwsviz.scene.names import met_at_surfaces, readable
 from pwsviz.text.advice import on_page
 from pwsviz.text.words import at_surface, listed, plural
 
@@ -82,7 +82,8 @@ def section_how(outcome: SectionPoints) -> str:
     left = f", after {inputs.discard:,} that are left out" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
     points = f"at most {plural(inputs.points, 'point')} of each start{left}"
-    crossings = at_surface(inputs.scheme.locate, inputs.scheme.slide and may_slide(inputs.problem.declaration))
+    system = inputs.problem.declaration
+    crossings = at_surface(met_at_surfaces(system), inputs.scheme.locate, inputs.scheme.slide and may_slide(system))
     by = f"integrated by {inputs.scheme.method} with {step}; {crossings}"
     return f"points on {surface_words(inputs)}{after}: {points}; {by}"
 

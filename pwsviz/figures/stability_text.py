@@ -65,8 +65,8 @@ def _ends_early(study: core.StabilityStudy) -> str:
 
 def _drift_words(drift: Drift) -> str:
     if not np.isfinite(drift.error).any():
-        return "No conserved quantity is known, so there is no drift to show."
-    return f"{plural(drift.steps, 'step')} of the step size in the sidebar, τ = {drift.tau:.3g}."
+        return "No conserved quantity is known, so there is no |Δψ| to show."
+    return f"{plural(drift.steps, 'step')} of size τ = {drift.tau:.3g}."
 
 
 def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
@@ -78,7 +78,7 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     start = f"Started at {name} = {grazing.value:.15g}, the trajectory touches the surface at t = {grazing.time:.5g} in"
     words = [
         f"{start} ({place}).",
-        f"Runs that start beside it take the step size in the sidebar, τ = {grazing.tau:.3g}.",
+        f"Runs that start beside it have step size τ = {grazing.tau:.3g}.",
     ]
     if not grazing.judged.any():
         words.append("There is nothing to compare with: the solution itself stops on the surface.")

@@ -88,15 +88,14 @@ def study_times(study: core.OrderStudy, states: bool, slides: bool) -> str:
     if not math.isfinite(study.times[-1]):
         return ""
     counted = listed([str(k) for k in study.crossings])
-    own = "whatever the end time of the page"
     if states:
         first, *later = (f"{t:.4g}" for t in study.times)
         words = (
             f"‖x − x*‖ is the Euclidean norm, at t = {first}, halfway to the first crossing, and at "
-            f"t = {listed(later)}, halfway from crossing {counted} to the next, {own}"
+            f"t = {listed(later)}, halfway from crossing {counted} to the next"
         )
     else:
-        words = f"Crossings {counted} are compared, up to t = {study.times[-1]:.4g}, {own}"
+        words = f"Crossings {counted} are compared, up to t = {study.times[-1]:.4g}"
     return words + "; sliding begins and ends with a crossing, and both are counted" * slides + "."
 
 
@@ -104,15 +103,12 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     """Return which errors enter the fits, or of which there are too few."""
     above = max(one.fit_above for one in shown)
     below = min(row.fit_below for one in shown for row in one.rows)
-    limits = (
-        f"above {above:.2g}, 50 times the round-off of one state or the estimated error of what it is compared with, "
-        f"as round-off adds up along a run, and below {below:.2g}, beyond which hardly a digit is right"
-    )
+    lower = "The lower bound is 50 times the round-off of one state or, if larger, the estimated error of the reference"
     if not any(math.isfinite(row.slope) for one in shown for row in one.rows):
-        return f"No slope is fitted, as too few errors are {limits}"
+        return f"No slope is fitted, as too few errors lie between {above:.2g} and {below:.2g}. {lower}"
     return (
-        f"Fits use errors {limits}. They go from the finest step size to where the slope changes, or to the coarsest "
-        "where it is irregular"
+        f"Slopes are fitted to errors between {above:.2g} and {below:.2g}, from the finest step size to where the "
+        f"slope changes, or to the coarsest where it is irregular. {lower}"
     )
 
 

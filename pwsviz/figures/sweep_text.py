@@ -17,7 +17,7 @@ from pwsviz.geometry.section_crossings import is_one_way, may_slide
 from pwsviz.geometry.section_plane import TURN, angles, coordinate_label
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import NO_START, Diagram
-from pwsviz.scene.names import readable, short_name
+from pwsviz.scene.names import met_at_surfaces, readable, short_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface, plural
@@ -143,7 +143,7 @@ def _nothing_left(found: Diagram) -> str:
     longer = (found.outcomes[none] == Status.COMPLETED).any()
     do = "leave out fewer, or, unless they have come to rest, let runs last longer" if longer else "leave out fewer"
     who = "No run has" if not found.counts.any() else f"For {none.sum():,} of the values no run has"
-    return f"{who} more than the {crossings} left out before: {do} (“more”)."
+    return f"{who} more than the {crossings} left out first: {do} (“more”)."
 
 
 def _where(inputs: SweepInputs) -> str:
@@ -172,7 +172,8 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
     present
         Value of the parameter on the page, which the dashed line marks if it lies in the diagram.
     """
-    scheme, name = inputs.scheme, parameter_name(inputs)
+    scheme, name, system = inputs.scheme, parameter_name(inputs), inputs.problem.declaration
+    crossings = at_surface(met_at_surfaces(system), scheme.locate, scheme.slide and may_slide(system))
     begins = {
         "none": "each run begins at the start",
         "up": "each run begins where that of the next smaller value ends",
@@ -186,7 +187,7 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
         f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
         f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {left}{plural(inputs.points, 'point')} of each, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
-        f"{at_surface(scheme.locate, scheme.slide and may_slide(inputs.problem.declaration))}{line}"
+        f"{crossings}{line}"
     )
 
 

@@ -12,6 +12,7 @@ from core.symbolic import TIME, Mode
 from pwsviz.geometry.projection import PLANE, Axes, forced, moves, shows_regions, surfaces_shown
 from pwsviz.geometry.shades import region_name
 from pwsviz.geometry.walls import bare_name
+from pwsviz.text.math_names import quantity_name, unicode_name
 
 __all__ = ["FUNCTIONS", "Tree", "formulas", "tree"]
 
@@ -86,6 +87,6 @@ def formulas(system: core.PiecewiseSystem, axes: Axes, there: Collection[int]) -
 
 def _names(system: core.PiecewiseSystem, region: Mode) -> tuple[str, str]:
     """Return what the page calls a region, and its conserved quantity."""
-    if system.two_sided:
-        return ("g < 0", "ψ₋") if region.name == "-" else ("g > 0", "ψ₊")
-    return f"region {region_name(region)}", "ψ"
+    psi = quantity_name(region.name if system.two_sided else "", 0, len(region.conserved))
+    where = f"g {'<' if region.name == '-' else '>'} 0" if system.two_sided else f"region {region_name(region)}"
+    return where, unicode_name(psi, psi)

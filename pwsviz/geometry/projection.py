@@ -96,7 +96,7 @@ def conserved_note(system: core.PiecewiseSystem) -> str:
     counts = {mode.name: len(mode.conserved) for mode in system.laws.regions}
     where = "on either side" if system.two_sided else "in any region"
     if not any(counts.values()):
-        return f"{system.name}: no conserved quantity is known {where}, so there is no drift to show."
+        return f"{system.name}: no conserved quantity is known {where}, so there is no |Δψ| to show."
     bare = [mode for mode in system.laws.regions if not mode.conserved]
     if bare and system.two_sided:
         side = "<" if bare[0].name == "-" else ">"

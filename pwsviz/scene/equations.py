@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import core
 from pwsviz.geometry.shades import region_name
 from pwsviz.scene.names import readable
-from pwsviz.text.math_names import numbered, variable_name
+from pwsviz.text.math_names import numbered, quantity_name, unicode_name, variable_name
 
 __all__ = ["equations", "indexed"]
 
@@ -17,18 +17,22 @@ LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 def equations(system: core.PiecewiseSystem) -> str:
     """Return the laws of all regions, as “g < 0: x′ = 2y, ψ₋ = …; g > 0: …; g = …”; of equal sides once."""
-    words = {"-": ("g < 0", "ψ₋"), "+": ("g > 0", "ψ₊")} if system.two_sided else {}
+    words = {"-": ("g < 0", "-"), "+": ("g > 0", "+")} if system.two_sided else {}
     regions = list(zip(system.laws.regions, system.regions.values(), strict=True))
     if system.two_sided and regions[0][1] == regions[1][1]:
-        words, regions = {regions[0][0].name: ("on both sides", "ψ")}, regions[:1]
+        words, regions = {regions[0][0].name: ("on both sides", "")}, regions[:1]
     laws = []
     for mode, region in regions:
-        where, psi = words.get(mode.name, (f"region {region_name(mode)}", "ψ"))
+        where, side = words.get(mode.name, (f"region {region_name(mode)}", ""))
         rates = [
             f"{variable_name(variable)}′ = {readable(rate, system)}"
             for variable, rate in zip(system.variables, region.f, strict=True)
         ]
-        laws.append(f"{where}: " + ", ".join([*rates, *(f"{psi} = {readable(one, system)}" for one in region.psi)]))
+        names = [quantity_name(side, k, len(region.psi)) for k in range(len(region.psi))]
+        conserved = (
+            f"{unicode_name(name, name)} = {readable(psi, system)}" for name, psi in zip(names, region.psi, strict=True)
+        )
+        laws.append(f"{where}: " + ", ".join([*rates, *conserved]))
     names = ["g"] if system.two_sided else [numbered("g", k + 1) for k in range(len(system.surfaces))]
     laws += [f"{name} = {readable(g, system)}" for name, g in zip(names, system.surfaces, strict=True)]
     laws += [f"reset map at {names[k]} = 0: {_map(jump, system)}" for k, jump in system.jumps.items()]

@@ -23,7 +23,7 @@ LABELS: Mapping[str, str] = {
     "sweep_range": "Range of the parameter", "sweep_coordinate": "Coordinate",
     "sweep_of": "Surface of the diagram: h(t, x) = 0", "sweep_direction": "Direction of crossing",
     "sweep_continuation": "Continuation", "sweep_values": "Values", "sweep_points": "Points a value",
-    "sweep_discard": "Left out before", "sweep_end": "Latest end time",
+    "sweep_discard": "Points left out first", "sweep_end": "Latest end time",
     "section_of": "Surface of the section", "section_direction": "Direction of the section",
     "section_axes": "Coordinates of the section", "section_points": "Points of each start",
     "section_discard": "Points left out first", "section_map": "Return map",
@@ -53,6 +53,17 @@ _CHOICES = {
 def short_name(parameter: core.Parameter) -> str:
     """Return the symbol of a parameter in Unicode (a₋, ω²₊), or its name where Unicode cannot express the symbol."""
     return unicode_name(parameter.symbol, parameter.name)
+
+
+def met_at_surfaces(system: core.PiecewiseSystem) -> str:
+    """Return what runs meet at the surfaces: “crossings”, “jumps”, which stay in their region, or both."""
+    laws = system.laws
+    jumps = {
+        way.jump is not None and (bool(laws.regions[k].sides) or way.to == k)
+        for k, ways in enumerate(laws.ways)
+        for way in ways
+    }
+    return " and ".join(word for jump, word in ((False, "crossings"), (True, "jumps")) if jump in (jumps or {False}))
 
 
 def choice_name(setting: str, choice: object) -> str:

@@ -120,7 +120,9 @@ class Scene(param.Parameterized):
     sweep_continuation: Any = param.Selector(default="none", objects=list(SWEEP_CONTINUATIONS))
     sweep_values = param.Integer(default=400, bounds=COUNTS["sweep_values"][1:], doc="Values of the parameter.")
     sweep_points = param.Integer(default=100, bounds=COUNTS["sweep_points"][1:], doc="Points kept for each.")
-    sweep_discard = param.Integer(default=100, bounds=COUNTS["sweep_discard"][1:], doc="Points left out before.")
+    sweep_discard = param.Integer(
+        default=100, bounds=COUNTS["sweep_discard"][1:], doc="Points of each value left out first."
+    )
     sweep_end = param.Number(default=2000.0, bounds=(1e-3, 1e5), doc="Time at which a run ends that lacks points.")
 
     def __init__(self, **params: Any) -> None:

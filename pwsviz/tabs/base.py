@@ -258,17 +258,17 @@ class LongTab(Tab):
 
 
 def about_crossings(scene: Scene, locates: bool = False) -> str:
-    """Say what a view does at crossings if that is unusual, or other than on the page.
+    """Say what a view does at crossings if that is unusual, or other than in the portrait.
 
     Parameters
     ----------
     locates
-        Whether it locates crossings even where the runs of the page do not.
+        Whether it locates crossings even where the runs of the portrait do not.
     """
     if not scene.locate and locates:
-        return "Crossings are located here, although the runs of the page step over the surface."
+        return "Crossings are located here, although the runs of the portrait step over the surface."
     if not scene.locate:
-        return "The integrators step over the surface, as on the page: crossings are not located."
+        return "The integrators step over the surface: crossings are not located."
     if scene.perturbation_order is not None:
-        return "Crossing times are not perturbed here, although those of the page are."
+        return "Crossing times are not perturbed here, although those of the portrait are."
     return ""

@@ -13,7 +13,7 @@ from pwsviz.export.files import Table
 from pwsviz.export.script import cost_program
 from pwsviz.figures.cost import CostView, compared_with, cost_numbers, cost_rows, cost_text
 from pwsviz.results.requests import CostInputs
-from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS
+from pwsviz.scene.names import COST_ACROSS, COST_UP, EXTERNAL_SOLVERS, LABELS, met_at_surfaces
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
@@ -70,7 +70,9 @@ class CostTab(LongTab):
 
     def how(self, outcome: core.WorkPrecision) -> str:
         """Return what the runs do at crossings, and what they are compared with."""
-        crossings = at_surface(self.scene.locate, self.scene.slides and outcome.met.slides > 0)
+        scene = self.scene
+        slides = scene.slides and outcome.met.slides > 0
+        crossings = at_surface(met_at_surfaces(scene.declaration), scene.locate, slides)
         return f"{compared_with(outcome)}; step sizes and tolerances are those of the points; {crossings}"
 
     def table(self) -> Table | None:

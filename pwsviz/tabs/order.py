@@ -26,6 +26,7 @@ from pwsviz.figures.order import (
 from pwsviz.figures.summaries import fit_rule, study_text, study_times
 from pwsviz.results.requests import StudyInputs, study_inputs
 from pwsviz.results.studies import STUDY_CROSSINGS
+from pwsviz.scene.names import met_at_surfaces
 from pwsviz.tabs.base import LongTab
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
@@ -89,7 +90,9 @@ class OrderTab(LongTab):
             moved = (
                 f"Crossing times are perturbed by {perturbation(scene.perturbation_order, scene.perturbation_scale)}."
             )
-        return " ".join(filter(None, [words, moved, self._times(outcome), *self._left_out(outcome)]))
+        times = self._times(outcome)
+        times += " The end time has no effect here." * bool(times)
+        return " ".join(filter(None, [words, moved, times, *self._left_out(outcome)]))
 
     def _times(self, outcome: Studies) -> str:
         return study_times(outcome[0], self._rows is state_rows, self.slid)
@@ -115,8 +118,9 @@ class OrderTab(LongTab):
     def how(self, outcome: Studies) -> str:
         """Return the integrators, what they do at crossings, and what they are compared with."""
         first, scene = outcome[0], self.scene
+        met = met_at_surfaces(scene.declaration)
         crossings = at_surface(
-            scene.locate, scene.slides and self.slid, scene.perturbation_order, scene.perturbation_scale
+            met, scene.locate, scene.slides and self.slid, scene.perturbation_order, scene.perturbation_scale
         )
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])

@@ -14,7 +14,7 @@ from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
-from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN
+from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
 from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
@@ -100,7 +100,8 @@ class StabilityTab(LongTab):
         """Return what is drawn of the part shown, and how it was integrated."""
         scene, part = self.scene, self.scene.stability_part
         which = f"map of {scene.selected_method}" if part == "map" else f"{listed(scene.used)}, τ = {scene.tau:.15g}"
-        crossings = at_surface(scene.locate, scene.slides and may_slide(scene.declaration))
+        system = scene.declaration
+        crossings = at_surface(met_at_surfaces(system), scene.locate, scene.slides and may_slide(system))
         return f"{which}, to t = {outcome.t_span[1]:.6g}; {crossings}. {stability_text(outcome, part)}".rstrip(".")
 
     def picture(self) -> figure | None:

@@ -15,6 +15,7 @@ __all__ = [
     "numbered",
     "operator",
     "plain_text",
+    "quantity_name",
     "said_name",
     "unicode_name",
     "variable_name",
@@ -26,7 +27,8 @@ _COMMANDS = {
     "pm": "±", "sum": "∑", "cdots": "⋯", "ldots": "…", "leftarrow": "←", "circ": "∘", "top": "⊤",
 }  # fmt: skip
 _UNICODE = {"^2": "²", "^3": "³"}
-_LOWERED = str.maketrans("0123456789-+", "₀₁₂₃₄₅₆₇₈₉₋₊")
+_LOWERED = str.maketrans("0123456789-+aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₋₊ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
+_LOW = "[-+0-9aehijklmnoprstuvx]"
 _ACCENTED = "|".join(_ACCENTS)
 #: A base with at most two scripts, each a character, a command or a group in braces. Each part of a base has one way to
 #: match, so that no text takes long.
@@ -93,8 +95,9 @@ def default_name(name: str) -> str:
 def unicode_name(latex: str, otherwise: str) -> str:
     """Return the LaTeX of a symbol in Unicode (a₋, ω²₊, x₁), or another name where Unicode cannot express it."""
     text = re.sub(r"\\([A-Za-z]+)", lambda found: greek_unicode.get(found[1], found[0]), latex)
-    text = re.sub(r"_(?:\{(\d+|[-+])\}|([-+\d]))", lambda found: (found[1] or found[2]).translate(_LOWERED), text)
-    text = re.sub(r"_\{(\w+)\}", r"_\1", text)  # letters: few of them can be lowered
+    low = rf"_(?:\{{({_LOW}+(?:,{_LOW}+)*)\}}|({_LOW})(?!\w))"
+    text = re.sub(low, lambda found: (found[1] or found[2]).translate(_LOWERED), text)
+    text = re.sub(r"_\{(\w+)\}", r"_\1", text)  # not all letters can be lowered
     for part, character in _UNICODE.items():
         text = text.replace(part, character)
     return otherwise if set(text) & set("\\{}^") else text
@@ -103,6 +106,18 @@ def unicode_name(latex: str, otherwise: str) -> str:
 def numbered(name: str, number: int) -> str:
     """Return a name with an index: g₁."""
     return f"{name}{str(number).translate(_LOWERED)}"
+
+
+def quantity_name(where: str, k: int, count: int) -> str:
+    r"""Return the LaTeX of the k-th of some conserved quantities: ``\psi_{-}``, or ``\psi_{-,1}`` if there are several.
+
+    Parameters
+    ----------
+    where
+        "-" or "+" for a side; "" where the region is told beside it.
+    """
+    index = ",".join(filter(None, (where, str(k + 1) if count > 1 else "")))
+    return rf"\psi_{{{index}}}" if index else r"\psi"
 
 
 def variable_name(name: str) -> str:

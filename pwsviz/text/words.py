@@ -23,9 +23,9 @@ def listed(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1] if names else "")))
 
 
-def at_surface(locate: bool, slide: bool, order: int | None = None, scale: float = 1.0) -> str:
-    """Return what integrators do at a surface: whether they locate, perturb and slide."""
-    words = "crossings located by the transition scheme" if locate else "crossings stepped over"
+def at_surface(met: str, locate: bool, slide: bool, order: int | None = None, scale: float = 1.0) -> str:
+    """Return what integrators do at a surface: whether they locate what is `met` there, perturb and slide."""
+    words = f"{met} {'located by the transition scheme' if locate else 'not located'}"
     if locate and order is not None:
         words += f", their times perturbed by {perturbation(order, scale)}"
     return words + "; where the surface attracts, sliding along it (Filippov)" * slide

@@ -1,5 +1,7 @@
 """What a file or a caption says of a system: the law of every region by name, surfaces, jumps and transitions."""
 
+import re
+
 import pytest
 
 import core
@@ -9,6 +11,11 @@ from pwsviz.text.math_names import numbered, variable_name
 from tests.pwsviz.own_systems import OWN_SYSTEMS, RELAY, WALL
 
 SYSTEMS = {**core.CATALOGUE, **OWN_SYSTEMS}
+
+BOTH_KINDS = core.PiecewiseSystem(
+    name="wall and switch", variables=("x", "v"), surfaces=("x", "x - 1"),
+    regions={"+-": core.Region(("v", "-1")), "++": core.Region(("v", "-2"))}, jumps={0: ("x", "-v")}, x0=(2.0, 0.0),
+)  # fmt: skip
 
 every_system = pytest.mark.parametrize("system", SYSTEMS.values(), ids=list(SYSTEMS))
 
@@ -49,6 +56,27 @@ def test_equal_laws_are_told_once_and_very_long_ones_in_the_files_alone():
     told = caption(scene_of(core.CATALOGUE["three_bodies"]), "Order")
     assert "two of them hard: its equations are in the TEX, CSV and NPZ files; D = 0.6, ε = 0.5. Started at (" in told
     assert "g > 0: x′ = 2y" in caption(scene_of(core.CATALOGUE["elliptic_curve"]), "Order")
+
+
+@every_system
+def test_no_two_quantities_of_a_region_have_the_same_name(system):
+    for told in equations(system):
+        names = re.findall(r"(ψ\S*) = ", told)
+        assert len(set(names)) == len(names)
+        assert not any(name.endswith("₁") for name in names[:1] if len(names) == 1)
+
+
+def test_a_caption_says_jumps_where_nothing_but_jumps_occurs():
+    for name, met in (("three_bodies", "jumps"), ("two_walls", "jumps"), ("thermostat", "crossings")):
+        scene = scene_of(core.CATALOGUE[name])
+        assert f"; {met} located by the transition scheme" in about(scene)["integration"]
+    assert "; crossings and jumps located by" in about(scene_of(BOTH_KINDS))["integration"]
+
+
+def test_formulas_of_the_catalogue_have_no_zero_that_is_added_and_no_doubled_brackets():
+    for system in core.CATALOGUE.values():
+        told = "; ".join(equations(system))
+        assert not re.search(r"(?<![\w.])0 [−+]|(?<!\w)\((\w|\w·\w)\)|sqrt\(\(\(|\^\d*\.|_", told), system.name
 
 
 @every_system
@@ -101,4 +129,4 @@ def test_a_variable_has_one_name_in_all_of_a_caption():
     assert "Started at (φ, y, v) = " in told
     assert "phi" not in told
     assert about(scene_of(core.CATALOGUE["vibrating_table"]))["variables"].startswith("phi (in equations φ), y, v;")
-    assert "μ_s" in caption(scene_of(core.CATALOGUE["stick_slip"]), "State"), "no microseconds"
+    assert "μₛ" in caption(scene_of(core.CATALOGUE["stick_slip"]), "State"), "no microseconds"

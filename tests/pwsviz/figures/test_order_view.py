@@ -157,10 +157,13 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
         (
             replace(exact, floor=7e-13),
             flat,
-            "No slope is fitted, as too few errors are above 3.5e-11, 50 times the round",
+            f"No slope is fitted, as too few errors lie between 3.5e-11 and {exact.fit_below:.2g}. The lower",
         ),
-        (exact, state_rows(exact)[1], f"Fits use errors above {exact.fit_above:.2g}, 50 times the round-off"),
-        (exact, state_rows(exact)[1], f" and below {exact.fit_below:.2g}, beyond which hardly a digit is right"),
+        (
+            exact,
+            state_rows(exact)[1],
+            f"Slopes are fitted to errors between {exact.fit_above:.2g} and {exact.fit_below:.2g}, from the finest",
+        ),
     ):
         view, (shown,) = OrderView("error"), studied([study], lambda _, row=row: [row])
         view.show([shown])

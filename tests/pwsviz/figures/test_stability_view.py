@@ -334,7 +334,7 @@ def test_nobody_is_judged_where_the_solution_stops(study):
 
 
 def test_drift_bounds_each_integrator(study):
-    assert "20,000 steps of the step size in the sidebar, τ = 0.02" in stability_text(study, "drift")
+    assert "20,000 steps of size τ = 0.02" in stability_text(study, "drift")
     (table,) = stability_numbers(study, "drift", "dmm2")
     assert [(row[0], row[3]) for row in table.rows] == [(name, "reaches the end") for name in METHODS]
     assert value_of(table.rows[1][1]) >= study.drift.error[1].max()

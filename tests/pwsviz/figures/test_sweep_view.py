@@ -143,12 +143,12 @@ def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it
 
 
 def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
-    nothing = "No run has more than the 100 crossings left out before"
+    nothing = "No run has more than the 100 crossings left out first"
     assert nothing in sweep_text(diagram([BLOWS_UP] * 7), 0.0)
     assert nothing not in sweep_text(MIXED, 0.0)
     most = diagram([LIMIT, *[DONE] * 6])
     most.counts[1:] = 0
-    words = "For 6 of the values no run has more than the 100 crossings left out before: leave out fewer, or, unless"
+    words = "For 6 of the values no run has more than the 100 crossings left out first: leave out fewer, or, unless"
     assert words in sweep_text(most, 0.0)
     assert nothing not in sweep_text(diagram([BLOWS_UP] * 7, sweep_discard=0), 0.0)
 

@@ -454,7 +454,9 @@ def test_the_order_says_when_states_are_compared_and_what_it_counts(explorer):
     last = explorer.view.outcome[0].times[-1]
     told = explorer.view.words.object
     assert last > explorer.scene.t_end
-    assert f" and {last:.4g}, halfway from crossing 10, 20 and 30 to the next, whatever the end time" in told
+    assert f" and {last:.4g}, halfway from crossing 10, 20 and 30 to the next" in told
+    assert "The end time has no effect here." in told
+    assert "page" not in explorer.view.how(explorer.view.outcome)
     assert "sliding begins and ends with a crossing, and both are counted" in told
     assert "Euclidean norm" in explorer.view.how(explorer.view.outcome)
 
