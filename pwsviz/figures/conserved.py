@@ -10,8 +10,8 @@ from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d
 from bokeh.models.glyphs import Line, Scatter
 
-from pwsviz.figures.crowding import Marks, attach_shades, shade_keys
 from pwsviz.figures.conserved_text import CEILING, MOST_BANDS, axis_name, conserved_text, largest
+from pwsviz.figures.crowding import Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (

@@ -156,7 +156,7 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
     for study, row, words in (
         (
             replace(exact, floor=7e-13),
-            flat,
+            replace(flat, fit_below=exact.fit_below),
             f"No slope is fitted, as too few errors lie between 3.5e-11 and {exact.fit_below:.2g}. The lower",
         ),
         (
