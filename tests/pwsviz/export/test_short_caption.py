@@ -37,7 +37,7 @@ def test_crossings_that_are_perturbed_or_not_located_are_told():
     scene = Scene(perturbation_order=2)
     assert "times perturbed by τ²" in short_caption(scene, "Phase portrait")
     scene = Scene(locate=False)
-    assert "crossings stepped over" in short_caption(scene, "Phase portrait")
+    assert "crossings not located" in short_caption(scene, "Phase portrait")
     assert "crossings" not in short_caption(Scene(), "Phase portrait")
 
 
