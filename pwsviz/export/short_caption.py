@@ -26,7 +26,7 @@ def short_caption(
 ) -> str:  # fmt: skip
     """Return a caption of a few lines, for a picture whose text tells the equations; the arguments as of `caption`.
 
-    Of how a study was made it has the first clause, and what is done at crossings where that is out of the usual.
+    Of how a study was made it has the first clause, the integrator, and what is done at crossings where that is unusual.
     """
     parts = about(scene, how=how, every_start=every_start, slid=slid)
     known = [q for q in scene.declaration.parameters if q.name != free]
@@ -34,8 +34,11 @@ def short_caption(
     first, *further = parts["integration"].split("; ")
     met = met_at_surfaces(scene.declaration)
     usual = at_surface(met, locate=True, slide=False)
-    unusual = [one for one in further if one.startswith(f"{met} ") and one.partition(". ")[0] != usual]
-    told = "; ".join([first, *unusual, *([endings] if endings else [])])
+    needed = [
+        one for one in further
+        if one.startswith("integrated by ") or (one.startswith(f"{met} ") and one.partition(". ")[0] != usual)
+    ]  # fmt: skip
+    told = "; ".join([first, *needed, *([endings] if endings else [])])
     sentences = [_starts(scene, parts["starts"], every_start), told]
     what = f"{title}, {parts['system']}{f': {values}' if values else ''}"
     return printed(indexed(". ".join([what, *(f"{one[0].upper()}{one[1:]}" for one in sentences)]).rstrip(".") + "."))

@@ -73,8 +73,11 @@ class SweepTab(LongTab):
         return f"{sweep_text(outcome, present)} {about_crossings(self.scene, locates=True)}".strip()
 
     def pictures(self) -> list[figure]:
-        """Return the diagram, if there is one."""
-        return super().pictures() if self._place.visible else []
+        """Return the diagram, if there is one, painted finely enough for print."""
+        if self.view is None or not self._place.visible:
+            return []
+        self.view.cloud.sharpen()
+        return super().pictures()
 
     def numbers(self, outcome: Diagram) -> Sequence[Numbers]:
         """Return how many values end early, and where."""

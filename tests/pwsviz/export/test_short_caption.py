@@ -41,9 +41,11 @@ def test_crossings_that_are_perturbed_or_not_located_are_told():
     assert "crossings" not in short_caption(Scene(), "Phase portrait")
 
 
-def test_of_a_study_it_has_the_first_clause():
+def test_of_a_study_it_has_the_first_clause_and_the_integrator():
     told = short_caption(Scene(), "Order", how="integrated by dmm2; compared with: exact. A rule.")
     assert told.endswith("Integrated by dmm2.")
+    told = short_caption(Scene(), "Sweep", how="diagram of x; each run begins at the start; integrated by dmm2 with τ")
+    assert told.endswith("Diagram of x; integrated by dmm2 with τ.")
 
 
 def test_a_run_that_ended_early_is_told_with_its_time_everywhere():

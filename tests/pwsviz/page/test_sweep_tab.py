@@ -6,6 +6,7 @@ import pytest
 import core
 from pwsviz.export.about import caption
 from pwsviz.export.tables import sweep_tables
+from pwsviz.figures.point_cloud import FEW
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
@@ -49,6 +50,16 @@ def test_a_caption_gives_no_one_value_to_the_parameter_that_is_swept(page):
     told = caption(page.scene, piece.title, free=piece.free, **piece.origin)
     assert "; w = " not in told
     assert "the dashed line is w = 0.25" in told
+
+
+def test_a_picture_is_painted_in_finer_pixels_than_the_screen():
+    page = opened(sweep_values=400, sweep_points=20)
+    cloud = page.view.view.cloud
+    assert cloud.count > FEW
+    shape = np.shape(cloud._picture.data["image"][0])
+    page._pieces()
+    assert np.shape(cloud._picture.data["image"][0]) == (2 * shape[0], 2 * shape[1])
+    page.close()
 
 
 def test_values_in_sight_are_swept_again(page):
