@@ -20,7 +20,7 @@ from pwsviz.figures.style import OCCUPIED, SHADE_ALPHA, assign, unseen
 
 __all__ = ["NARROW_SHADES", "Marks", "attach_shades", "shade_keys"]
 
-APART = 6
+APART = 8
 """Pixels between the middles of two marks, at least: they then cover each other by little."""
 
 NARROWEST = 6
@@ -133,8 +133,8 @@ class Marks:
         }  # fmt: skip
         self.filter = IndexFilter()
         self.painted = plot.add_glyph(source, Scatter(x=x, y=y, **look), view=CDSView(filter=self.filter))
-        self._keys = unseen(("nowhere", "kind", "label", "marker", "colour", "size"))
-        self.key = plot.add_glyph(self._keys, Scatter(x="nowhere", y="nowhere", **look))
+        self._keys = unseen(("x", "y", "kind", "label", "marker", "colour", "size"))
+        self.key = plot.add_glyph(self._keys, Scatter(**look))
         given = {"plot": plot.id, "source": source, "filter": self.filter, "keys": self._keys, "x": x, "y": y}
         _on_change(plot, CustomJS(args=given, code=THIN), [source])
 
@@ -143,7 +143,8 @@ class Marks:
         first = {label: k for k, label in reversed(list(enumerate(columns["label"])))}
         rows = sorted(first.values())
         kept = {name: [columns[name][k] for k in rows] for name in ("label", "marker", "colour", "size")}
-        assign(self._keys, nowhere=[np.nan] * len(rows), kind=kept["label"], **kept)
+        nowhere = [np.nan] * len(rows)
+        assign(self._keys, x=nowhere, y=nowhere, kind=kept["label"], **kept)
 
 
 def shade_keys(plot: figure) -> list[tuple[str, GlyphRenderer[Any]]]:

@@ -46,8 +46,8 @@ MOST_MARKS = 3000
 NEAR_STARS = 1 / 35
 """Distance of two stars, relative to the longer side of the view, within which one covers the number of the other."""
 
-MARK_SIZE = {True: 7, False: 5}
-"""Diameter in pixels of the mark of a crossing: of the selected start, and of another one."""
+MARK_SIZE = {True: 9, False: 6}
+"""Diameter in pixels of the mark of a crossing, wider than the curve: of the selected start, and of another one."""
 
 
 class EndLook(NamedTuple):

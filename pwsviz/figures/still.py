@@ -33,7 +33,8 @@ def still(plot: figure, window: Window) -> str:
     Parameters
     ----------
     plot : figure
-        Glyphs that are not lines, polygons or marks are left out; each mark is a disk of its size and colour.
+        Glyphs that are not lines, polygons or marks are left out; each mark is a disk of its size and colour, and a
+        hollow one is white inside.
     window : Window
         Part of the plane; the element shows what lies around it as far as it has room.
     """
@@ -88,8 +89,9 @@ def _(glyph: Scatter, columns: Columns, place: Place) -> list[str]:
     for k, (x, y) in enumerate(zip(columns["x"], columns["y"], strict=True)):
         dot, size = f"{_track([x], [y], place)}h0", _look(glyph, "size", columns, k)
         rim, room = _look(glyph, "line_color", columns, k), 2.0 * _look(glyph, "line_width", columns, k)
-        seen = dot != "h0" and _look(glyph, "line_alpha", columns, k) and _look(glyph, "fill_alpha", columns, k)
-        for colour, width in ((rim, size), (_look(glyph, "fill_color", columns, k), size - room)) if seen else ():
+        seen = dot != "h0" and _look(glyph, "line_alpha", columns, k)
+        fill = _look(glyph, "fill_color", columns, k) if _look(glyph, "fill_alpha", columns, k) else "white"
+        for colour, width in ((rim, size), (fill, size - room)) if seen else ():
             elements.append(_path(dot, {**_line(colour, width), "stroke-linecap": "round"}))
     return elements
 

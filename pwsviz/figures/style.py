@@ -339,7 +339,7 @@ def unseen(columns: Iterable[str]) -> ColumnDataSource:
 
     A legend may be drawn before the first marks arrive, and the browser cannot draw the entry of a glyph without marks.
     """
-    words = {"marker": "circle", "colour": GREY, "fill": GREY, "label": "crossing"}
+    words = {"marker": "circle", "colour": GREY, "fill": GREY, "label": "crossing", "kind": "crossing"}
     return ColumnDataSource({name: [words.get(name, np.nan)] for name in columns})
 
 

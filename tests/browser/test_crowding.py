@@ -9,6 +9,7 @@ LEGENDS = """() => [...Bokeh.index.query(view => view.model.type == "Legend")]
 ZOOM = """factor => {
     const [view] = [...Bokeh.index.query(view => view.model.type == "Figure" && view.model.y_scale.type == "LogScale")]
     const range = view.model.x_range
+    range.have_updated_interactively = true  // else it follows the data again
     range.setv({ start: 0, end: factor })
 }"""
 """Shows the first part of the time in the conserved quantity."""
@@ -29,7 +30,7 @@ def await_labels(page, says):
 
 def test_shades_too_narrow_to_tell_apart_are_left_out_until_one_zooms_in(visit):
     page = visit(query="v=2&t_end=150")
-    await_painted(page, "conserved quantity")
+    await_painted(page, "Absolute change of the conserved quantity")
     await_labels(page, lambda found: NARROW in found and "g > 0" not in found)
     page.evaluate(ZOOM, 10)
     await_labels(page, lambda found: NARROW not in found and "g > 0" in found)
@@ -39,21 +40,25 @@ def test_shades_too_narrow_to_tell_apart_are_left_out_until_one_zooms_in(visit):
 
 def test_the_legend_says_of_marks_that_some_are_left_out(visit):
     page = visit(query="v=2&system=bouncing_ball")
-    await_painted(page, "phase portrait")
+    await_painted(page, "Phase portrait")
     await_labels(page, lambda found: f"jump{SOME}" in found)
 
 
 def test_marks_of_two_integrators_at_one_place_count_as_one(visit):
     page = visit()
-    await_painted(page, "phase portrait")
+    await_painted(page, "Phase portrait")
     await_labels(page, lambda found: "crossing" in found and f"crossing{SOME}" not in found)
 
 
 WAITING = """() => [...Bokeh.index.query(view => view.model.type == "Label")].map(view => view.model.text)"""
 
-FAR = """() => {
+FAR = """async () => {
     const [view] = [...Bokeh.index.query(view => view.model.type == "Figure" && view.model.match_aspect)]
-    view.model.x_range.setv({ start: -30, end: 30 })
+    for (const range of [view.model.x_range, view.model.y_range]) {
+        range.have_updated_interactively = true  // else they follow the data again
+        range.setv({ start: -30, end: 30 })
+    }
+    await new Promise(requestAnimationFrame)
     return [...Bokeh.index.query(view => view.model.type == "Label")].map(view => view.model.text)
 }"""
 """Shows far more of the plane than before, and returns what is said of it at once."""
@@ -61,7 +66,7 @@ FAR = """() => {
 
 def test_the_portrait_says_so_while_its_backdrop_does_not_cover_what_is_seen(visit):
     page = visit()
-    await_painted(page, "phase portrait")
+    await_painted(page, "Phase portrait")
     assert page.evaluate(WAITING) == [""]
     assert page.evaluate(FAR) == ["drawing what lies here …"]
     for _ in moments(page):
