@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from sympy import Add, Expr, Integer, Mul, Symbol
 
 from core.codegen.printing import common, printed
+from core.symbolic.derivative import derivative
 
 __all__ = ["jacobian"]
 
@@ -87,7 +88,7 @@ def _slopes(u: Expr, known: Mapping[Symbol, Gradient]) -> dict[Symbol, Expr]:
     if u.is_Pow and not parts[1]:
         outer = u.exp * u.base ** (u.exp - 1)
         return {s: outer * e for s, e in parts[0].items()}
-    return {s: u.diff(s) for s in sorted({s for part in parts for s in part}, key=str)}
+    return {s: derivative(u, s) for s in sorted({s for part in parts for s in part}, key=str)}
 
 
 def _sum(parts: Sequence[Mapping[Symbol, Expr]]) -> dict[Symbol, Expr]:

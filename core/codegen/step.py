@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from itertools import zip_longest
 
 import sympy
 from sympy import Expr, Symbol
@@ -26,6 +27,7 @@ from core.codegen.printing import assignments, magnitude, named, printed
 from core.codegen.rounding import rounding_bound
 from core.kernels import abi
 from core.kernels.taylor_coefficients import STRIDE
+from core.symbolic.derivative import derivative
 from core.symbolic.expressions import TIME
 from core.symbolic.laws import Laws
 from core.symbolic.mode import Mode
@@ -211,7 +213,7 @@ class StepCode:
         """Lines that write the next correction to r0, r1 and so on."""
         # The end of the step depends on the increment: y = x + d.
         jacobian = [
-            [r.diff(u) + (r.diff(self.end[k]) if k < len(self.end) else 0) for k, u in enumerate(unknowns)]
+            [derivative(r, u) + (derivative(r, y) if y else 0) for u, y in zip_longest(unknowns, self.end)]
             for r in residuals
         ]
         n = len(residuals)

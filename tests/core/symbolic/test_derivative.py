@@ -1,0 +1,29 @@
+"""Derivatives are those of sympy, and do not ask what takes it minutes to answer."""
+
+import time
+
+import pytest
+import sympy
+
+from core.symbolic.derivative import derivative
+from core.symbolic.expressions import parse
+
+NAMES = ("x", "y", "a", "b", "c", "d", "h")
+
+
+@pytest.mark.parametrize(
+    "text", ["5", "x", "x**y", "2**x", "x*y*exp(-x*a)", "sinh(x*y) + sin(x)", "1/(x - y)**2", "sqrt(x)*log(y)*tanh(x)"]
+)  # fmt: skip
+def test_a_derivative_is_the_expression_that_sympy_writes(text):
+    u = parse(text, NAMES)
+    for name in ("x", "y", "t"):
+        assert derivative(u, sympy.Symbol(name)) == u.diff(sympy.Symbol(name))
+
+
+def test_a_stage_in_the_field_of_a_nested_tanh_is_differentiated_at_once():
+    begun = time.process_time()
+    x, y = (f"({v} + (c + h*({a}/4 + {b}*(1/4 - 0.28867513))))" for v, a, b in (("x", "a", "b"), ("y", "c", "d")))
+    u = parse(f"a - h*(-2*{x} - 2*(1 - tanh((-{x} + {y})**(-2))**2)/(-{x} + {y})**3)", NAMES)
+    for name in NAMES[2:6]:
+        derivative(u, sympy.Symbol(name))
+    assert time.process_time() - begun < 10
