@@ -21,9 +21,12 @@ settings.register_profile("fixed", derandomize=True, **_COMMON)
 settings.register_profile("drawn", print_blob=True, **_COMMON)  # for --hypothesis-profile, with --hypothesis-seed
 settings.load_profile("fixed")
 
-BROWSER = "tests/browser/"
-#: Folders whose files take longest; those before the browser compile what its server needs.
-LONGEST = ("tests/pwsviz/page/", "tests/core/compilation/", BROWSER, "tests/pwsviz/bench/", "tests/families/")
+#: Files and folders that take longest; those before the browser compile what its servers need.
+LONGEST = (
+    "tests/pwsviz/page/", "tests/core/compilation/", "tests/browser/test_console.py", "tests/browser/",
+    "tests/pwsviz/server/", "tests/pwsviz/bench/", "tests/families/test_functions.py",
+    "tests/families/test_near_zeros.py", "tests/families/test_singularities.py", "tests/families/",
+)  # fmt: skip
 
 FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update",
@@ -60,22 +63,6 @@ def pytest_collection_modifyitems(items):
         return next((k for k, folder in enumerate(LONGEST) if item.nodeid.startswith(folder)), len(LONGEST))
 
     items.sort(key=place)
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config, log):
-    """Give out whole files, in the order of collection, and those of the browser as one: they share a server."""
-    if config.option.dist != "loadfile":
-        return None
-    from xdist.scheduler import LoadFileScheduling
-
-    class ByFile(LoadFileScheduling):
-        def _split_scope(self, nodeid):
-            file = super()._split_scope(nodeid)
-            return BROWSER if file.startswith(BROWSER) else file
-
-    config.option.loadscopereorder = False
-    return ByFile(config, log)
 
 
 @pytest.fixture
