@@ -56,7 +56,7 @@ const INSETS = [0.03, 0.1, 0.2, 0.3]  // of what is seen, between its edge and t
 const ALONG = 80    // points along an edge at which a surface is sought
 const CELLS = 36    // along the longer side of what is seen, by which regions are told apart
 const DEEP = 2      // cells around the label of a region, at least, that belong to it
-const LINE = 16, GAP = 6  // pixels of a line of text, and beside a surface
+const MARK = 15, LINE = 16, GAP = 6  // pixels: of a mark without a size of its own, of a line of text, beside a surface
 const [across, up] = ranges, width = across.end - across.start, height = up.end - up.start
 const cell = Math.max(width, height) / CELLS
 const frame = size ?? cb_context.index?.query_one(view => view.model.id == plot)?.frame.bbox
@@ -71,7 +71,14 @@ const at = (u, v) => [across.start + u * width, up.start + v * height]
 // Trajectories and their marks, by the cells in which they are, and whether one of them is near a label.
 const column = x => Math.floor((x - across.start) / cell), row = y => Math.floor((y - up.start) / cell)
 const number = (i, j) => i * 1000 + j
-const marked = new Set(marks.flatMap(({ data }) => Array.from(data.x, (x, k) => number(column(x), row(data.y[k])))))
+const marked = new Set()
+for (const { data } of marks) {
+  Array.from(data.x).forEach((x, k) => {
+    const half = (data.size?.[k] ?? MARK) / 2 * pixel, [i0, i1] = [x - half, x + half].map(column)
+    const [j0, j1] = [data.y[k] - half, data.y[k] + half].map(row)
+    for (let i = i0; i <= i1; i++) { for (let j = j0; j <= j1; j++) { marked.add(number(i, j)) } }
+  })
+}
 const within = (x, y) => across.start <= x && x <= across.end && up.start <= y && y <= up.end
 for (const { data: { xs, ys } } of curves) {
   Array.from(xs).forEach((x, k) => {
@@ -126,6 +133,15 @@ const room = ({ x, y }, k, way) => {
   }
   return steps
 }
+// A label moved into what is seen, and whether two of them touch.
+const inside = label => {
+  const [low, high] = extent(label), spare = GAP * pixel
+  return { ...label, x: label.x - Math.max(0, high + spare - across.end) + Math.max(0, across.start + spare - low) }
+}
+const touch = (one, other) => {
+  const [[a, b], [c, d]] = [one, other].map(extent), spare = GAP * pixel
+  return a < d + spare && c < b + spare && Math.abs(one.y - other.y) < 1.5 * LINE * pixel
+}
 const nameSurfaces = () => {
   const placed = []
   const apart = one => Math.min(...placed.map(({ x, y }) => Math.hypot(one.x - x, one.y - y)), width + height)
@@ -134,18 +150,17 @@ const nameSurfaces = () => {
     const label = one => {
       const beside = one.side % 2 == 0  // else above the surface, from that edge on
       const right = beside ? room(one, k, -1) > room(one, k, 1) : one.side == 1  // the text then ends there
-      return { ...one, text: given.surfaces[k], align: right ? "right" : "left", beside,
-               baseline: beside ? "middle" : "bottom" }
+      return inside({ ...one, text: given.surfaces[k], align: right ? "right" : "left", beside,
+                      baseline: beside ? "middle" : "bottom" })
     }
-    const found = INSETS.map(inset => ends(g, inset).map(label))
+    const found = INSETS.map(inset => ends(g, inset).map(label).filter(one => !placed.some(other => touch(one, other))))
     const free = found.map(some => some.filter(one => !isMarked(one)))
-    const best = (free.find(some => some.length > 0) ?? found[0])
+    const best = (free.find(some => some.length > 0) ?? found.find(some => some.length > 0) ?? [])
       .reduce((best, one) => best == null || apart(one) > apart(best) ? one : best, null)
     if (best == null) { return }
     placed.push(best)
-    const { x, y, text, align, baseline, beside } = best, [low, high] = extent(best), spare = GAP * pixel
-    const inside = x - Math.max(0, high + spare - across.end) + Math.max(0, across.start + spare - low)
-    add(inside, y, text, align, baseline, beside ? (align == "right" ? -GAP : GAP) : 0, beside ? 0 : -4)
+    const { x, y, text, align, baseline, beside } = best
+    add(x, y, text, align, baseline, beside ? (align == "right" ? -GAP : GAP) : 0, beside ? 0 : -4)
   })
 }
 

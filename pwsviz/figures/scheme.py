@@ -24,6 +24,7 @@ from pwsviz.text.numbers import printed
 __all__ = ["SCHEME_STYLE", "scheme_markup"]
 
 SCHEME_STYLE = """
+.scheme h2 { font-size: 1.17em; }
 .scheme .formula { overflow-x: auto; overflow-y: hidden; padding: 4px 0; font-size: 1.1em; }
 .scheme .formula > math { width: max-content; }
 .scheme table { border-collapse: collapse; margin: 8px 0; }
@@ -83,14 +84,14 @@ def scheme_markup(
     if slides:
         _write_sliding(transition)
     parts = [
-        f"<h3>The system: {escape(system.name)}</h3>",
+        f"<h2>The system: {escape(system.name)}</h2>",
         derived.system,
         _parameter_table(system),
-        f"<h3>The scheme: {escape(method)}</h3>",
+        f"<h2>The scheme: {escape(method)}</h2>",
         derived.scheme,
-        "<h3>The transition</h3>",
+        "<h2>The transition</h2>",
         transition.text,
-        "<h3>The theory’s constants</h3>",
+        "<h2>The theory’s constants</h2>",
         constants_markup(method, diagnosis, run),
         _source([*derived.source, *transition.source]),
     ]

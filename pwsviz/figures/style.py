@@ -73,7 +73,7 @@ OCCUPIED = {
 SHADE_ALPHA = 0.16
 """Opacity of these colours behind curves against time."""
 
-HEIGHT = "clamp(340px, min(100vh - 15.6rem, 100vw), 1400px)"
+HEIGHT = "clamp(340px, min(100vh - 15.6rem, 90vw), 1400px)"
 """CSS height of a figure: what the screen leaves free, but neither too flat nor too tall."""
 
 ROOM = "var(--legend, 0px)"

@@ -20,7 +20,7 @@ from pwsviz.page.cover import COLUMNS, Cover
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.help import ABOUT, CITATION, GREETING, GREETING_CSS, Help
-from pwsviz.page.portrait_panel import PortraitPanel
+from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs, Results
@@ -60,6 +60,7 @@ AHEAD = 0.05
 
 GRID_CSS = f"""
 :host {{ {COLUMNS} height: auto !important; max-height: none !important; container-type: inline-size; }}
+@media (width < {NARROW}px) {{ :host {{ row-gap: 2px; }} }}
 @container (min-width: 880px) {{ .portrait {{ position: sticky; top: 0; }} }}
 """
 """Beside a long view that scrolls, the portrait stays in sight; above one it does not."""
@@ -321,7 +322,10 @@ class Explorer(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Portrait and tabs side by side, one below the other where the screen is narrow."""
-        left = pn.Column(self.portrait_panel, css_classes=["portrait"], margin=0, sizing_mode="stretch_width")
+        left = pn.Column(
+            self.portrait_panel, css_classes=["portrait"], margin=0, sizing_mode="stretch_width",
+            stylesheets=[NARROW_CSS],
+        )  # fmt: skip
         greeting = markup_pane(GREETING_CSS)
         greeting.object = GREETING
         both = pn.Column(left, self._views, stylesheets=[GRID_CSS], margin=0, sizing_mode="stretch_width")

@@ -44,6 +44,7 @@ THEME = {
             "styleOverrides": {"root": {"&.Mui-focusVisible": {"outline": "2px solid", "outlineOffset": "-2px"}}}
         },
         "MuiDrawer": {
+            "defaultProps": {"slotProps": {"paper": {"aria-label": "Controls"}}},
             "styleOverrides": {
                 "paper": {  # as the names on frames
                     "backgroundColor": "var(--mui-palette-background-default)", "backgroundImage": "none"
@@ -64,7 +65,8 @@ SKIP = """
         background: #0b57a0; font: 16px Roboto, Helvetica, Arial, sans-serif; }
 #skip:not(:focus) { transform: translateY(-60px); }
 </style>
-<a id="skip" href="#portrait">Skip to the portrait</a><div id="portrait" tabindex="-1"></div>
+<nav aria-label="Shortcut"><a id="skip" href="#portrait">Skip to the portrait</a></nav>
+<div id="portrait" tabindex="-1"></div>
 <script>{
   FIND
   document.getElementById("portrait").addEventListener("focus", () => find(document, "[role=img]")?.focus())

@@ -25,6 +25,7 @@ from pwsviz.scene.validation import window
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, complaint
+from pwsviz.widgets.browser import NARROW
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import bar_pane
 
@@ -33,6 +34,11 @@ REST = 1.5
 
 REMIND = 300
 """Milliseconds of computing after which a progress bar appears."""
+
+NARROW_CSS = f"""
+@media (width < {NARROW}px) {{ :host {{ display: contents !important; }} .aside {{ order: 2; }} }}
+"""
+"""On a narrow screen the notes come after the view below the portrait: its tabs are then in sight, too."""
 
 
 class PortraitPanel(pn.viewable.Viewer):
@@ -75,6 +81,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.readout = pn.pane.Bokeh(self.portrait.ground.readout, margin=(14, 4), sizing_mode="stretch_width")
         self.player.param.watch(lambda *_: self._submit_frames(), "open")
         self.status = text_pane("Computing the first trajectory …")
+        self.note.css_classes = self.status.css_classes = ["aside"]
         self.trouble = text_pane("")
         self.progress = bar_pane("the phase portrait", margin=0)
         self.shown: Pictures | None = None
@@ -335,8 +342,8 @@ class PortraitPanel(pn.viewable.Viewer):
         row = pn.Row(self.player.button, self.limits.button, self.readout, margin=0, sizing_mode="stretch_width")
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
-            self.pane, row, self.limits, self.player, self.note, self.trouble, self.status,
-            margin=0, sizing_mode="stretch_width",
+            self.pane, row, self.limits, self.player, self.trouble, self.note, self.status,
+            margin=0, sizing_mode="stretch_width", stylesheets=[NARROW_CSS],
         )  # fmt: skip
 
 

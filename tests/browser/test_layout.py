@@ -152,6 +152,18 @@ def test_on_a_phone_every_view_is_in_sight_and_the_controls_leave_the_portrait_s
 
 
 @pytest.mark.deep
+@pytest.mark.parametrize("system", ["elliptic_curve", "two_walls"])
+def test_on_a_phone_the_view_begins_on_the_screen_of_the_portrait(visit, system):
+    page = visit(420, 800, query=f"v=2&system={system}")
+    await_painted(page, "Phase portrait")
+    figure = await_painted(page, "conserved quantity").bounding_box()
+    assert figure["y"] < 700
+    assert all(tab.bounding_box()["y"] < 640 for tab in page.get_by_role("tab").all())
+    notes = page.get_by_text(re.compile("^dmm2: .* steps")).locator("visible=true")
+    assert notes.bounding_box()["y"] > figure["y"] + figure["height"], "the figures of the runs come after it"
+
+
+@pytest.mark.deep
 def test_on_a_phone_the_first_screen_says_what_the_page_is_and_what_to_try(phone):
     words = phone.get_by_text(re.compile("see what is conserved.*Tap in the portrait")).locator("visible=true")
     assert words.count() == 1

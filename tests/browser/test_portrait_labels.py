@@ -87,14 +87,31 @@ BOXES = f"""() => {{
 }}"""
 """Pixels from the lower left corner of the frame that each label takes; lines are 12 high."""
 
+FRAME_WIDTH = "[...Bokeh.index.query(view => view.model.match_aspect)][0].frame.bbox.width"
+
+
+NEAR = ("y - 0.15", "y - 0.05", "y + 0.05", "y + 0.15")
+STRATA = core.PiecewiseSystem(
+    "Strata", ("x", "y"), surfaces=NEAR, regions={"-" * k + "+" * (4 - k): LAW for k in range(5)}, x0=(-2.0, 1.0)
+)
+
+
+def test_labels_of_near_surfaces_do_not_cover_one_another_on_a_phone(visit):
+    scene = Scene()
+    scene.use(STRATA)
+    page = visit(420, 800, query=f"{query(scene)}&t_end=1&window=-3,3,-2,2")
+    await_painted(page, "Phase portrait")
+    boxes = await_that(page, BOXES.replace("FRAME", FRAME_WIDTH))
+    assert 2 <= sum("=" in box["text"] for box in boxes) < 4
+    assert_room(boxes, page.evaluate(f"() => {FRAME_WIDTH}"))
+
 
 def test_labels_have_room_on_a_phone(visit):
     page = visit(420, 800, query="system=two_walls")
     await_painted(page, "Phase portrait")
-    frame = "[...Bokeh.index.query(view => view.model.match_aspect)][0].frame.bbox.width"
-    boxes = await_that(page, BOXES.replace("FRAME", frame))
+    boxes = await_that(page, BOXES.replace("FRAME", FRAME_WIDTH))
     assert [box["text"] for box in boxes].count("no law") == 2
-    assert_room(boxes, page.evaluate(f"() => {frame}"))
+    assert_room(boxes, page.evaluate(f"() => {FRAME_WIDTH}"))
 
 
 def test_a_label_longer_than_the_room_beside_its_surface_is_not_cut(visit):
@@ -102,9 +119,8 @@ def test_a_label_longer_than_the_room_beside_its_surface_is_not_cut(visit):
     scene.load(PRESETS["chua_sweep"].settings)
     page = visit(420, 800, query=query(scene))
     await_painted(page, "Phase portrait")
-    frame = "[...Bokeh.index.query(view => view.model.match_aspect)][0].frame.bbox.width"
-    boxes = await_that(page, BOXES.replace("FRAME", frame))
-    assert_room(boxes, page.evaluate(f"() => {frame}"))
+    boxes = await_that(page, BOXES.replace("FRAME", FRAME_WIDTH))
+    assert_room(boxes, page.evaluate(f"() => {FRAME_WIDTH}"))
 
 
 def assert_room(boxes, width):

@@ -52,7 +52,7 @@ class _Outline(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         self.words.append(data)
-        if self.open and self.open[-1] == "h3":
+        if self.open and self.open[-1] == "h2":
             self.headings.append(data)
 
 
