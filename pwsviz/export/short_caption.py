@@ -26,7 +26,7 @@ def short_caption(
 ) -> str:  # fmt: skip
     """Return a caption of a few lines, for a picture whose text tells the equations; the arguments as of `caption`.
 
-    Of how a study was made it has the first clause, the integrator, and what is done at crossings where that is unusual.
+    Of how a study was made it has the first clause, the integrator, and what is unusual at crossings.
     """
     parts = about(scene, how=how, every_start=every_start, slid=slid)
     known = [q for q in scene.declaration.parameters if q.name != free]
