@@ -18,7 +18,7 @@ def seen(page):
     """Where a screenshot has the colours of the surface and of dmm2."""
     shot = np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(int)
     colours = [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in (PURPLE, BLUE)]
-    return [np.abs(shot - colour).max(axis=2) < 40 for colour in colours]
+    return [np.abs(shot - colour).max(axis=2) < 25 for colour in colours]  # less than between these and level sets
 
 
 def grown(mask):
