@@ -73,7 +73,7 @@ def near_touch(run: Trajectory) -> str:
     str
         A sentence or two, without the last full stop.
     """
-    if run.passes is None or not len(run.passes) or run.status in RUNS_AWAY:
+    if run.passes is None or not len(run.passes) or run.status in RUNS_AWAY or run.t[-1] == run.t[0]:
         return ""
     search = _Search(run, run.passes)
     found = [(place, least, since) for place, since in search.places() if (least := search.least(place)) is not None]
@@ -87,10 +87,10 @@ def near_touch(run: Trajectory) -> str:
     return ""
 
 
-def _again(run: Trajectory) -> Runner:
-    """The same run with smaller steps, before it has begun."""
+def _again(run: Trajectory, longest: float) -> Runner:
+    """The same run with steps half as long at most, before it has begun."""
     method = METHODS[run.method]
-    settings = Settings(0.5 * run.tau, max(_FINER * run.tolerance, _EPS), slides=run.slides)
+    settings = Settings(0.5 * longest, max(_FINER * run.tolerance, _EPS), slides=run.slides)
     return Runner(run.system, method, float(run.t[0]), tuple(run.x[0].tolist()), settings, 0)
 
 
@@ -109,6 +109,7 @@ class _Search:
 
     def __init__(self, run: Trajectory, passes: Floats) -> None:
         self.run, self.passes, self.way = run, passes, 1.0 if run.t[-1] >= run.t[0] else -1.0
+        self.longest = run.tau or abs(float(run.t[-1] - run.t[0]))  # of a run that has ended in its first step, 0
         self.stepper = Stepper(run.system, METHODS[run.method], run.tolerance)
 
     def places(self) -> list[tuple[_Place, float]]:
@@ -125,9 +126,9 @@ class _Search:
 
         None if the height does not come to a least one there.
         """
-        far = _FARTHEST * self.run.tau + abs(low)
+        far = _FARTHEST * self.longest + abs(low)
         height, rate, noise = self.height(place, low)
-        step = -self.way * math.copysign(2.0**-10 * self.run.tau, rate)
+        step = -self.way * math.copysign(2.0**-10 * self.longest, rate)
         bend = math.nan
         for _ in range(_TRIALS):
             s = low + step
@@ -156,7 +157,7 @@ class _Search:
 
     def after(self, place: _Place, s: float, parts: int = 1) -> Floats:
         """State at the end of steps of length s in all, none longer than a step of the run."""
-        count = parts * max(1, math.ceil(abs(s) / self.run.tau - 1e-9))
+        count = parts * max(1, math.ceil(abs(s) / self.longest - 1e-9))
         t, x = place.t, place.x
         for k in range(1, count + 1):
             begin, start, mode = np.array([t]), x[None], np.array([place.mode])
@@ -168,18 +169,18 @@ class _Search:
 
     def is_slight(self, place: _Place, least: _Least) -> bool:
         """Whether the least height may be within the error of the run, and is reached within few steps."""
-        near = abs(place.t - least.t) <= _NEAR * self.run.tau and self.lead(least) <= _NEAR * self.run.tau
-        told = self.run.status in _TOUCHES and abs(self.run.t[-1] - least.t) <= self.run.tau
+        near = abs(place.t - least.t) <= _NEAR * self.longest and self.lead(least) <= _NEAR * self.longest
+        told = self.run.status in _TOUCHES and abs(self.run.t[-1] - least.t) <= self.longest
         return near and not told and abs(least.height) <= _GROWTH * self.local_error(place, least)
 
     def lead(self, least: _Least) -> float:
         """Time before the least height at which another run is compared: the height is some times as large then."""
-        apart = _LATER * self.run.tau if METHODS[self.run.method].adaptive else self.run.tau
+        apart = _LATER * self.longest if METHODS[self.run.method].adaptive else self.longest
         return max(2.0 * math.sqrt(2.0 * (abs(least.height) + least.noise) / least.bend), apart)
 
     def local_error(self, place: _Place, least: _Least) -> float:
         """What the errors of a step, and its rounding, add up to over all steps, as an error of the height."""
-        step = -self.way * self.run.tau
+        step = -self.way * self.longest
         apart = np.abs(self.after(place, step) - self.after(place, step, 2)).max()
         of_step = apart / (_ROUNDINGS * _EPS * np.abs(place.x).max() or 1.0)
         return float(self.run.steps * least.noise * (1.0 + np.nan_to_num(of_step, nan=np.inf)))
@@ -193,7 +194,7 @@ class _Search:
             return self.local_error(place, least)
         before = max(self.lead(least) - self.way * (least.t - place.t), 0.0)
         t = place.t - self.way * min(before, 0.5 * since)
-        again = _again(self.run)
+        again = _again(self.run, self.longest)
         if again.advance(t, record=False, keep_hits=False) is not Status.COMPLETED or again.mode != place.mode:
             return math.inf
         other = self.least(_Place(t, again.x, place.mode, place.guard), least.t - t)

@@ -34,15 +34,21 @@ def still(plot: figure, window: Window) -> str:
     ----------
     plot : figure
         Glyphs that are not lines, polygons or marks are left out; each mark is a disk of its size and colour, and a
-        hollow one is white inside.
+        hollow one is white inside, and lies below all else, so that it hides no curve.
     window : Window
         Part of the plane; the element shows what lies around it as far as it has room.
     """
     scale = UNITS / max(window.width, window.height)
     place = window.x_low, window.y_high, scale
-    parts = [part for renderer in plot.renderers for part in _renderer_parts(renderer, place)]
+    parts = [part for renderer in sorted(plot.renderers, key=_covers) for part in _renderer_parts(renderer, place)]
     box = f"0 0 {window.width * scale:.0f} {window.height * scale:.0f}"
     return f'<svg viewBox="{box}" overflow="visible" aria-hidden="true">{"".join(parts)}</svg>'
+
+
+def _covers(renderer: Any) -> bool:
+    """Whether a renderer does not paint hollow marks."""
+    glyph = renderer.glyph if isinstance(renderer, GlyphRenderer) else None
+    return not (isinstance(glyph, Scatter) and glyph.fill_alpha == 0.0)
 
 
 def _renderer_parts(renderer: Any, place: Place) -> Iterable[str]:

@@ -43,7 +43,8 @@ TONES
 #cover figure + p { margin: 12px 12px 0 76px; text-align: center; font: 16px Roboto, Helvetica, Arial, sans-serif; }
 #cover .greeting { margin: 15px 16px -15px; }
 #cover ~ #loader .spinner { display: none; }
-@media (width < NARROWpx) { #cover main { margin-left: 16px; } #cover header { padding-left: 60px; } }
+@media (width < NARROWpx) {
+  #cover main { margin-left: 16px; } #cover figure { margin-top: 33px; } #cover header { padding-left: 60px; } }
 </style>
 <div id="cover" aria-hidden="true">
 <header>pwsviz</header>

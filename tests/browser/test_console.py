@@ -26,7 +26,8 @@ HALF = f"""async () => {{
         said.push(String(error))
     }}
     await new Promise(resolve => setTimeout(resolve, 500))
-    return [said, view.views.find_one(renderer).glyph.line_color.length == count]
+    const painted = renderer.view.filter.indices.length  // of those that lie on one another, one is
+    return [said, painted > 0 && view.views.find_one(renderer).glyph.line_color.length == painted]
 }}"""
 
 

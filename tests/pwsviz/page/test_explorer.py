@@ -490,11 +490,11 @@ def test_the_export_says_that_a_view_is_not_computed_and_offers_its_files_when_i
     explorer.scene.view = "order"
     explorer.scheduler.cancel("view")
     explorer.export.open("")
-    _, row = explorer.export.numbers
+    _, row, _ = explorer.export.numbers
     assert [part.object for part in row] == ["Order", NOT_YET]
     explorer._again()
     assert explorer.settle(60)
-    _, row = explorer.export.numbers
+    _, row, _ = explorer.export.numbers
     assert [part.label for part in row[1:]][:2] == ["CSV errors", "CSV fits"]
     explorer.scene.accept("values.a_minus", -2.5)  # of which nothing is computed: what is drawn is of other values
     assert explorer._pieces()[1].tables == {}
@@ -693,7 +693,7 @@ def test_a_view_added_from_outside_is_in_the_page_in_links_and_in_the_export(mon
     assert "Scheme, Step" in "".join(read("view=nonsense")[1])
     explorer.export.open("")
     assert "print(&#x27;tau&#x27;, 0.01)" in explorer.export.program.object
-    assert [row[0].object for row in explorer.export.numbers] == ["Phase portrait", "Step size"]
+    assert [row[0].object for row in explorer.export.numbers] == ["Phase portrait", "Step size", "Equations"]
     explorer.close()
 
 

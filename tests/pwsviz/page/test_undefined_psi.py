@@ -45,7 +45,7 @@ def test_every_view_of_a_run_outside_the_domain_of_psi_speaks(function, outside)
         assert page.settle(120)
         assert "failed" not in page.view.words.object
         assert "Computing" not in page.view.words.object
-    assert undefined == ("ψ is not defined where rk2 runs" in page.views["conserved"].words.object)
+    assert undefined == ("ψ is not defined along the run of rk2" in page.views["conserved"].words.object)
     page.close()
 
 
@@ -67,6 +67,6 @@ def test_psi_that_ceases_to_be_defined_on_the_way_is_told_from_then_on():
     page = opened(circle, methods=["rk2"], t_end=5.0, tau=0.5)
     last = int(np.log(1.1) / np.log1p(0.5**4 / 4))  # each step of rk2 makes x² + y² greater by the factor 1 + τ⁴/4
     told = page.views["conserved"].words.object
-    assert f"ψ is not defined where rk2 runs from t = {0.5 * (last + 1):g} on" in told
+    assert f"ψ is not defined along the run of rk2 from t = {0.5 * (last + 1):g} on" in told
     assert "not defined" not in page.portrait_panel.status.object
     page.close()
