@@ -125,7 +125,7 @@ def test_hidden_views_compute_nothing(explorer):
 @pytest.mark.deep
 def test_going_round_the_tabs_twice_computes_each_view_once(explorer):
     explorer.scene.param.update(t_end=5.0, peers=[])
-    explorer.settle(20)
+    assert explorer.settle(120)
     before = counts(explorer)
     for _ in range(2):
         for view in VIEWS:
