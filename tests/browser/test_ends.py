@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from pwsviz.figures.style import BLUE, GREEN, VERMILION
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
@@ -20,6 +21,11 @@ AROUND = """([x, y]) => {
     const count = Math.round(side * side)
     return Array.from({length: count}, (_, k) => Array.from(data.slice(4 * k, 4 * k + 3)))
 }"""
+
+
+def rgb(colour):
+    """Red, green and blue of a colour such as "#0064A6"."""
+    return tuple(int(colour[k : k + 2], 16) for k in (1, 3, 5))
 
 
 def close(colour, wanted):
@@ -49,22 +55,22 @@ def shown(visit):
 
 def test_a_touch_is_marked_whichever_start_is_selected(shown):
     page = shown("grazing")
-    assert painted(page, (0.5, 0.0), (213, 94, 0)) > 20  # vermilion, at the end of start 3
+    assert painted(page, (0.5, 0.0), rgb(VERMILION)) > 20  # vermilion, at the end of start 3
     page.get_by_text(re.compile(r"Start 1 of 3\. Others stop early: 3 \(grazing\)")).wait_for()
 
 
 def test_runs_that_slide_end_there_and_do_not_look_joined(shown):
     page = shown("vf_sliding")
     for x in (-1.3784, -0.3784, 0.6216):
-        assert painted(page, (x, 0.0), (0, 158, 115)) > 20, "green, of sliding"
-        assert painted(page, (x, 0.0), (19, 120, 188)) == 0, "no curve, which is blue, runs through"
+        assert painted(page, (x, 0.0), rgb(GREEN)) > 20, "green, of sliding"
+        assert painted(page, (x, 0.0), rgb(BLUE)) == 0, "no curve, which is blue, runs through"
 
 
 def test_a_block_that_sticks_is_followed_and_stops_on_request(shown):
     page = shown("sticking")
     page.get_by_text(re.compile("3 crossings, 1 slide")).first.wait_for()
     page.get_by_text(re.compile("keeps g exactly while it slides")).first.wait_for()
-    assert painted(page, (0.2, 0.0), (0, 158, 115)) > 20, "where the surface attracts"
+    assert painted(page, (0.2, 0.0), rgb(GREEN)) > 20, "where the surface attracts"
     page.get_by_label("Slide along the surface (Filippov)").uncheck()
     page.get_by_text(re.compile("To follow it along the surface, choose “Slide along the surface”")).first.wait_for()
     page.wait_for_function("location.search.includes('slide=off')")

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 
 import core
+from pwsviz.figures.style import PURPLE, SHADES
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from tests.browser.looking import await_painted
-from tests.browser.test_ends import AROUND, painted
+from tests.browser.test_ends import AROUND, painted, rgb
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
-PURPLE = (204, 121, 167)
-TINT = tuple(round(0.13 * c + 0.87 * 255) for c in (86, 180, 233))  # SKY over white
+SURFACE = rgb(PURPLE)
+TINT = tuple(round(0.13 * c + 0.87 * 255) for c in rgb(SHADES[-1]))  # over white
 
 
 @pytest.fixture
@@ -47,14 +48,14 @@ def at_time(page, slider, time):
 
 def test_a_moving_surface_moves_with_the_player(shown):
     page = shown(system="moving_interface")
-    assert painted(page, (2.4, 0.0), PURPLE) > 10
+    assert painted(page, (2.4, 0.0), SURFACE) > 10
     slider = animate(page)
     at_time(page, slider, math.pi / 2 / 0.7)
-    assert painted(page, (2.4, 0.5), PURPLE) > 10
-    assert painted(page, (2.4, 0.0), PURPLE) == 0
+    assert painted(page, (2.4, 0.5), SURFACE) > 10
+    assert painted(page, (2.4, 0.0), SURFACE) == 0
     page.get_by_role("button", name="Close the animation").click()
     page.wait_for_timeout(800)
-    assert painted(page, (2.4, 0.0), PURPLE) > 10
+    assert painted(page, (2.4, 0.0), SURFACE) > 10
 
 
 def test_time_that_runs_on_after_a_run_has_ended_is_not_counted_as_its_own(shown):
@@ -107,7 +108,7 @@ def test_of_moving_surfaces_the_tint_leaves_out_a_region_that_is_not_declared(vi
         assert not tinted(page, (place - 0.5, -1.0))
         assert not tinted(page, (place + 0.5, -1.0)), "+- would have it, but is not declared"
         for on in ((place, 1.0), (place, -1.0), (place + 1.0, 0.0)):
-            assert painted(page, on, PURPLE) > 10
+            assert painted(page, on, SURFACE) > 10
 
 
 def test_all_starts_move_and_one_click_and_the_space_bar_play(shown):
