@@ -197,7 +197,8 @@ class PortraitView:
     def _end_glyphs(self) -> None:
         plot = self.figure
         self.ends = unseen(("x", "y", "label", "marker", "colour", "method", "time", "kind", "start"))
-        look: dict[str, Any] = {"marker": "marker", "fill_alpha": 0.0, "line_color": "colour", "line_width": 2}
+        # White inside: through a hollow mark, runs that end there from both sides would look joined.
+        look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
         self.stops = plot.add_glyph(self.ends, Scatter(size=END_SIZE, **look))
         rows = [("stops at time", "@time{9}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start")]
         plot.add_tools(tips(rows, renderers=[self.stops], attachment="above", visible=False, limit=3))
