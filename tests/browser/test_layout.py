@@ -221,7 +221,7 @@ KEYS = """() => {
 def test_on_a_phone_a_legend_is_small_beside_its_picture_and_its_marks_are_as_those_in_it(phone):
     seen = await_that(phone, KEYS, lambda now: now["heights"]["start"] > 15)
     assert seen["legend"] < 0.25 * seen["frame"]
-    assert 7 <= seen["heights"]["crossing"] <= 10
+    assert 8 <= seen["heights"]["crossing"] <= 12  # 9 and the rim
 
 
 CUT = """() => {
