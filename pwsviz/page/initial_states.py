@@ -22,9 +22,7 @@ class Trajectories(pn.viewable.Viewer):
     def __init__(self, scene: Scene) -> None:
         super().__init__()
         self.scene = scene
-        self.numbers = pmui.RadioButtonGroup(
-            label="Selected start", options=[1], value=1, size="small", margin=(4, 8, 4, 0)
-        )
+        self.numbers = pmui.RadioButtonGroup(options=[1], value=1, size="small", margin=(4, 8, 4, 0))
         self.more = pmui.IconButton(icon="add", size="small", description="Add a trajectory", margin=2)
         self.less = pmui.IconButton(icon="delete", size="small", description="Remove this trajectory", margin=2)
         self.message = text_pane("", "error")
