@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from core.diagnostics.constants import (
 )
 from core.diagnostics.corners import undecided_corners
 from core.diagnostics.encounters import Encounters, encounters
-from core.diagnostics.near_touches import near_touch
+from core.diagnostics.near_touches import near_touches
 from core.diagnostics.resolution import RUNS_AWAY, unresolved
 from core.diagnostics.scheme import Scheme
 from core.integration.crossings import Crossings
@@ -128,12 +129,12 @@ def diagnose(run: Trajectory) -> Diagnosis:
 def step_warning(run: Trajectory) -> str:
     """Warning about the step size, in a sentence; '' where there is none.
 
-    The first of `unresolved`: steps too long for g or for the field; else that of `undecided_corners`; else the first
-    of `Diagnosis.warnings`, from the first 256 crossings.
+    The first of `unresolved`: steps too long for g or for the field; else that of `undecided_corners`, of
+    `near_touches`, or of `Diagnosis.warnings` from the first 256 crossings.
     """
     if run.status is Status.ZENO:  # accumulating crossings are closer than any step
         return ""
-    warnings = unresolved(run) or tuple(undecided_corners(run)) or tuple(filter(None, [near_touch(run)]))
+    warnings = unresolved(run) or tuple(undecided_corners(run)) or tuple(islice(near_touches(run), 1))
     if not warnings and run.status not in RUNS_AWAY:  # where they run away, no step is below a bound
         warnings = _diagnosis(run, run.crossings.first(min(_FIRST, _entered_for_good(run)))).warnings
     return f"{warnings[0]}." if warnings else ""

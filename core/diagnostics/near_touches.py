@@ -6,6 +6,7 @@ There the height of a guard falls ever more slowly, and comes to its least withi
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from core.integration.trajectory import Status, Trajectory
 from core.kernels.arrays import Floats
 from core.methods import METHODS
 
-__all__ = ["near_touch"]
+__all__ = ["near_touches"]
 
 #: Bound on the error of a height, in units of the first-order bound on its rounding.
 _ROUNDINGS = 16.0
@@ -63,28 +64,25 @@ class _Least(NamedTuple):
     """Rate of its rate."""
 
 
-def near_touch(run: Trajectory) -> str:
-    """Say where a run first passes a surface by less than its own error; '' if it does so nowhere.
+def near_touches(run: Trajectory) -> Iterator[str]:
+    """Say where a run passes a surface by less than its own error.
 
     What half the step size changes, or a smaller tolerance, is taken for half the error.
 
-    Returns
-    -------
+    Yields
+    ------
     str
-        A sentence or two, without the last full stop.
+        Some sentences, without the last full stop, in the order of the run.
     """
     if run.passes is None or not len(run.passes) or run.status in RUNS_AWAY or run.t[-1] == run.t[0]:
-        return ""
+        return
     search = _Search(run, run.passes)
-    found = [(place, least, since) for place, since in search.places() if (least := search.least(place)) is not None]
-    if not any(search.is_slight(place, least) for place, least, _ in found):
-        return ""
-    for place, least, since in found:
-        if search.is_slight(place, least):
+    for place, since in search.places():
+        least = search.least(place)
+        if least is not None and search.is_slight(place, least):
             error = search.error(place, least, since)
             if not abs(least.height) > error + least.noise:
-                return _words(run, least, error)
-    return ""
+                yield _words(run, least, error)
 
 
 def _again(run: Trajectory, longest: float) -> Runner:
@@ -112,14 +110,12 @@ class _Search:
         self.longest = run.tau or abs(float(run.t[-1] - run.t[0]))  # of a run that has ended in its first step, 0
         self.stepper = Stepper(run.system, METHODS[run.method], run.tolerance)
 
-    def places(self) -> list[tuple[_Place, float]]:
+    def places(self) -> Iterator[tuple[_Place, float]]:
         """The passes that the loop has kept, in the order of the run, with the times since the last crossing."""
-        table, found = guard_table(self.run.system.laws), []
-        passes = self.passes
-        for t, _, row, since, *x in passes[np.argsort(self.way * passes[:, 0], kind="stable")].tolist():
+        table, order = guard_table(self.run.system.laws), np.argsort(self.way * self.passes[:, 0], kind="stable")
+        for t, _, row, since, *x in self.passes[order].tolist():
             mode = int(table.guards["mode"][int(row)])
-            found.append((_Place(t, np.array(x), mode, int(row) - int(table.first_rows[mode])), since))
-        return found
+            yield _Place(t, np.array(x), mode, int(row) - int(table.first_rows[mode])), since
 
     def least(self, place: _Place, low: float = 0.0) -> _Least | None:
         """The least height of a place, `low` after it at first: the zero of its rate, by the secant method.

@@ -119,13 +119,19 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     assert int.from_bytes(chunk[17:]) == zlib.crc32(chunk[4:17])
 
 
-def test_a_short_caption_takes_at_most_five_lines_and_the_full_one_is_in_the_metadata(visit):
+def opened_for_a_column(visit):
+    """The page with the dialog open, and the pictures as wide as a column."""
     page = visit()
     await_that(page, PORTRAIT)
     page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
     await_still(page)
     page.get_by_role("button", name=re.compile("Export")).click()
     page.get_by_role("button", name="85 mm").click()
+    return page
+
+
+def test_a_short_caption_takes_at_most_five_lines_and_the_full_one_is_in_the_metadata(visit):
+    page = opened_for_a_column(visit)
     svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
     lines = page.evaluate(TEXT_LINES, svg)
     words = " ".join(lines)
@@ -191,12 +197,7 @@ PLACES = """svg => {
 
 
 def test_every_text_of_a_narrow_picture_is_inside_and_apart_from_the_others(visit):
-    page = visit()
-    await_that(page, PORTRAIT)
-    page.get_by_text(re.compile("2,000 steps, 21 crossings")).first.wait_for()
-    await_still(page)
-    page.get_by_role("button", name=re.compile("Export")).click()
-    page.get_by_role("button", name="85 mm").click()
+    page = opened_for_a_column(visit)
     for points in ("8 pt", "12 pt"):
         page.get_by_role("button", name=points, exact=True).click()
         for k in range(2):
