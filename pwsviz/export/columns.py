@@ -21,7 +21,7 @@ MEANINGS: Mapping[str, str] = {
     "as text",
     "region_entered": "region entered, likewise; empty where the run stopped",
     "side_entered": "sign of g on the side entered; 0 where the run slid from, or stopped",
-    "change_of_psi": "|Δψ|, the numerical change of ψ since the start; the largest over several ψ",
+    "change_of_psi": "|Δψ|, the error of ψ since the start; the largest over several ψ",
     "number": "number of the crossing in its run, from 1",
     "point": "number of the point of its start, from 1; points left out first do not count",
     "kind": "kind of the crossing",

@@ -90,7 +90,7 @@ def drawn_table(pictures: Pictures) -> Tables:
 
 
 def conserved_tables(runs: Drawn) -> Tables:
-    """Return the numerical change of ψ of all runs at their own steps, and the times of their crossings.
+    """Return the error of ψ of all runs at their own steps, and the times of their crossings.
 
     Columns
     -------

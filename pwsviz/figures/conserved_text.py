@@ -34,7 +34,7 @@ NEAR_ONE = 10.0
 """Factor by which the size of ψ’s terms must differ from 1 for a change to be stated relative to it, too."""
 
 CHANGE_OF_PSI = "of ψ, |Δψ|"
-"""Whose numerical change the vertical axis shows."""
+"""Whose error the vertical axis shows."""
 
 CHANGE_OF_G = "of g while sliding, |Δg|"
 """The same where a run slides."""
@@ -44,7 +44,7 @@ def axis_name(curves: Sequence[ErrorCurve] = ()) -> str:
     """Return what is drawn: |Δψ|, |Δg| where runs slide, or both."""
     slides = any(np.isfinite(curve.error[curve.sliding]).any() for curve in curves)
     other = any((~curve.sliding & np.isfinite(curve.error)).any() for curve in curves)
-    return f"numerical change {'; '.join(filter(None, (CHANGE_OF_PSI * (other or not slides), CHANGE_OF_G * slides)))}"
+    return f"error {'; '.join(filter(None, (CHANGE_OF_PSI * (other or not slides), CHANGE_OF_G * slides)))}"
 
 
 def meaning(curves: Sequence[ErrorCurve]) -> str:

@@ -274,7 +274,7 @@ def test_no_trajectory_passes_through_the_name_of_a_region_in_a_narrow_picture(v
     assert sorted(found) == [["++", False], ["+−", False], ["−−", False]]
 
 
-def test_the_frame_of_a_narrow_plot_is_at_least_60_mm_wide(visit):
+def test_the_frame_of_a_narrow_plot_is_at_least_65_mm_wide(visit):
     page = visit()
     await_that(page, PORTRAIT)
     await_still(page)
@@ -284,7 +284,7 @@ def test_the_frame_of_a_narrow_plot_is_at_least_60_mm_wide(visit):
         tuple(map(float, ends)) for ends in re.findall(r'd="M ([0-9.]+) [0-9.]+ L ([0-9.]+) [^"]*"/></clipPath>', svg)
     ]
     frame = min(right - left for left, right in clips if left > 0)
-    assert 85 * frame / wide >= 60
+    assert 85 * frame / wide >= 65
 
 
 def test_panels_of_one_figure_stand_below_one_another(visit):

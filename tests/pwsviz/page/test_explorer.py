@@ -472,7 +472,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     explorer.scene.load({"system": "coulomb_friction", "view": "conserved"})
     explorer.settle(20)
     view = explorer.view.view
-    assert view.figure.yaxis[0].axis_label == "numerical change of ψ, |Δψ|; of g while sliding, |Δg|"
+    assert view.figure.yaxis[0].axis_label == "error of ψ, |Δψ|; of g while sliding, |Δg|"
     for xs, ys, curve in zip(view.curves.data["xs"], view.curves.data["ys"], explorer.view.outcome.curves, strict=True):
         changes = np.count_nonzero(np.diff(curve.sliding[1:]))
         assert changes
@@ -482,7 +482,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     explorer.scene.view = "conserved"
     explorer.settle(20)
     assert explorer.view.plots[0].visible
-    assert view.figure.yaxis[0].axis_label == "numerical change of g while sliding, |Δg|"
+    assert view.figure.yaxis[0].axis_label == "error of g while sliding, |Δg|"
     assert "Drawn is g" in explorer.view.words.object
 
 
