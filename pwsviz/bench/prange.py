@@ -40,7 +40,10 @@ def ends_by_prange(
     memory = (
         np.empty((_PARTS, 1), dtype=one.record.dtype), np.empty((_PARTS, one.w.size)), np.empty((_PARTS, 1), dtype=ROW),
         np.empty((_PARTS, 1, d)), np.empty((_PARTS, _HITS), dtype=HIT), np.empty((_PARTS, _HITS, 3, d)),
-        *(np.empty((_PARTS, *a.shape)) for a in (one.coefficients, one.nodes, one.pieces, one.samples, one.looks)),
+        *(
+            np.empty((_PARTS, *a.shape))
+            for a in (one.coefficients, one.nodes, one.pieces, one.samples, one.looks, one.passes)
+        ),
         np.empty((_PARTS, *blank.envelope.shape)),
     )  # fmt: skip
     ends = np.empty_like(x0)
@@ -59,7 +62,7 @@ def _compiled(kinds: tuple[Any, ...]) -> Callable[..., None]:
     @njit(cache=True, nogil=True, error_model="numpy")
     def one_part(
         march, functions, guards, blank, frame, p, d, budget,
-        record, w, rows, rows_x, hits, places, scratch, nodes, pieces, samples, looks, envelope,
+        record, w, rows, rows_x, hits, places, scratch, nodes, pieces, samples, looks, passes, envelope,
         events, found, found_x, located, series, x, ends, first, last,
     ):  # fmt: skip
         for k in range(first, last):
@@ -70,14 +73,14 @@ def _compiled(kinds: tuple[Any, ...]) -> Callable[..., None]:
             while status == 0:
                 status = march(
                     functions, guards, record, p, w, d, scratch, nodes, pieces, budget, rows, rows_x, hits, places,
-                    envelope, samples, looks, events, found, found_x, located, series,
+                    envelope, samples, looks, passes, events, found, found_x, located, series,
                 )  # fmt: skip
             ends[k] = w[head : head + d]
 
     @njit((types.FunctionType(march_signature()), *kinds), parallel=True, cache=True, error_model="numpy")
     def over_members(
         march, functions, guards, blank, frame, p, d, budget,
-        records, w, rows, rows_x, hits, places, scratch, nodes, pieces, samples, looks, envelopes,
+        records, w, rows, rows_x, hits, places, scratch, nodes, pieces, samples, looks, passes, envelopes,
         events, found, found_x, located, series, x, ends,
     ):  # fmt: skip
         parts, n = len(records), len(x)
@@ -85,7 +88,7 @@ def _compiled(kinds: tuple[Any, ...]) -> Callable[..., None]:
             one_part(
                 march, functions, guards, blank, frame, p, d, budget, records[part], w[part], rows[part], rows_x[part],
                 hits[part], places[part], scratch[part], nodes[part], pieces[part], samples[part], looks[part],
-                envelopes[part], events, found, found_x, located, series, x, ends,
+                passes[part], envelopes[part], events, found, found_x, located, series, x, ends,
                 part * n // parts, (part + 1) * n // parts,
             )  # fmt: skip
 

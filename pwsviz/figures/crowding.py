@@ -52,7 +52,8 @@ const order = Array.from(kinds, (_, k) => k).sort((a, b) => counts.get(kinds[a])
 const cells = new Map(), kept = [], hidden = new Set()
 for (const k of order) {  // rare kinds first, so that none is lost among many of another
   const px = across.compute(xs[k]), py = up.compute(ys[k])
-  if (!Number.isFinite(px + py)) { continue }
+  const seen = left - apart <= px && px <= right + apart && top - apart <= py && py <= bottom + apart
+  if (!seen) { continue }  // of places far away, i + 1 is i
   const i = Math.floor(px / apart), j = Math.floor(py / apart)
   let nearest = Infinity
   for (let a = i - 1; a <= i + 1; a++) {
@@ -66,7 +67,7 @@ for (const k of order) {  // rare kinds first, so that none is lost among many o
     kept.push(k)
     const cell = `${i},${j}`
     if (cells.has(cell)) { cells.get(cell).push([px, py]) } else { cells.set(cell, [[px, py]]) }
-  } else if (nearest > apart / 2 && left <= px && px <= right && top <= py && py <= bottom) {
+  } else if (nearest > apart / 2) {
     hidden.add(kinds[k])
   }
 }

@@ -76,7 +76,9 @@ for (const { data } of marks) {
   Array.from(data.x).forEach((x, k) => {
     const half = (data.size?.[k] ?? MARK) / 2 * pixel, [i0, i1] = [x - half, x + half].map(column)
     const [j0, j1] = [data.y[k] - half, data.y[k] + half].map(row)
-    for (let i = i0; i <= i1; i++) { for (let j = j0; j <= j1; j++) { marked.add(number(i, j)) } }
+    for (let i = Math.max(i0, 0); i <= Math.min(i1, CELLS); i++) {  // of places far away, i + 1 is i
+      for (let j = Math.max(j0, 0); j <= Math.min(j1, CELLS); j++) { marked.add(number(i, j)) }
+    }
   })
 }
 const within = (x, y) => across.start <= x && x <= across.end && up.start <= y && y <= up.end
