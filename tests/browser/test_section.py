@@ -5,7 +5,7 @@ import re
 import pytest
 
 from tests.browser.looking import await_painted
-from tests.browser.test_portrait import FIGURE, await_that
+from tests.browser.test_portrait import FIGURE, await_still, await_that
 
 pytestmark = pytest.mark.browser
 
@@ -29,7 +29,8 @@ def test_islands_have_the_colours_of_their_starts_and_a_click_adds_one_of_the_sa
     seen = await_that(page, CLOUD, lambda seen: "8,000 points of 2 starts" in seen["words"])
     assert seen["kinds"] == [0, 1]
     await_painted(page, "Poincaré section", colours=3)
-    page.mouse.click(*seen["place"])
+    await_still(page)  # the room for the legend may have moved the place
+    page.mouse.click(*page.evaluate(CLOUD)["place"])
     page.get_by_text(re.compile(r"Start 3 at x = 0, .*x and u from g = 0 and ψ = 0\.125")).wait_for()
     seen = await_that(page, CLOUD, lambda seen: "12,000 points of 3 starts" in seen["words"])
     assert seen["kinds"] == [0, 1, 2]
