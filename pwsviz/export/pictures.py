@@ -48,11 +48,12 @@ _SAVE = """
 const files = new URL("components/MODULE/PictureFiles/_resources/files/", document.baseURI)
 const wished = { ...wish }
 for (const [name, choice] of Object.entries({ CHOICES })) wished[name] = choice.data.value
-trouble.data.object = ""
+const tell = words => trouble.data.setv({ object: words }, { sync: false })  // or the server would repeat it, late
+tell("")
 import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).catch(reason => {
   const why = String(reason?.message ?? reason).replace(/[<>&*_`]/g, " ")
   const advice = "Is the page still connected? If so, try SVG, or another width."
-  trouble.data.object = `${wish.name} could not be saved: ${why}. ${advice}`
+  tell(`${wish.name} could not be saved: ${why}. ${advice}`)
 })
 """
 
@@ -61,7 +62,8 @@ def picture_callback(plots: Sequence[figure]) -> str:
     """Return JavaScript that saves figures as one file, one below the other.
 
     It takes from its arguments ``wish``, a mapping with ``kind`` (of `KINDS`), ``name`` of the file, ``title`` and
-    ``captions``, "short" and "full"; a widget for each of `CHOICES`; and ``trouble``, a text that says why it failed.
+    ``captions``, "short" and "full"; a widget for each of `CHOICES`; and ``trouble``, a pane for the reason of a
+    failure, of which the server does not learn.
     """
     code = _SAVE.replace("MODULE", __name__).replace("CHOICES", ", ".join(CHOICES))
     return code.replace("IDS", json.dumps([plot.id for plot in plots]))

@@ -33,13 +33,18 @@ pre { max-height: 40vh; overflow: auto; padding: 8px 12px; margin: 0; border-rad
 
 
 COPY = {
-    "value": "navigator.clipboard.writeText(source.data.value)",
-    "object": """
-const page = new DOMParser().parseFromString(source.text, "text/html")
-navigator.clipboard.writeText(new DOMParser().parseFromString(page.body.textContent, "text/html").body.textContent)
-""",
+    "words": "words",
+    "field": "words.data.value",
+    "pane": """
+[0, 0].reduce(text => new DOMParser().parseFromString(text, "text/html").body.textContent, words.text)""",
 }
-"""JavaScript that copies the text of a field, and of a pane, whose markup arrives escaped twice."""
+"""JavaScript of a text to copy: given as it is, of a field, and of a pane, whose markup arrives escaped twice."""
+
+_COPY = """
+const tell = words => button.data.setv({ label: words }, { sync: false })
+navigator.clipboard.writeText(WORDS).then(() => tell("Copied"), () => tell("Not copied: the browser forbids it"))
+setTimeout(() => tell(label), 3000)
+"""
 
 
 NOT_YET = "not computed yet, or not to its end: its files will be offered here when it is."
@@ -91,7 +96,7 @@ class ExportDialog(pn.viewable.Viewer):
         self.program = pn.pane.HTML("", sizing_mode="stretch_width", margin=0, stylesheets=[TEXT_CSS, PROGRAM_CSS])
         self._choices: dict[str, Any] = {}
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
-        self.trouble = pmui.Typography("", color="error", variant="body2", margin=(4, 8))
+        self.not_saved, self.not_written = _complaint(), _complaint()  # said by the browser, and by the server
         self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
         self.dialog = dialog("Export & share", self.contents)
         self.dialog.param.watch(self._drop_files, "open")
@@ -118,28 +123,30 @@ class ExportDialog(pn.viewable.Viewer):
         program = escape(snippet(self.scene, self._program()))
         self.program.object = f'<pre tabindex="0" aria-label="Python program">{program}</pre>'
         self.contents.objects = self.contents.objects or self._make_contents()
-        self.trouble.object = ""
+        self.not_written.object = ""
         self.dialog.open = True
         self.refresh()
 
     def refresh(self) -> None:
         """Offer the files of what is visible by now, while the dialog is open."""
         if self.dialog.open:
-            self.numbers.objects = [*map(self._row, self._pieces()), self._equations()]
+            self.not_saved = _complaint()
+            self.numbers.objects = [*map(self._row, self._pieces()), self._equations(), self.not_saved]
 
     def _make_contents(self) -> list[Any]:
         """Make the widgets at the first opening, so that the page itself loads sooner."""
         return [
-            self.link, self._copy("Copy the link", self.link, "value"),
-            heading("Python"), self.program, self._copy("Copy the program", self.program, "object"),
-            heading("Data and figures"), self._make_choices(), self.numbers, self.trouble,
+            self.link, self._copy("Copy the link", "field", self.link),
+            heading("Python"), self.program, self._copy("Copy the program", "pane", self.program),
+            heading("Data and figures"), self._make_choices(), self.numbers, self.not_written,
         ]  # fmt: skip
 
     @staticmethod
-    def _copy(label: str, source: Any, name: str) -> Any:
-        """Return a button that copies a text to the clipboard, without the server."""
+    def _copy(label: str, kind: str, words: Any) -> Any:
+        """Return a button that copies a text, of one of the kinds of `COPY`, without the server."""
         button = pmui.Button(label=label, icon="content_copy", variant="text", size="small", margin=0, sx=PLAIN_SX)
-        button.js_on_click(args={"source": source}, code=COPY[name])
+        given = {"words": words, "button": button, "label": label}
+        button.js_on_click(args=given, code=_COPY.replace("WORDS", COPY[kind]))
         return button
 
     def _row(self, piece: Piece) -> pn.FlexBox:
@@ -150,7 +157,8 @@ class ExportDialog(pn.viewable.Viewer):
         if piece.tables:
             buttons.append(self._download("NPZ", piece.title, "npz", partial(_write_npz, piece.tables), piece))
         if piece.figures:
-            buttons += [*(self._picture(piece, kind) for kind in KINDS), self._copy_caption(piece)]
+            buttons += [self._picture(piece, kind) for kind in KINDS]
+            buttons.append(self._copy("Copy full caption", "words", _caption(self.scene, piece)))
         if not buttons:
             buttons.append(pmui.Typography(NOT_YET, margin=(8, 8), variant="body2"))
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
@@ -177,15 +185,8 @@ class ExportDialog(pn.viewable.Viewer):
         captions = {"short": short_caption(self.scene, piece.title, free=piece.free, **piece.origin)}
         captions["full"] = _caption(self.scene, piece)
         wish = {"kind": kind, "name": file_name(self.scene, piece.title, kind), "title": piece.title}
-        given = {"wish": {**wish, "captions": captions}, "trouble": self.trouble, **self._choices}
+        given = {"wish": {**wish, "captions": captions}, "trouble": self.not_saved, **self._choices}
         button.js_on_click(args=given, code=picture_callback(piece.figures))
-        return button
-
-    def _copy_caption(self, piece: Piece) -> Any:
-        """Return a button that copies the full caption of a picture as text, without the server."""
-        button = pmui.Button(label="Copy full caption", icon="content_copy", variant="text", size="small", sx=PLAIN_SX)
-        words = _caption(self.scene, piece)
-        button.js_on_click(args={"words": words}, code="navigator.clipboard.writeText(words)")
         return button
 
     def _equations(self) -> pn.FlexBox:
@@ -206,11 +207,11 @@ class ExportDialog(pn.viewable.Viewer):
             a second click saves a second file. (Clearing the data in between made the browser save some files twice.)
             """
             written = origin | {"written": datetime.now(UTC).isoformat()}
-            self.trouble.object = ""
+            self.not_written.object = ""
             try:
                 return await asyncio.to_thread(lambda: io.BytesIO(write(written)))
             except Exception as reason:
-                self.trouble.object = f"{label} could not be written: {reason or type(reason).__name__}"
+                self.not_written.object = f"{label} could not be written: {reason or type(reason).__name__}"
                 raise
 
         return pmui.FileDownload(
@@ -225,6 +226,10 @@ class ExportDialog(pn.viewable.Viewer):
     def __panel__(self) -> pn.viewable.Viewable:
         """The dialog, closed until it is opened."""
         return self.dialog
+
+
+def _complaint() -> pmui.Typography:
+    return pmui.Typography("", color="error", variant="body2", margin=(4, 8))
 
 
 def _caption(scene: Scene, piece: Piece) -> str:

@@ -86,7 +86,13 @@ def test_every_figure_is_saved_as_vectors_with_its_equations_as_caption_and_as_a
     page.get_by_role("button", name="full", exact=True).click()
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.get_by_role("button", name="Copy full caption").first.click()
+    page.get_by_role("button", name="Copied").first.wait_for()
     page.wait_for_function("async () => (await navigator.clipboard.readText()).startsWith('Phase portrait, Elliptic')")
+    for kind, start in (("link", "http"), ("program", "import core")):
+        page.get_by_role("button", name=f"Copy the {kind}").click()
+        page.get_by_role("button", name="Copied").first.wait_for()
+        page.wait_for_function(f"async () => (await navigator.clipboard.readText()).trim().startsWith('{start}')")
+        page.get_by_role("button", name=f"Copy the {kind}").wait_for()
     for k in range(2):
         svg = page.evaluate(TEXTS, downloaded(page, page.get_by_role("button", name="SVG").nth(k)).decode())
         assert (svg["width"], svg["images"], svg["fonts"]) == ("85mm", 0, ["DejaVu Sans"])
@@ -159,6 +165,9 @@ def test_a_failing_export_says_why(visit):
     page.unroute("**/DejaVuSans-subset.ttf")
     downloaded(page, page.get_by_role("button", name="SVG").first)
     page.get_by_text("could not be saved").wait_for(state="detached")
+    page.evaluate("navigator.clipboard.writeText = () => Promise.reject(new Error('forbidden')); null")
+    page.get_by_role("button", name="Copy the link").click()
+    page.get_by_role("button", name="Not copied: the browser forbids it").wait_for()
 
 
 @pytest.mark.parametrize("height", [80, 160])
