@@ -74,7 +74,7 @@ const names_levels = (axis, side) => axis.ticker?.type == "FixedTicker" && axis.
 // The levels of an axis that are seen, downwards, and the lines of their names; letters where these are too long.
 const levels_of = (axis, { start, end }, width) => {
   const levels = [...axis.ticker.ticks].filter(tick => start <= tick && tick <= end).sort((a, b) => b - a)
-  const names = axis.formatter.doFormat(levels, { loc: 0 })
+  const names = axis.formatter.doFormat(levels, { loc: 0 }).map(name => name.replaceAll("\n", " ").trim())
   const labels = names.map(name => wrapped(name, NAMED * width, SMALL))
   const fit = labels.flat().every(line => width_of(line, SMALL) <= NAMED * width)
   const letters = names.map((_, k) => [String.fromCharCode(97 + k)])

@@ -15,6 +15,7 @@ from pwsviz.figures.crowding import Marks, attach_shades, shade_keys
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import kind_columns
 from pwsviz.figures.style import (
+    BELOW_RANGE,
     BESIDE,
     LEVEL,
     OCCUPIED,
@@ -83,9 +84,7 @@ class ConservedView:
         for side in OCCUPIED:
             self.segments[side] = ColumnDataSource({"start": [], "end": []})
             self.bands[side] = plot.add_glyph(self.segments[side], side_strips(side))
-        self.levels = mark_levels(
-            plot, {MACHINE_EPSILON: "machine ε", FLOOR: "below plot range, or 0", NOWHERE: "round-off"}
-        )
+        self.levels = mark_levels(plot, {MACHINE_EPSILON: "machine ε", FLOOR: BELOW_RANGE, NOWHERE: "round-off"})
 
     def _curve_glyphs(self) -> None:
         plot = self.figure

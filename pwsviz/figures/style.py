@@ -237,6 +237,10 @@ LEVEL: dict[str, Any] = {"line_color": RULE, "line_dash": "dotted", "line_width"
 """Look of what marks a level."""
 
 
+BELOW_RANGE = "\nbelow plot\nrange, or 0"
+"""Name of the level at which smaller errors are drawn; its first line is empty, so that it stands below its level."""
+
+
 @dataclass(frozen=True)
 class NamedLevels:
     """Horizontal lines across a plot, labelled at its right edge."""

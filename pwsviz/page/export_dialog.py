@@ -97,6 +97,7 @@ class ExportDialog(pn.viewable.Viewer):
         self._choices: dict[str, Any] = {}
         self.numbers = pn.Column(margin=0, sizing_mode="stretch_width")
         self.not_saved, self.not_written = _complaint(), _complaint()  # said by the browser, and by the server
+        self.complaints = pn.Column(margin=0)
         self.contents = pn.Column(margin=0, sizing_mode="stretch_width")  # receives clicks on widgets added later
         self.dialog = dialog("Export & share", self.contents)
         self.dialog.param.watch(self._drop_files, "open")
@@ -131,14 +132,15 @@ class ExportDialog(pn.viewable.Viewer):
         """Offer the files of what is visible by now, while the dialog is open."""
         if self.dialog.open:
             self.not_saved = _complaint()
-            self.numbers.objects = [*map(self._row, self._pieces()), self._equations(), self.not_saved]
+            self.complaints.objects = [self.not_saved, self.not_written]  # first: the buttons of pictures refer to it
+            self.numbers.objects = [*map(self._row, self._pieces()), self._equations()]
 
     def _make_contents(self) -> list[Any]:
         """Make the widgets at the first opening, so that the page itself loads sooner."""
         return [
             self.link, self._copy("Copy the link", "field", self.link),
             heading("Python"), self.program, self._copy("Copy the program", "pane", self.program),
-            heading("Data and figures"), self._make_choices(), self.numbers, self.not_written,
+            heading("Data and figures"), self._make_choices(), self.numbers, self.complaints,
         ]  # fmt: skip
 
     @staticmethod
