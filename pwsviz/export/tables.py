@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,9 @@ from numpy.typing import NDArray
 import core
 from pwsviz.export.columns import by_name
 from pwsviz.export.files import Tables
+from pwsviz.geometry.projection import Axes
 from pwsviz.geometry.section_plane import angles
+from pwsviz.results.orbits import Orbit
 from pwsviz.results.requests import RunInputs
 from pwsviz.results.results import Pictures, PortraitInputs
 from pwsviz.results.sweeps import NO_START, Diagram
@@ -73,20 +76,26 @@ def drawn_table(pictures: Pictures) -> Tables:
 
     Columns
     -------
-    drawn: start, integrator, the two variables of the plane by name; a row of NaN is a gap in the curve.
+    drawn: start, integrator, the two variables of the plane by name; a row of NaN is a gap in the curve. A plane alike
+    has a table of its own, with its variables in the name.
     """
+    variables = pictures.inputs.selected[0].problem.declaration.variables
+    starts = [number for number, _ in pictures.numbered]
 
-    def drawn() -> Columns:
-        numbered = sorted(pictures.numbered, key=lambda one: one[0])
+    def drawn(axes: Axes, orbits: Sequence[Orbit]) -> Columns:
+        numbered = sorted(zip(starts, orbits, strict=True), key=lambda one: one[0])
         lengths = [len(orbit.path) for _, orbit in numbered]
-        variables = pictures.inputs.selected[0].problem.declaration.variables
         return {
             "start": np.repeat([number for number, _ in numbered], lengths),
             "integrator": np.repeat([orbit.method for _, orbit in numbered], lengths),
-            **by_name([variables[k] for k in pictures.axes], np.concatenate([o.path for _, o in numbered]).T),
+            **by_name([variables[k] for k in axes], np.concatenate([o.path for _, o in numbered]).T),
         }
 
-    return {"drawn": drawn}
+    alongside = {
+        f"drawn {' '.join(variables[k] for k in one)}": (one, orbits) for one, orbits in pictures.alongside.items()
+    }
+    whole = {"drawn": (pictures.axes, [*pictures.orbits, *pictures.others])} | alongside
+    return {name: partial(drawn, *given) for name, given in whole.items()}
 
 
 def conserved_tables(runs: Drawn) -> Tables:

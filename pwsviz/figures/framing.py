@@ -24,21 +24,22 @@ COMPARABLE = 2.0
 def extent(pictures: Pictures) -> Window:
     """Return the box of the first orbit that stays, closed surfaces of comparable size, and the orbits near it.
 
-    Of the orbits from other starts those of the first integrator count, farther out (`OTHERS`) than the orbits of other
-    integrators (`NEAR`). Of one that runs off only the start counts, unless all do. All starts are shown.
+    Of the orbits from other starts, and in planes alike, those of the first integrator count, farther out (`OTHERS`)
+    than the orbits of other integrators (`NEAR`). Of one that runs off only the start counts, unless all do. All starts
+    are shown.
     """
-    stay = [orbit for orbit in (*pictures.orbits, *pictures.others) if not orbit.runs_off]
+    stay = [orbit for orbit in (*pictures.orbits, *pictures.thin) if not orbit.runs_off]
     base = stay[0] if stay else pictures.orbits[0]
     orbits, others = (
         [orbit.focus for orbit in given if not (orbit.runs_off and stay)]
-        for given in (pictures.orbits, pictures.others[:: len(pictures.orbits)])
+        for given in (pictures.orbits, pictures.thin[:: len(pictures.orbits)])
     )
     system, axes = pictures.system, pictures.axes
     surface = closed_surface(system, Window.around(base.focus).scaled(COMPARABLE), axes)
     first = Window.around(np.concatenate([base.focus, surface]))
     points = np.concatenate([base.focus, surface, *orbits])
     there = np.concatenate([np.empty((0, 2)), *others])
-    starts = np.array([orbit.start for orbit in (*pictures.orbits, *pictures.others)])
+    starts = np.array([orbit.start for orbit in (*pictures.orbits, *pictures.thin)])
     near, far = first.scaled(NEAR).holds(points), first.scaled(OTHERS).holds(there)
     return Window.around(np.concatenate([points[near], there[far], starts]))
 

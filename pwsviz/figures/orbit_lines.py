@@ -7,13 +7,16 @@ from typing import Any
 
 import numpy as np
 
+import core
 from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.style import WIDEST, line_of, together
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.turns import spacing
 from pwsviz.results.orbits import Orbit
+from pwsviz.results.results import Pictures
+from pwsviz.text.math_names import variable_name
 
-__all__ = ["OF_OTHERS", "curve_columns", "fitted_widths", "step_columns"]
+__all__ = ["OF_OTHERS", "companion_columns", "curve_columns", "fitted_widths", "step_columns"]
 
 OF_OTHERS = 0.5
 """Width of the curves of other starts, relative to those of the selected one."""
@@ -45,6 +48,15 @@ def fitted_widths(orbits: Sequence[Orbit], view: Window | None, thinner: float) 
         return usual
     fits = [min(1.0, TOUCH * spacing(orbit.path, view) / WIDEST) for orbit in orbits]
     return [max(min(THINNEST, width), fit * width) for width, fit in zip(usual, fits, strict=True)]
+
+
+def companion_columns(system: core.PiecewiseSystem, pictures: Pictures) -> dict[str, list[Any]]:
+    """Return a row for each start in a plane alike, with the names of its variables beside that of the selected one."""
+    each, rows = len(pictures.orbits), []
+    for plane, orbits in pictures.alongside.items():
+        name = ", ".join(variable_name(system.variables[k]) for k in plane)
+        rows += [(*orbit.start, "" if k else name) for k, orbit in enumerate(orbits[::each])]
+    return {name: [row[k] for row in rows] for k, name in enumerate(("x", "y", "label"))}
 
 
 def step_columns(orbits: Sequence[Orbit]) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
-from pwsviz.figures.orbit_lines import OF_OTHERS, curve_columns, fitted_widths, step_columns
+from pwsviz.figures.orbit_lines import OF_OTHERS, companion_columns, curve_columns, fitted_widths, step_columns
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     AMBER,
@@ -68,6 +68,9 @@ END_SIZE = 15
 
 STEP_SIZE = 4.5
 """Diameter in pixels of the dot at the end of a step."""
+
+COMPANION_SIZE = 11
+"""Diameter in pixels of the disc at the start of a curve in another plane, which cannot be dragged."""
 
 POINTED_SIZE = 19
 """Diameter in pixels of the ring around the crossing under the pointer: a mark, and some room."""
@@ -214,6 +217,10 @@ class PortraitView:
         plot.add_glyph(self.starts, Text(text="number", **letters, **centred))
         beside: dict[str, Any] = {"text_align": "left", "text_baseline": "bottom", "x_offset": 9, "y_offset": -5}
         plot.add_glyph(self.starts, Text(text="crowd", **{**letters, "text_color": AMBER}, **beside))
+        self.companions = unseen(("x", "y", "label"))
+        look = {"size": COMPANION_SIZE, "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
+        plot.add_glyph(self.companions, Scatter(marker="circle", **look))
+        plot.add_glyph(self.companions, Text(text="label", **{**letters, "text_color": AMBER}, **beside))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size")})
         look = {"size": "size", "fill_color": "colour", "line_color": "white", "line_width": 1.5}
         plot.add_glyph(self.moving, Scatter(marker="marker", **look))
@@ -233,7 +240,7 @@ class PortraitView:
             ],
             usual=2,
         )
-        marks = [self.starts, self.crossings, self.ends]
+        marks = [self.starts, self.companions, self.crossings, self.ends]
         self.ground.follow(entries[-len(self.ground.legend) :], marks, [self.orbits, self.others])
 
     def _watch_window(
@@ -306,14 +313,15 @@ class PortraitView:
         view = self._visible or self.frame
         self.orbits.data = curve_columns(pictures.orbits, view)
         show_methods(self.methods, [orbit.method for orbit in pictures.orbits])
-        assign(self.others, **curve_columns(pictures.others, view, OF_OTHERS))
+        assign(self.others, **curve_columns(pictures.thin, view, OF_OTHERS))
         marked = crossing_columns(pictures.numbered, pictures.inputs.index + 1)
         self.marks.name(marked)
         assign(self.crossings, **marked)
         assign(self.ends, **end_columns(pictures.numbered, self._visible or self.frame))
-        assign(self.steps, **step_columns([*pictures.orbits, *pictures.others]))
-        jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.others)])
+        assign(self.steps, **step_columns([*pictures.orbits, *pictures.thin]))
+        jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.thin)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
+        assign(self.companions, **companion_columns(system, pictures))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._pictures = pictures
@@ -350,7 +358,7 @@ class PortraitView:
     def _fit_widths(self, pictures: Pictures) -> None:
         """Give the curves the widths that suit the view, without sending the curves."""
         view = self._visible or self.frame
-        for source, orbits, share in ((self.orbits, pictures.orbits, 1.0), (self.others, pictures.others, OF_OTHERS)):
+        for source, orbits, share in ((self.orbits, pictures.orbits, 1.0), (self.others, pictures.thin, OF_OTHERS)):
             widths = fitted_widths(orbits, view, share)
             if len(widths) == len(source.data["width"]) and widths != list(source.data["width"]):
                 source.patch({"width": list(enumerate(widths))})

@@ -13,6 +13,7 @@ from pwsviz.geometry.projection import (
     forced,
     is_divided,
     moves,
+    planes_alike,
     psi_names_time,
     shows_surface,
     surfaces_shown,
@@ -112,6 +113,8 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
     if system.dimension > PLANE:
         plane = ", ".join(variable_name(system.variables[k]) for k in axes)
         sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
+        if alike := [", ".join(variable_name(system.variables[k]) for k in one) for one in planes_alike(system, axes)]:
+            sentences.append(f"Drawn in it, too, as thin lines: {'; '.join(alike)}. Marks are those of {plane}.")
         shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
         if hidden := [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]:
             several, names = len(hidden) > 1, ", ".join(hidden)

@@ -6,6 +6,7 @@ is not a projection and would mislead, so it is left out.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import TypeVar
@@ -23,6 +24,8 @@ Name = TypeVar("Name")
 PLANE = 2
 """Dimension of a portrait."""
 
+_NUMBERED = re.compile(r"(\D+)(\d+)")
+
 Axes = tuple[int, int]
 """The two variables, by number, that span the portrait."""
 
@@ -30,6 +33,20 @@ Axes = tuple[int, int]
 def planes(system: core.PiecewiseSystem) -> list[Axes]:
     """Return all pairs of variables that can span the portrait."""
     return [(a, b) for b in range(system.dimension) for a in range(b)]
+
+
+def planes_alike(system: core.PiecewiseSystem, axes: Axes) -> list[Axes]:
+    """Return the planes of variables that are named as those of a plane but for one number, as of several bodies.
+
+    With x1, y1 these are x2, y2 and x3, y3: one picture shows all of them.
+    """
+    named = [_NUMBERED.fullmatch(name) for name in system.variables]
+    across, up = (named[k] for k in axes)
+    if across is None or up is None or across[2] != up[2] or across[1] == up[1]:
+        return []
+    place = {(found[1], found[2]): k for k, found in enumerate(named) if found is not None}
+    numbers = [number for letters, number in place if letters == across[1] and number != across[2]]
+    return [(place[across[1], n], place[up[1], n]) for n in numbers if (up[1], n) in place]
 
 
 def in_plane(x: Floats, axes: Axes) -> Floats:
@@ -83,10 +100,11 @@ def surface_name(system: core.PiecewiseSystem) -> str:
 def axis_labels(system: core.PiecewiseSystem, axes: Axes) -> tuple[str, str]:
     """Return the labels of the axes of the portrait."""
     names = list(map(variable_name, system.variables))
-    across, up = (names[k] for k in axes)
-    if system.dimension == PLANE:
+    drawn = [axes, *planes_alike(system, axes)]
+    across, up = (", ".join(names[plane[k]] for plane in drawn) for k in (0, 1))
+    others = [name for k, name in enumerate(names) if all(k not in plane for plane in drawn)]
+    if not others:
         return across, up
-    others = _others(names, axes)
     hidden = min(", ".join(others), f"{len(others)} other variables", key=len)
     return f"{across} ({hidden} not shown)", up
 

@@ -25,8 +25,12 @@ WHOLE = 12.0
 TRAIL = 0.6
 """Seconds of playing at speed 1 that the trail behind a marker lasts."""
 
-SMALL = 8
-"""Diameter in pixels of the marker of a start that is not selected; that of the selected one is larger."""
+LARGEST, LARGE = (18, 8), (10, 4)
+"""Diameter in pixels of the first integrator's marker, of the selected start and of others, and by how much that of the
+next one is smaller: where they agree, each is seen around the next."""
+
+SMALLEST = 5
+"""Diameter in pixels of the smallest marker."""
 
 FAINT = 0.3
 """Opacity of the curves under the trails, relative to what it is otherwise."""
@@ -82,7 +86,8 @@ export function render({ model, data, el }) {
       const many = count > 0 && count == there[0].met[k].length && there[0].tally[k] > count ? "more than " : ""
       return `${many}${count.toLocaleString("en")} ${MET[k][count == 1 ? 0 : 1]}`
     })
-    const words = told.filter((_, k) => counts[k] > 0).join(", ") || told[0]
+    const usual = Math.max(0, there[0]?.met.findIndex(times => times.length > 0) ?? 0)  // the run may have jumps only
+    const words = told.filter((_, k) => counts[k] > 0).join(", ") || told[usual]
     const last_time = there[0]?.t[there[0].t.length - 1]
     const until = time > last_time ? ` until it ended at t = ${printed(`${Number(last_time.toPrecision(4))}`)}` : ""
     now.textContent = `t = ${printed(time.toPrecision(4))}, ${words}${until}${there[0]?.whose ?? ""}`
@@ -264,8 +269,7 @@ class Player(pn.viewable.Viewer):
         """
         if self.wanted and self.bar is not None:
             count = selected or len(frames)
-            sizes = [max(6, 18 - 8 * k) if k < count else SMALL for k in range(len(frames))]
-            ways = [_way(one, size, whose) for one, size in zip(frames, sizes, strict=True)]
+            ways = [_way(one, _size(k, count), whose) for k, one in enumerate(frames)]
             self.bar.param.update(note=without_trail(frames), ways=ways)
 
     def _toggle(self, _event: Any) -> None:
@@ -294,6 +298,12 @@ def without_trail(frames: Sequence[Frames]) -> str:
     several = len({one.method for one in frames}) > 1
     whose = f" of {listed(bare)}" if several else ""
     return f"No trail{whose}: the run has too many turns. A shorter one has a trail."
+
+
+def _size(index: int, count: int) -> int:
+    """Return the size of the marker of a run, of which the first `count` are those of the selected start."""
+    first, less = LARGEST if index < count else LARGE
+    return max(SMALLEST, first - less * (index % count))
 
 
 def _way(one: Frames, size: int, whose: str) -> dict[str, Any]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from threading import BoundedSemaphore
 
@@ -13,7 +13,7 @@ import core
 from pwsviz.geometry.first_view import first_plane
 from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop
 from pwsviz.geometry.polyline_reduction import Floats
-from pwsviz.geometry.projection import PLANE, Axes
+from pwsviz.geometry.projection import PLANE, Axes, planes_alike
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
 from pwsviz.results.error_curve import ErrorCurve, error_curve
@@ -95,11 +95,18 @@ class Pictures:
     orbits: list[Orbit]
     others: list[Orbit]
     summaries: list[Summary]
+    alongside: Mapping[Axes, Sequence[Orbit]] = field(default_factory=dict)
+    """In `planes_alike`, the orbits of the same runs: those of the selected start first, as `orbits` and `others`."""
 
     @property
     def system(self) -> core.PiecewiseSystem:
         """The system, at the values of its parameters."""
         return self.inputs.selected[0].problem.build()
+
+    @property
+    def thin(self) -> list[Orbit]:
+        """The orbits that are drawn thin: from other starts, and in planes alike."""
+        return [*self.others, *(orbit for orbits in self.alongside.values() for orbit in orbits)]
 
     @property
     def numbered(self) -> list[tuple[int, Orbit]]:
@@ -134,12 +141,17 @@ class Results:
         self._begin(inputs.selected, cancel)
         first = self.orbit(inputs.selected[0], None, axes, cancel)
         near = drawn_within(first)
+        runs = (*inputs.selected, *inputs.others)
         return Pictures(
             inputs=inputs,
             axes=axes,
             orbits=[first, *(self.orbit(one, near, axes, cancel) for one in inputs.selected[1:])],
             others=[self.orbit(one, near, axes, cancel) for one in inputs.others],
             summaries=[self.summary(one, cancel) for one in inputs.selected],
+            alongside={
+                plane: [self.orbit(one, near, plane, cancel) for one in runs]
+                for plane in planes_alike(inputs.declaration, axes)
+            },
         )
 
     def plane(self, system: core.PiecewiseSystem, chosen: Axes | None, cancel: Cancel = never) -> Axes:
@@ -190,16 +202,18 @@ class Results:
         )
 
     def frames(self, inputs: tuple[RunInputs, ...], axes: Axes, cancel: Cancel = never) -> list[Frames]:
-        """Return the states that the player shows of each run; of many runs fewer each."""
-        limit = min(MOST_FRAMES, max(FEWEST_FRAMES, ALL_FRAMES // len(inputs)))
+        """Return the states that the player shows of each run in the plane, then in those alike; of many fewer each."""
         first = self.orbit(inputs[0], None, axes, cancel)
         near = drawn_within(first)
-        windows = [near if first.runs_off else None, *(near for _ in inputs[1:])]
+        alike = planes_alike(inputs[0].problem.declaration, axes)
+        shown = [(one, plane) for plane in (axes, *alike) for one in inputs]
+        limit = min(MOST_FRAMES, max(FEWEST_FRAMES, ALL_FRAMES // len(shown)))
+        windows = [near if first.runs_off else None, *(near for _ in shown[1:])]
         return [
             self._get(
-                "frames", (one, axes, limit, window), cancel, partial(self._frames, one, axes, limit, window, cancel)
+                "frames", (one, plane, limit, window), cancel, partial(self._frames, one, plane, limit, window, cancel)
             )
-            for one, window in zip(inputs, windows, strict=True)
+            for (one, plane), window in zip(shown, windows, strict=True)
         ]
 
     def _frames(self, inputs: RunInputs, axes: Axes, limit: int, near: Window | None, cancel: Cancel) -> Frames:

@@ -74,6 +74,27 @@ def test_the_curves_are_there_as_drawn_between_long_steps_and_with_gaps_at_jumps
     assert found["start"].tolist() == sorted(found["start"])
 
 
+def test_each_body_that_is_drawn_has_its_table():
+    scene = Scene(system="three_bodies", methods=["dmm2", "rk2"], t_end=3.0)
+    scene.place((0.9, 0.0, *scene.starts[0][2:]))
+    results = Results()
+    pictures = results.pictures(PortraitInputs.of(scene))
+    tables = made(drawn_table(pictures))
+    assert list(tables) == ["drawn", "drawn x2 y2", "drawn x3 y3"]
+    run = core.integrate("three_bodies", (0.0, 3.0), x0=scene.starts[1], method="rk2", tau=scene.tau)
+    for body, name in enumerate(tables, 1):
+        rows = rows_of(tables[name], 2, "rk2")
+        drawn = np.column_stack([tables[name][f"{letter}{body}"][rows] for letter in "xy"])
+        states = run.x[:, 2 * body - 2 : 2 * body]
+        away = [np.hypot(*(states - place).T).min() for place in drawn]
+        assert max(away) < 1e-2, "its vertices are states of the body in this run"
+        assert np.array_equal(drawn[0], states[0])
+        assert len(drawn) > 20
+    frames = results.frames((*pictures.inputs.selected, *pictures.inputs.others), (0, 1))
+    starts = [one.places[0].tolist() for one in frames]
+    assert starts == [[x[2 * body], x[2 * body + 1]] for body in range(3) for x in scene.starts[::-1] for _ in range(2)]
+
+
 def test_of_very_many_steps_some_are_kept_and_the_last(monkeypatch):
     monkeypatch.setattr(tables, "MOST_ROWS", 1000)
     found = portrait_tables(drawn())["curves"]()

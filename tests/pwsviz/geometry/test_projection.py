@@ -14,6 +14,7 @@ from pwsviz.geometry.projection import (
     conserved_note,
     in_plane,
     planes,
+    planes_alike,
     shows_field,
     shows_levels,
     shows_regions,
@@ -121,10 +122,25 @@ def test_any_two_variables_span_a_portrait():
     assert not shows_surface(kepler, (2, 3))
     assert shows_surface(kepler, (1, 0))
     assert axis_labels(kepler, (3, 1)) == ("v (x, u not shown)", "y")
-    assert axis_labels(core.CATALOGUE["three_bodies"], XY) == ("x₁ (10 other variables not shown)", "y₁")
+    assert axis_labels(core.CATALOGUE["three_bodies"], (0, 2)) == ("x₁ (10 other variables not shown)", "x₂")
     x = np.arange(8.0).reshape(2, 4)
     assert np.array_equal(in_plane(x, (1, 3)), x[:, [1, 3]])
     assert np.array_equal(in_plane(x, (3, 1)), x[:, [3, 1]])
+
+
+def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
+    bodies = core.CATALOGUE["three_bodies"]
+    assert planes_alike(bodies, (0, 1)) == [(2, 3), (4, 5)]
+    assert planes_alike(bodies, (3, 2)) == [(1, 0), (5, 4)]
+    place, speed = bodies.variables.index("x1"), bodies.variables.index("u1")
+    assert [bodies.variables[k] for plane in planes_alike(bodies, (place, speed)) for k in plane] == [
+        "x2", "u2", "x3", "u3",
+    ]  # fmt: skip
+    assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
+    assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
+    assert "x₂, y₂; x₃, y₃. Marks are those of x₁, y₁." in portrait_note(bodies, (0, 1))
+    others = [system for name, system in core.CATALOGUE.items() if name != "three_bodies"]
+    assert not any(planes_alike(system, axes) for system in others for axes in planes(system))
 
 
 def test_a_swapped_plane_is_the_mirror_image():
