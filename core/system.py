@@ -134,7 +134,7 @@ class PiecewiseSystem:
         if wrong := [part for part in given if not isinstance(part, Transition)]:
             raise ValueError(f"transitions: {wrong[0]!r} is no Transition; give Transition(mode, guard, to)")
         if odd := [name for name in regions if not isinstance(name, str)]:
-            raise ValueError(f"regions: the key {odd[0]!r} is no text; write its signs, as in '+-'")
+            raise ValueError(f"regions: the key {odd[0]!r} is not text; write its signs, as in '+-'")
         names = list(regions)
         order = names if given else sorted(names, key=lambda name: name.replace("-", "\0"))  # - before +
         set_(self, "regions", MappingProxyType({name: regions[name] for name in order}))
@@ -355,7 +355,7 @@ class PiecewiseSystem:
         names = ", ".join(self.variables)
         if isinstance(x, Mapping):
             wrong = [f"{v!r} is missing" for v in self.variables if v not in x]
-            wrong += [f"{v!r} is no variable" for v in x if v not in self.variables]
+            wrong += [f"{v!r} is not a variable" for v in x if v not in self.variables]
             if wrong:
                 raise ValueError(f"{what} = {dict(x)!r}: {wrong[0]}; a number for each of {names} is needed")
             x = [x[v] for v in self.variables]

@@ -140,7 +140,7 @@ def _count(text: str) -> int:
 
 def _whole(text: str, most: int) -> int:
     if not text.isdecimal() or int(text) > most:
-        raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 0 to {most}")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 to {most}")
     return int(text)
 
 

@@ -28,7 +28,7 @@ def number(value: Any, what: str) -> float:
     except OverflowError:
         found = math.inf
     except (TypeError, ValueError):
-        raise ValueError(f"{what} = {value!r} is no number") from None
+        raise ValueError(f"{what} = {value!r} is not a number") from None
     if not math.isfinite(found):
         raise ValueError(f"{what} = {value!r}: a finite number is needed")
     return found

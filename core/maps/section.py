@@ -147,7 +147,7 @@ def coordinate_numbers(variables: tuple[str, ...], names: tuple[str, ...]) -> li
     given = listed(names, "coordinates", "names of variables are needed", str)
     for name in given:
         if name not in variables:
-            raise ValueError(f"{quoted(str(name))} is no variable; coordinates are some of {', '.join(variables)}")
+            raise ValueError(f"{quoted(str(name))} is not a variable; coordinates are some of {', '.join(variables)}")
     if len(set(given)) < len(given):
         raise ValueError(f"coordinates = {names!r}: a variable is given twice")
     if not given:

@@ -200,7 +200,7 @@ def _check_settings(settings: Mapping[str, Any]) -> None:
     known = [name for name in inspect.signature(section).parameters if name not in own]
     for name in settings:
         if name not in known:
-            raise ValueError(f"{name} is no argument of a sweep; of those of section it takes {', '.join(known)}")
+            raise ValueError(f"{name} is not an argument of a sweep; of those of section it takes {', '.join(known)}")
 
 
 def _sides(own: PiecewiseSystem, t: float, x: Floats, value: Mapping[str, Floats]) -> Floats:

@@ -173,7 +173,7 @@ class Transitions:
             )
             return ending._replace(doubtful=True)
         if self._accumulates(way.surface, float(met.t)):
-            return Ending("its crossings accumulate: infinitely many follow in a finite time (Zeno)")
+            return Ending("its crossings or jumps accumulate: infinitely many follow in a finite time (Zeno)")
         corner = self._corner(arc, met)
         slid = arc.mode >= self._regions
         if corner or (slid and not turns):

@@ -288,7 +288,7 @@ def _checked_names(
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"{twice[0]!r} stands twice among the methods and external solvers (peers): name each once")
     if not names:
-        raise ValueError("methods and peers are both empty: name one integrator at least")
+        raise ValueError("methods and peers are both empty: name at least one integrator")
     return names
 
 

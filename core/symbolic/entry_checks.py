@@ -40,9 +40,9 @@ def wrong_regions(declared: DeclaredTexts) -> Iterator[Problem]:
     """Yield what is wrong with regions, and with the surfaces or transitions between them."""
     names, k = [region.name for region in declared.regions], len(declared.surfaces)
     if not names:
-        yield Problem("regions", "there are none; declare one at least")
+        yield Problem("regions", "there are none; declare at least one")
     elif len(names) > MAX_REGIONS:
-        yield Problem("regions", f"{len(names)} regions: {MAX_REGIONS} at most are possible")
+        yield Problem("regions", f"{len(names)} regions: at most {MAX_REGIONS} are possible")
     elif declared.transitions:
         yield from _wrong_transitions(declared, names)
     elif not declared.two_sided:
@@ -50,10 +50,12 @@ def wrong_regions(declared: DeclaredTexts) -> Iterator[Problem]:
             yield Problem("surfaces", f"{k} surfaces: from 1 to {MAX_SURFACES} are possible")
         for name in names:
             if len(name) != k or set(name) - set("-+"):
-                yield Problem("regions", f"{name!r} is no region: one sign, - or +, for each of {k} surfaces is needed")
+                yield Problem(
+                    "regions", f"{name!r} is not a region: write {_count(k, 'sign')}, - or +, one for each surface"
+                )
         for number, _ in declared.jumps:
             if number not in range(k):
-                yield Problem("jumps", f"{number!r} is no surface: they have the numbers 0 to {k - 1}")
+                yield Problem("jumps", f"{number!r} is not a surface: they have the numbers 0 to {k - 1}")
 
 
 def _wrong_transitions(declared: DeclaredTexts, names: Sequence[str]) -> Iterator[Problem]:
@@ -62,11 +64,11 @@ def _wrong_transitions(declared: DeclaredTexts, names: Sequence[str]) -> Iterato
     for k, transition in enumerate(declared.transitions):
         for name in (transition.mode, transition.to):
             if name not in names:
-                words = f"{name!r} is no region; there are {', '.join(map(repr, names))}"
+                words = f"{name!r} is not a region; there are {', '.join(map(repr, names))}"
                 yield Problem("transitions", f"transition {k}: {words}")
     for name, guards in Counter(transition.mode for transition in declared.transitions).items():
         if guards > MAX_GUARDS:
-            yield Problem("transitions", f"region {name!r} has {guards} guards: {MAX_GUARDS} at most are possible")
+            yield Problem("transitions", f"region {name!r} has {guards} guards: at most {MAX_GUARDS} are possible")
     for name in names:
         if name not in {transition.mode for transition in declared.transitions}:
             yield Problem("transitions", f"region {name!r} has no guard, so a run would never leave it")

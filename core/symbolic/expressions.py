@@ -188,7 +188,7 @@ class _Reader:
         piece = ast.get_source_segment(self.source, node) or type(node).__name__
         hint = "; powers are written **" if isinstance(getattr(node, "op", None), ast.BitXor) else ""
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in self.symbols:
-            return self.fail(f"{node.func.id} is no function; write a product as {node.func.id}*(…)")
+            return self.fail(f"{node.func.id} is not a function; write a product as {node.func.id}*(…)")
         if self.switches and isinstance(getattr(node, "op", None), ast.BitAnd | ast.BitOr):
             hint = "; conditions are written as (x > 0) & (y > 0), with these parentheses"
         elif self.switches and isinstance(node, ast.Compare):
@@ -257,7 +257,7 @@ class _Reader:
                     chosen += [read] if holds else []
                 case _:
                     piece = ast.get_source_segment(self.source, pair)
-                    raise self.fail(f"{piece!r} is no pair; write Piecewise((value, condition), …, (value, True))")
+                    raise self.fail(f"{piece!r} is not a pair; write Piecewise((value, condition), …, (value, True))")
         if not chosen:
             raise self.fail("Piecewise has no value where none of its conditions holds; end it with (value, True)")
         return chosen[0]
@@ -281,7 +281,9 @@ class _Reader:
                 signs = [self.sign(self.combine(OPERATIONS[ast.Sub], *pair)) for pair in itertools.pairwise(read)]
                 return all(sign in _COMPARISONS[type(op)] for op, sign in zip(ops, signs, strict=True))
         piece = ast.get_source_segment(self.source, node)
-        raise self.fail(f"{piece!r} is no condition; write comparisons with < <= > >=, joined by and, or, not or & | ~")
+        raise self.fail(
+            f"{piece!r} is not a condition; write comparisons with < <= > >=, joined by and, or, not, &, |, ~"
+        )
 
     def sign(self, operand: Operand) -> int:
         """The sign of a switching function, or of a constant."""
@@ -323,7 +325,7 @@ class _Reader:
         """Refuse large powers before sympy computes them: nested ones such as (1.000000001**64)**64."""
         if exponent[1] is None:
             if base[1] is not None and base[1] <= 0:
-                raise self.fail("the base of a power is negative or zero where its exponent is no number")
+                raise self.fail("the base of a power is negative or zero where its exponent is not a number")
             return
         if abs(exponent[1]) > MAX_EXPONENT and (base[1] is None or base[0].is_Rational):
             raise self.fail(f"the exponent {exponent[1]:g} is beyond ±{MAX_EXPONENT}")

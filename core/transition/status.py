@@ -80,7 +80,7 @@ _WORDS = {
         "The solution may have a pole: end the run before it. If it has none, take a smaller step size.",
     ),
     Status.ZENO: (
-        "crossings come ever closer and accumulate here (Zeno)",
+        "crossings or jumps come ever closer and accumulate here (Zeno)",
         "These laws do not determine the motion beyond this time; continue it with another system.",
     ),
     Status.CROSSING_LIMIT: ("the limit of crossings is reached", "Raise the limit (max_crossings) to continue."),

@@ -114,7 +114,7 @@ class Regions:
         """Declare what `read_parts` gives; ValueError where a quantity is of no region."""
         laws, psi, ways = parts["regions"], parts["quantities"], tuple(parts["transitions"])
         if lost := [name for name in psi if name not in laws]:
-            raise ValueError(f"{quoted(lost[0])} is no region: {_declared(laws)}")
+            raise ValueError(f"{quoted(lost[0])} is not a region: {_declared(laws)}")
         texts = tuple(RegionText(name, tuple(law), tuple(psi.get(name, ()))) for name, law in laws.items())
         jumps = tuple((k, tuple(jump)) for k, jump in sorted(parts["resets"].items()))
         names = Names(variables, laws, parts["resets"], ways)
@@ -251,7 +251,7 @@ def _resets(text: str, variables: Sequence[str], formula: Formula) -> dict[int, 
         for name in split(names) or [""]:
             number = re.fullmatch(r"g ?([1-9]?)", name)
             if number is None:
-                raise ValueError(f"{quoted(name)} is no surface: {_AS_RESET}")
+                raise ValueError(f"{quoted(name)} is not a surface: {_AS_RESET}")
             k = int(number[1] or 1) - 1
             if k in found:
                 raise ValueError(f"the surface g{k + 1} is there twice: write one reset for each")
@@ -271,7 +271,7 @@ def _transition(name: str, rest: str, variables: Sequence[str], formula: Formula
     guard, reset, after = rest.partition(_RESET)
     guards = split(guard)
     if not (mode and arrow and to) or len(guards) != 1:
-        raise ValueError(f"{quoted(f'{name}:{rest}'.strip())} is no transition: {_AS_TRANSITION}")
+        raise ValueError(f"{quoted(f'{name}:{rest}'.strip())} is not a transition: {_AS_TRANSITION}")
     return TransitionText(
         _name(mode), formula(guards[0]), _name(to), tuple(_after(after, variables, formula)) if reset else ()
     )

@@ -23,7 +23,7 @@ MEANINGS: Mapping[str, str] = {
     "side_entered": "sign of g on the side entered; 0 where the run slid from, or stopped",
     "change_of_psi": "|Δψ|, the error of ψ since the start; the largest over several ψ",
     "number": "number of the crossing in its run, from 1",
-    "point": "number of the point of its start, from 1; points left out first do not count",
+    "point": "number of the point of its start, from 1; discarded points do not count",
     "kind": "kind of the crossing",
     "tau": f"step size τ, {_TIME}",
     "tolerance": "error of a step relative to the state",

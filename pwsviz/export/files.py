@@ -114,7 +114,7 @@ def _columns(table: Table) -> dict[str, NDArray[Any]]:
     columns = {name: np.asarray(column) for name, column in table.items()}
     for name, column in columns.items():
         if column.ndim != 1 or column.dtype.kind not in "biufU":
-            raise ValueError(f"column {name!r} is no list of numbers or words: {column.ndim} axes of {column.dtype}")
+            raise ValueError(f"column {name!r} is not a list of numbers or words: {column.ndim} axes of {column.dtype}")
     if len({len(column) for column in columns.values()}) > 1:
         lengths = ", ".join(f"{name} {len(column)}" for name, column in columns.items())
         raise ValueError(f"the columns of a table have one length; there are {lengths}")

@@ -141,9 +141,9 @@ def _nothing_left(found: Diagram) -> str:
         return ""
     crossings = plural(found.inputs.discard, "crossing")
     longer = (found.outcomes[none] == Status.COMPLETED).any()
-    do = "leave out fewer, or, unless they have come to rest, let runs last longer" if longer else "leave out fewer"
+    do = "discard fewer, or, unless they have come to rest, let runs last longer" if longer else "discard fewer"
     who = "No run has" if not found.counts.any() else f"For {none.sum():,} of the values no run has"
-    return f"{who} more than the {crossings} left out first: {do} (“more”)."
+    return f"{who} more than the {crossings} discarded first: {do} (“more”)."
 
 
 def _where(inputs: SweepInputs) -> str:
@@ -179,7 +179,7 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
         "up": "each run begins where that of the next smaller value ends",
         "down": "each run begins where that of the next greater value ends",
     }[inputs.continuation]
-    left = f"after {inputs.discard:,} that are left out, " if inputs.discard else ""
+    left = f"after {inputs.discard:,} discarded, " if inputs.discard else ""
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
     line = f"; the dashed line is {name} = {present:.15g}" if inputs.low <= present <= inputs.high else ""
     return printed(

@@ -55,7 +55,7 @@ def surface_functions(system: core.PiecewiseSystem, of: str) -> tuple[sympy.Expr
     Raises
     ------
     ValueError
-        If the text is no function of the system's variables, its parameters and t, or is constant.
+        If the text is not a function of the system's variables, its parameters and t, or is constant.
     """
     if not of:
         return tuple(system.laws.surfaces)

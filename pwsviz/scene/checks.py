@@ -45,7 +45,7 @@ Start: TypeAlias = "tuple[float, ...]"
 
 _SUBJECTS = {
     "tau": "The step size", "t_end": "The end time", "tolerance": "The tolerance", "perturbation_scale": "The factor",
-    "section_points": "The number of points", "section_discard": "The number left out",
+    "section_points": "The number of points", "section_discard": "The number discarded",
 }  # fmt: skip
 """What a message calls the settings that are numbers."""
 

@@ -22,11 +22,11 @@ LABELS: Mapping[str, str] = {
     "stability_coordinate": "Coordinate of Stability", "sweep_parameter": "Parameter",
     "sweep_range": "Range of the parameter", "sweep_coordinate": "Coordinate",
     "sweep_of": "Surface of the diagram: h(t, x) = 0", "sweep_direction": "Direction of crossing",
-    "sweep_continuation": "Continuation", "sweep_values": "Values", "sweep_points": "Points a value",
-    "sweep_discard": "Points left out first", "sweep_end": "Latest end time",
+    "sweep_continuation": "Continuation", "sweep_values": "Values", "sweep_points": "Points per value",
+    "sweep_discard": "Transient points discarded", "sweep_end": "Latest end time",
     "section_of": "Surface of the section", "section_direction": "Direction of the section",
-    "section_axes": "Coordinates of the section", "section_points": "Points of each start",
-    "section_discard": "Points left out first", "section_map": "Return map",
+    "section_axes": "Coordinates of the section", "section_points": "Points per start",
+    "section_discard": "Transient points discarded", "section_map": "Return map",
 }  # fmt: skip
 """Label of each setting."""
 

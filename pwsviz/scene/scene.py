@@ -106,7 +106,7 @@ class Scene(param.Parameterized):
         default=None, class_=tuple, doc="The two coordinates shown, time being the last; None: those that show most."
     )
     section_points = param.Integer(default=2000, bounds=(1, 1_000_000), doc="Points of each start.")
-    section_discard = param.Integer(default=0, bounds=(0, 1_000_000), doc="Points of each start left out first.")
+    section_discard = param.Integer(default=0, bounds=(0, 1_000_000), doc="Points of each start discarded first.")
     section_map = param.Boolean(default=False, doc="Whether the return map is shown, not the section itself.")
     sweep_parameter = param.String(default="", doc="The parameter of the diagram; empty: the first with bounds.")
     sweep_range: Any = param.ClassSelector(
@@ -121,7 +121,7 @@ class Scene(param.Parameterized):
     sweep_values = param.Integer(default=400, bounds=COUNTS["sweep_values"][1:], doc="Values of the parameter.")
     sweep_points = param.Integer(default=100, bounds=COUNTS["sweep_points"][1:], doc="Points kept for each.")
     sweep_discard = param.Integer(
-        default=100, bounds=COUNTS["sweep_discard"][1:], doc="Points of each value left out first."
+        default=100, bounds=COUNTS["sweep_discard"][1:], doc="Points of each value discarded first."
     )
     sweep_end = param.Number(default=2000.0, bounds=(1e-3, 1e5), doc="Time at which a run ends that lacks points.")
 

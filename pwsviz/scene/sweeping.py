@@ -26,7 +26,7 @@ MOST_POINTS = 2_000_000
 COUNTS = {
     "sweep_values": ("The number of values", 2, 4000),
     "sweep_points": ("The number of points for each value", 1, 5000),
-    "sweep_discard": ("The number of points left out", 0, 1_000_000),
+    "sweep_discard": ("The number of points discarded", 0, 1_000_000),
 }
 """Whole numbers of the settings: what each is, the least and the greatest."""
 

@@ -110,7 +110,7 @@ def require_port(port: int, address: str) -> None:
     if reason == errno.EACCES:
         raise Unavailable(f"Port {port} is not permitted to you: take one from 1024 on, as in --port 5006.")
     raise Unavailable(
-        f"{address} is no address of this machine: take localhost, or 0.0.0.0 to be reached from others, by --address."
+        f"{address} is not an address of this machine: use --address localhost, or 0.0.0.0 to be reached from others."
     )
 
 

@@ -52,7 +52,7 @@ class SweepTab(LongTab):
         self.view = SweepView(self._go, self._look)
         self.controls = SweepControls(self.scene)
         self._narrow = pmui.Button(
-            label="Sweep the values in sight", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX, visible=False
+            label="Sweep the visible range", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX, visible=False
         )
         self._narrow.on_click(lambda _: self._sweep_in_sight())
         self._place = pn.Column(self.plot(self.view.figure), margin=0, sizing_mode="stretch_width")
@@ -104,7 +104,7 @@ class SweepTab(LongTab):
         return max(low, window.x_low), min(high, window.x_high)
 
     def _look(self, _window: Window) -> None:
-        """Offer to sweep the values in sight, where these are a part of the range."""
+        """Offer to sweep the visible range, where these are a part of the range."""
         (low, high), (left, right) = swept_range(self.scene), self._in_sight()
         self._narrow.visible = right - left < 0.95 * (high - low)
 

@@ -33,7 +33,7 @@ ROW_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 110px !i
 ABOUT = {
     "sweep_values": "How many values of the parameter, evenly spaced.",
     "sweep_points": "How many points are kept for each value.",
-    "sweep_discard": "How many points are left out first: the transient.",
+    "sweep_discard": "How many points are discarded first: the transient.",
     "sweep_end": "A run that has not all its points by this time ends there.",
 }
 """Tooltips of the numbers behind “more”."""

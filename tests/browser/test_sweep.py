@@ -51,7 +51,7 @@ def test_values_in_sight_are_swept_again_and_a_slider_sweeps_anew(visit):
         page.mouse.wheel(0, -200)
         page.wait_for_timeout(100)
     page.keyboard.up("Control")
-    page.get_by_role("button", name="Sweep the values in sight").click()
+    page.get_by_role("button", name="Sweep the visible range").click()
     page.wait_for_function("() => /sweep_range=8\\.[0-9]+,(8|9)\\./.test(location.href)")
     seen = whole(page, r"120 values of α from 8\.[1-5]")
     assert 0 < seen["range"][1] - seen["range"][0] < 1.0

@@ -178,10 +178,10 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({"parameters": {"lambda": 1.0}}, "'lambda'", "choose another"),
     ({"parameters": {"k": Parameter("q", 1.0)}}, "'k'", "names must agree"),
     ({"parameters": {"k": float("inf")}}, "k = inf", "finite number"),
-    ({"parameters": {"k": "three"}}, "k = 'three'", "no number"),
+    ({"parameters": {"k": "three"}}, "k = 'three'", "not a number"),
     ({"parameters": [3.0]}, "3.0", "Parameter(name, default)"),
     ({"parameters": 3.0}, "3.0", "Parameter"),
-    ({"parameters": {"k": None}}, "k = None", "no number"),
+    ({"parameters": {"k": None}}, "k = None", "not a number"),
     ({"values": {"q": 1.0}}, "'q'", "known are k"),
 ]
 
@@ -246,7 +246,7 @@ def test_parameters_that_make_no_sense_are_refused(arguments: tuple[Any, ...], r
 
 @pytest.mark.parametrize(
     ("values", "remedy"),
-    [({"q": 1.0}, "known are k"), ({"k": 30.0}, "0.1 … 20"), ({"k": float("nan")}, "finite"), ({"k": "a"}, "no n")],
+    [({"q": 1.0}, "known are k"), ({"k": 30.0}, "0.1 … 20"), ({"k": float("nan")}, "finite"), ({"k": "a"}, "not a n")],
 )
 def test_parameter_values_that_make_no_sense_are_refused(values: dict[str, Any], remedy: str) -> None:
     s = system(parameters=[Parameter("k", 3.0, (0.1, 20.0))])

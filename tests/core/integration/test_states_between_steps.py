@@ -60,7 +60,7 @@ def test_times_of_any_shape_give_states_of_that_shape(shape):
 @pytest.mark.parametrize(
     ("t", "words"),
     [(-0.1, "-0.1 is outside the run"), (2.5, "2.5 is outside .* 0.0 … 2.0"), ([0.5, math.nan], "nan"),
-     (math.inf, "inf"), ("1.0", "numbers are needed"), (1j, "numbers are needed"), (None, "None is no number"),
+     (math.inf, "inf"), ("1.0", "numbers are needed"), (1j, "numbers are needed"), (None, "None is not a number"),
      (True, "numbers are needed"), ([[1.0], [1.0, 2.0]], "array of numbers")],
 )  # fmt: skip
 def test_what_is_no_time_of_the_run_is_refused(t, words):

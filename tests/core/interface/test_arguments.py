@@ -26,7 +26,7 @@ def test_numbers_of_every_kind_are_taken(value):
     "value", [None, "1", b"1", True, np.True_, 1 + 0j, np.complex128(1), [1.0], np.ones(1), {}, object]
 )
 def test_what_is_no_number_is_refused_by_its_name(value):
-    with pytest.raises(ValueError, match=r"tau = .* is no number"):
+    with pytest.raises(ValueError, match=r"tau = .* is not a number"):
         number(value, "tau")
 
 
@@ -66,7 +66,7 @@ def test_a_state_may_be_given_by_the_names_of_the_variables():
     run = core.integrate(SYSTEM, (0.0, 1.0), x0={"y": 2, "x": 1})
     assert run.x[0].tolist() == [1.0, 2.0]
     assert core.order_study(SYSTEM, (0.1, 0.05), {"y": 1, "x": 1}, crossings=(1,)).crossings == (1,)
-    for x0, words in (({"x": 1}, "'y' is missing"), ({"x": 1, "y": 2, "z": 3}, "'z' is no variable")):
+    for x0, words in (({"x": 1}, "'y' is missing"), ({"x": 1, "y": 2, "z": 3}, "'z' is not a variable")):
         with pytest.raises(ValueError, match=words):
             core.integrate(SYSTEM, (0.0, 1.0), x0=x0)
 

@@ -116,7 +116,7 @@ def test_a_return_map_pairs_each_point_with_the_next_of_its_member():
         ({"discard": 2**70}, "discard = "),
         ({"of": "x +"}, "of"),
         ({"of": "q"}, "q"),
-        ({"coordinates": ("q",)}, "'q' is no variable; coordinates are some of x, v"),
+        ({"coordinates": ("q",)}, "'q' is not a variable; coordinates are some of x, v"),
         ({"coordinates": ()}, "at least one"),
     ],
     ids=lambda part: part if isinstance(part, str) else "",

@@ -96,7 +96,7 @@ def test_a_cancelled_sweep_has_the_points_of_the_values_that_are_done():
         ({"parameter": "b"}, "unknown parameter 'b'"),
         ({"values": [[1.0]]}, "values has shape"),
         ({"values": [np.inf]}, "finite"),
-        ({"coordinate": "z"}, "'z' is no variable"),
+        ({"coordinate": "z"}, "'z' is not a variable"),
         ({"foo": 1}, "foo is no argument of a sweep"),
         ({"events": "x"}, "events is no argument of a sweep"),
         ({"coordinates": ("x",)}, "coordinates is no argument of a sweep"),

@@ -29,5 +29,5 @@ def test_what_is_wrong_is_named_with_its_place(text, says):
 
 
 def test_a_name_before_a_bracket_is_told_to_be_no_function():
-    with pytest.raises(ValueError, match=r"a is no function; write a product as a\*\(…\)"):
+    with pytest.raises(ValueError, match=r"a is not a function; write a product as a\*\(…\)"):
         parse("a(x + 1)", ("x", "a"), "f")

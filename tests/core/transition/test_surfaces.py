@@ -429,7 +429,7 @@ def test_psi_has_to_be_conserved_in_its_own_region_only():
 
 @pytest.mark.parametrize("way", [Transition("on", "1 - x", "of"), Transition("of", "1 - x", "on")])
 def test_a_transition_from_or_to_an_unknown_region_is_refused(way):
-    with pytest.raises(ValueError, match=r"transition 2: 'of' is no region; there are 'on', 'off'"):
+    with pytest.raises(ValueError, match=r"transition 2: 'of' is not a region; there are 'on', 'off'"):
         declared(**_NAMED, transitions=(*_WAYS, way))
 
 
@@ -442,7 +442,7 @@ def test_a_surface_given_twice_is_refused(twice):
 
 @pytest.mark.parametrize("number", [2, -1])
 def test_a_jump_at_a_surface_that_is_not_there_is_refused(number):
-    with pytest.raises(ValueError, match=rf"{number} is no surface: they have the numbers 0 to 1"):
+    with pytest.raises(ValueError, match=rf"{number} is not a surface: they have the numbers 0 to 1"):
         declared(**_TWO, jumps={number: ("x", "-v")})
 
 

@@ -95,7 +95,7 @@ def test_each_comment_is_one_line_whatever_it_says(words):
 def test_a_column_of_anything_else_is_refused():
     for column in ([[1.0]], 1.0, [None], [1j]):
         for write in (csv_bytes, lambda table: npz_bytes({"": table})):
-            with pytest.raises(ValueError, match="'x' is no list of numbers or words"):
+            with pytest.raises(ValueError, match="'x' is not a list of numbers or words"):
                 write({"x": column})
 
 

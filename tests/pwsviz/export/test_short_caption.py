@@ -52,7 +52,7 @@ def test_a_run_that_ended_early_is_told_with_its_time_everywhere():
     system = core.CATALOGUE["bouncing_ball"]
     run = core.integrate(system, (0.0, 5.0), tau=0.01)
     told = endings([DrawnRun(1, run)])
-    assert told.startswith("dmm2 ended at t = 1.35526: crossings come ever closer")
+    assert told.startswith("dmm2 ended at t = 1.35526: crossings or jumps come ever closer")
     scene = scene_of(system)
     for words in (caption(scene, "State", endings=told), short_caption(scene, "State", endings=told)):
         assert "ended at t = 1.35526" in words

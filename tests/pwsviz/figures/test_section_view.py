@@ -130,8 +130,8 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     assert section_text(whole) == "6 points of 2 starts on S: g = 0, reached from one side, just after the reset map."
     early = points(portion(0, [1.0, 2.0, 3.0]), portion(1, [2.0]), statuses=(Status.CROSSING_LIMIT, Status.ZENO))
     assert (
-        "One start has all 3. Start 2 has ended with 1 point by t = 8.25: crossings come ever closer and accumulate "
-        "here (Zeno)."
+        "One start has all 3. Start 2 has ended with 1 point by t = 8.25: crossings or jumps come ever closer and "
+        "accumulate here (Zeno)."
     ) in section_text(early)
     both = points(portion(1, [2.0]), statuses=(Status.ESCAPED, Status.ESCAPED))
     assert (
@@ -147,7 +147,7 @@ def test_words_tell_which_starts_have_fewer_points_and_why():
     assert "Start 2 has ended with 1 point by t = 8.25: the motion has come to rest" in section_text(still)
     typed = points(portion(0, [1.0]), section_of="y - a**2", section_discard=9)
     assert "on y − a² = 0, crossed either way." in section_text(typed)
-    assert "after 9 that are left out; integrated by taylor" in section_how(typed)
+    assert "after 9 discarded; integrated by taylor" in section_how(typed)
 
 
 def test_a_table_has_a_row_for_each_point_start_by_start():

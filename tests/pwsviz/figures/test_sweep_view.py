@@ -127,7 +127,7 @@ def test_how_names_all_that_repeats_the_diagram():
     assert surface_words(inputs) == "the surface x − 1 = 0, where the function falls"
     how = sweep_how(inputs)
     for words in (
-        "y at crossings", "400 values of a₋ from −8 to 4", "100 that are left out", "t = 2000", "next smaller value",
+        "y at crossings", "400 values of a₋ from −8 to 4", "100 discarded", "t = 2000", "next smaller value",
         "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words
@@ -143,12 +143,12 @@ def test_nothing_is_said_of_the_present_value_if_no_computed_value_is_next_to_it
 
 
 def test_a_diagram_without_points_says_that_all_crossings_were_left_out():
-    nothing = "No run has more than the 100 crossings left out first"
+    nothing = "No run has more than the 100 crossings discarded first"
     assert nothing in sweep_text(diagram([BLOWS_UP] * 7), 0.0)
     assert nothing not in sweep_text(MIXED, 0.0)
     most = diagram([LIMIT, *[DONE] * 6])
     most.counts[1:] = 0
-    words = "For 6 of the values no run has more than the 100 crossings left out first: leave out fewer, or, unless"
+    words = "For 6 of the values no run has more than the 100 crossings discarded first: discard fewer, or, unless"
     assert words in sweep_text(most, 0.0)
     assert nothing not in sweep_text(diagram([BLOWS_UP] * 7, sweep_discard=0), 0.0)
 

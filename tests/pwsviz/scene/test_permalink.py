@@ -329,12 +329,12 @@ HOSTILE = [
     (OWN_START + "[%22x%22],%22x0%22:[1e400]}", "own", "finite"),
     (own_link(), "own", "lies in a region for which no law is declared"),
     (own_link(regions={}), "own", "there are none"),
-    (own_link(regions={"__class__": {"f": ["1", "0"]}}), "own", "is no region"),
+    (own_link(regions={"__class__": {"f": ["1", "0"]}}), "own", "is not a region"),
     (own_link(regions={"++": {"f": ["__import__('os').system('ls')", "0"]}}), "own", "not allowed"),
     (own_link(regions={"++": {"f": ["1", "0"], "psi": ["x"]}}), "own", "not conserved"),
     (own_link(regions={"++": "[" * 50}), "own", "is not a region"),
     (own_link(surfaces=["x"] * 20), "own", "20 surfaces"),
-    (own_link(jumps={"7": ["x", "y"]}), "own", "is no surface"),
+    (own_link(jumps={"7": ["x", "y"]}), "own", "is not a surface"),
     (own_link(transitions=[{"mode": "++", "guard": "x", "to": "\u202e"}]), "own", "give either transitions"),
 ]
 
