@@ -105,7 +105,7 @@ def test_a_taken_port_is_said_and_another_offered(taken, capsys):
 
 def test_an_address_of_another_machine_is_said(capsys):
     assert main(["serve", "--no-show", "--address", "192.0.2.1"]) == 1  # RFC 5737: nobody's
-    assert "192.0.2.1 is no address of this machine" in capsys.readouterr().err
+    assert "192.0.2.1 is not an address of this machine" in capsys.readouterr().err
 
 
 def test_a_port_one_may_not_take_is_said(monkeypatch, capsys):

@@ -178,7 +178,10 @@ def test_a_mistake_in_regions_and_walls_is_told_beside_it(changes, field, says):
             "From on to off: 'off' is not a region; there are 'on', 'stand by'",
         ),
         ("on -> stand by: 1 - T", "Region 'stand by' has no guard, so a run would never leave it"),
-        ("on -> stand by: 1 - T, q\nstand by -> on: T", "is not a transition: write both regions, a colon and the guard"),
+        (
+            "on -> stand by: 1 - T, q\nstand by -> on: T",
+            "is not a transition: write both regions, a colon and the guard",
+        ),
         ("on -> stand by: 1 - s\nstand by -> on: T", "the guard of on → stand by = '1 - s': unknown name 's'"),
         ("on -> stand by: 1 - T => T\nstand by -> on: T", "From on to stand by: 1 expression here, 2 are needed"),
         ("on -> stand by: 1\nstand by -> on: T", "the guard of on → stand by = '1' names no variable"),
