@@ -11,8 +11,9 @@ import panel_material_ui as pmui
 
 from pwsviz.scene.names import LABELS as SETTINGS
 from pwsviz.scene.scene import Scene
+from pwsviz.scene.validation import window
 from pwsviz.widgets.number_field import NumberField
-from pwsviz.widgets.panes import PLAIN_SX
+from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS
 
 __all__ = ["WindowFields"]
 
@@ -23,6 +24,32 @@ Ends = tuple[float, ...]
 
 ROW_CSS = ":host { flex-wrap: wrap; gap: 0 8px; } :host > * { flex: 1 1 90px !important; min-width: 80px; }"
 """Side by side where at least 80 px remain for each."""
+
+
+EQUAL = '<p class="about">Scales are equal: the ends of the other axis follow what is typed.</p>'
+
+NOTE_CSS = ":host { flex: 1 1 100% !important; }"
+
+
+def at_equal_scales(typed: Ends, seen: Ends, across: bool) -> tuple[float, float, float, float]:
+    """Return a window that fills a frame of equal scales in which another one is seen.
+
+    Parameters
+    ----------
+    typed : (left, right, bottom, top)
+        Of which two ends are kept exactly; the other two keep their middle.
+    seen : (left, right, bottom, top)
+        What the frame shows, from edge to edge.
+    across : bool
+        Whether left and right are kept, or else bottom and top.
+    """
+    left, right, bottom, top = typed
+    shape = (seen[3] - seen[2]) / (seen[1] - seen[0])
+    if across:
+        middle, half = (bottom + top) / 2, (right - left) * shape / 2
+        return left, right, middle - half, middle + half
+    middle, half = (left + right) / 2, (top - bottom) / shape / 2
+    return middle - half, middle + half, bottom, top
 
 
 class WindowFields(pn.viewable.Viewer):
@@ -60,7 +87,7 @@ class WindowFields(pn.viewable.Viewer):
             ]
             fit = pmui.Button(label="Fit", variant="text", size="small", margin=(9, 0), sx=PLAIN_SX)
             fit.on_click(lambda _: self._on_fit())
-            self.box.objects = [*self.fields, fit]
+            self.box.objects = [*self.fields, fit, pn.pane.HTML(EQUAL, margin=(0, 4), stylesheets=[TEXT_CSS, NOTE_CSS])]
         self.box.visible = not self.box.visible
         self.sync()
 
@@ -68,9 +95,10 @@ class WindowFields(pn.viewable.Viewer):
         return float(self._seen()[k])
 
     def _accept(self, k: int, value: object) -> None:
-        ends: list[object] = list(self._seen())
-        ends[k] = value
-        self.scene.accept("window", tuple(ends))
+        seen = self._seen()
+        typed = window((*seen[:k], value, *seen[k + 1 :]))
+        if typed is not None:
+            self.scene.accept("window", at_equal_scales(typed, seen, across=k < len(LABELS) // 2))
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return the fields; the button stands elsewhere."""
