@@ -136,10 +136,12 @@ def _shares(study: core.StabilityStudy, found: OutcomeMap, method: str) -> Numbe
     done = codes[codes != NOT_YET]
     words, counts = np.unique([OUTCOMES[code].words for code in done.tolist()], return_counts=True)
     order = np.argsort(-counts, kind="stable")
-    rows = tuple((str(words[n]), _share(counts[n] / len(done)), _bound(found, k, str(words[n]))) for n in order)
+    rows = [(str(words[n]), _share(counts[n] / len(done)), _bound(found, k, str(words[n]))) for n in order]
     runs = plural(codes.size, "run")
     runs = runs if len(done) == codes.size else f"{len(done):,} of {runs} so far"
-    return Numbers(("outcome", "share", "|Δψ| at most"), rows, caption=f"Map of {method}, {runs}")
+    columns = ("outcome", "share", "|Δψ| at most")
+    shown = 3 if np.isfinite(found.error).any() else 2  # no ψ is known
+    return Numbers(columns[:shown], tuple(row[:shown] for row in rows), caption=f"Map of {method}, {runs}")
 
 
 def _bound(found: OutcomeMap, k: int, words: str) -> str:

@@ -12,6 +12,7 @@ import core
 from pwsviz.export.files import Tables
 from pwsviz.export.script import stability_program
 from pwsviz.figures.stability import StabilityView, stability_numbers, stability_tables, stability_text
+from pwsviz.figures.stability_map import Shown
 from pwsviz.geometry.section_crossings import may_slide
 from pwsviz.results.requests import StabilityInputs
 from pwsviz.scene.names import STABILITY_PARTS, STABILITY_SHOWN, met_at_surfaces
@@ -63,7 +64,8 @@ class StabilityTab(LongTab):
     def _offer(self) -> None:
         """Show the controls that affect this part, and its figure."""
         part = self.scene.stability_part
-        self._shown.visible = self._method.visible = part == "map"
+        self._method.visible = part == "map"
+        self._shown.visible = part == "map" and self._knows_psi
         self._coordinate.visible = part != "drift"
         assert self.view is not None  # noqa: S101  (made before)
         plot = self.view.figure(part)
@@ -71,12 +73,18 @@ class StabilityTab(LongTab):
         if self._place.objects != [pane]:
             self._place.objects = [pane]
 
+    @property
+    def _knows_psi(self) -> bool:
+        """Whether a conserved quantity is known, so that there is a |Δψ| to colour a map by."""
+        return self.scene.declaration.laws.most_conserved > 0
+
     def draw(self, outcome: core.StabilityStudy) -> str:
         """Draw the chosen part and return it in words."""
         assert self.view is not None  # noqa: S101  (drawn after it was built)
         self._offer()
         scene = self.scene
-        self.view.show(outcome, scene.stability_part, scene.selected_method, scene.stability_shown)
+        coloured: Shown = scene.stability_shown if self._knows_psi else "outcome"
+        self.view.show(outcome, scene.stability_part, scene.selected_method, coloured)
         self.view.mark(scene.tau, scene.x0[outcome.coordinate])
         return f"{stability_text(outcome, scene.stability_part)} {about_crossings(scene)}".strip()
 

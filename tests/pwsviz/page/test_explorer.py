@@ -721,6 +721,18 @@ def test_nothing_is_seen_of_a_figure_before_there_is_something_in_it():
     page.close()
 
 
+def test_a_map_of_a_system_without_psi_offers_no_colours_by_its_error(explorer):
+    for system, known in (("gene_switch", False), ("elliptic_curve", True)):
+        chosen = {"methods": ["rk4"], "view": "stability", "stability_shown": "error"}
+        explorer.scene.param.update(system=system, t_end=1.0, **chosen)
+        assert explorer.settle(30)
+        tab = explorer.views["stability"]
+        assert tab._shown.visible == known
+        headers = [table.header for table in tab.numbers(tab.outcome)]
+        assert any("|Δψ| at most" in header for header in headers) == known
+        assert explorer.scene.stability_shown == "error", "it is kept for the next system"
+
+
 @pytest.mark.parametrize("view", ["order", "cost", "stability", "section"])
 def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
     explorer.scene.param.update(t_end=1.0, peers=[], perturbation_order=1, perturbation_scale=2.0, view=view)
