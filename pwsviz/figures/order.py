@@ -5,13 +5,13 @@ With several integrators a curve has the look of its integrator, and the mark of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from bokeh.models import ColumnDataSource, DataRange1d
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import core
 from pwsviz.figures.legends import MARK_COLUMNS, legend_below, legend_marks, mark_columns
@@ -44,6 +44,9 @@ of crossing times. They do not stand for integrators, whose looks are in `style`
 MARK = 6
 """Pixels of the mark of a measured error."""
 
+SCATTERED = 0.05
+"""Standard error of a slope from which on it is told, as the second digit of the slope then means nothing."""
+
 UNKNOWN = "–"
 """In place of a slope that is not known."""
 
@@ -71,6 +74,8 @@ class Row:
     fit_below: float = np.inf
     """Errors below this enter the fit."""
     look: Line = LINES[0]
+    spread: float = 0.0
+    """Standard error of the slope, of the residuals of the fit."""
 
     @property
     def label(self) -> str:
@@ -80,7 +85,14 @@ class Row:
     @property
     def slope_text(self) -> str:
         """The fitted slope in words."""
-        return printed(f"slope {self.slope:.2f}") if np.isfinite(self.slope) else "no slope"
+        return f"slope {self.slope_number}" if np.isfinite(self.slope) else "no slope"
+
+    @property
+    def slope_number(self) -> str:
+        """The fitted slope, with its standard error where the errors scatter."""
+        if not np.isfinite(self.slope):
+            return UNKNOWN
+        return printed(f"{self.slope:.2f}" if self.spread < SCATTERED else f"{self.slope:.1f} ± {self.spread:.1f}")
 
 
 class Studied(NamedTuple):
@@ -120,34 +132,45 @@ def state_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the state error before the first crossing and after each of the studied ones."""
     names = [("before the first crossing", "before")]
     names += [(f"after {count} crossing{'s' * (count > 1)}", f"after {count}") for count in study.crossings]
+    fitted = study.state_error, study.state_slope, study.window
     return [
-        Row(
-            name,
-            short,
-            study.state_error[k],
-            float(study.state_slope[k]),
-            _ends(study.window[k]),
-            study.fit_below,
-            look_after(k),
-        )
-        for k, (name, short) in enumerate(names)
+        Row(*names[k], error, slope, window, study.fit_below, look_after(k), spread)
+        for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
 
 
 def time_rows(study: core.OrderStudy) -> list[Row]:
     """Return the curves of the error of the time of each studied crossing."""
+    names = [f"crossing {count}" for count in study.crossings]
+    fitted = study.time_error, study.time_slope, study.time_window
     return [
-        Row(
-            name,
-            name,
-            study.time_error[k],
-            float(study.time_slope[k]),
-            _ends(study.time_window[k]),
-            study.time_fit_below,
-            look_after(k + 1),
-        )
-        for k, name in enumerate(f"crossing {count}" for count in study.crossings)
+        Row(names[k], names[k], error, slope, window, study.time_fit_below, look_after(k + 1), spread)
+        for k, (error, slope, window, spread) in enumerate(_fits(study.taus, *fitted))
     ]
+
+
+def _fits(
+    taus: Floats, errors: Floats, slopes: Floats, windows: Floats
+) -> Iterator[tuple[Floats, float, tuple[float, float], float]]:
+    """Yield error, slope and window of each curve, and the standard error of the slope."""
+    for error, slope, (low, high) in zip(errors, slopes, windows, strict=True):
+        yield error, float(slope), (float(low), float(high)), _standard_error(taus, error, float(slope), low, high)
+
+
+def _standard_error(taus: Floats, error: Floats, slope: float, low: float, high: float) -> float:
+    """Return the standard error of a least-squares slope, of the residuals; 0 where they are too few."""
+    used = _within(taus, error, low, high)
+    x, y = np.log(taus[used]), np.log(error[used])
+    if len(x) < 3 or not np.isfinite(slope):
+        return 0.0
+    x, y = x - x.mean(), y - y.mean()
+    return float(np.sqrt(((y - slope * x) ** 2).sum() / (len(x) - 2) / (x**2).sum()))
+
+
+def _within(taus: Floats, error: Floats, low: float, high: float) -> NDArray[np.bool_]:
+    """Return which errors lie in the window of a fit."""
+    within = (taus >= low * (1 - 1e-9)) & (taus <= high * (1 + 1e-9)) & np.isfinite(error) & (error > 0)
+    return np.asarray(within)
 
 
 def order_tables(shown: Sequence[Studied]) -> Mapping[str, Callable[[], Mapping[str, ArrayLike]]]:
@@ -183,16 +206,12 @@ def order_numbers(shown: Sequence[Studied]) -> list[Numbers]:
     if len(shown) < 2:
         return []
     names = list(dict.fromkeys(row.short for one in shown for row in one.rows))
-    slopes = [{row.short: row.slope for row in one.rows if np.isfinite(row.slope)} for one in shown]
+    slopes = [{row.short: row.slope_number for row in one.rows} for one in shown]
     rows = tuple(
-        (one.method, str(one.order), *(f"{known[name]:.2f}" if name in known else UNKNOWN for name in names))
+        (one.method, str(one.order), *(known.get(name, UNKNOWN) for name in names))
         for one, known in zip(shown, slopes, strict=True)
     )
     return [Numbers(("integrator", "order", *names), rows, caption="Fitted slopes")]
-
-
-def _ends(window: Floats) -> tuple[float, float]:
-    return float(window[0]), float(window[1])
 
 
 class OrderView:
@@ -305,8 +324,7 @@ class _Drawn:
 
 def fitted_line(taus: Floats, row: Row) -> tuple[Floats, Floats] | None:
     """Return the fitted power law (τ, error) at the ends of its fit; None if there is no fit."""
-    low, high = row.window
-    used = (taus >= low * (1 - 1e-9)) & (taus <= high * (1 + 1e-9)) & np.isfinite(row.error) & (row.error > 0)
+    used = _within(taus, row.error, *row.window)
     if not np.isfinite(row.slope) or used.sum() < 2:
         return None
     log_constant = np.mean(np.log(row.error[used]) - row.slope * np.log(taus[used]))

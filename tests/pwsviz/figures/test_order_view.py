@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import linregress
 
 import core
 from pwsviz.figures.order import (
@@ -177,3 +178,14 @@ def test_the_fitted_line_goes_through_a_power_law():
     ends, heights = fitted_line(taus, Row("x", "x", 5 * taus**3, 3.0, (1e-3, 1e-2)))
     assert np.allclose(heights, 5 * ends**3)
     assert 1e-3 <= ends[0] < ends[1] <= 1e-2 * (1 + 1e-9)
+
+
+def test_the_slope_of_scattered_errors_has_its_standard_error_as_statistics_gives_it():
+    taus = 0.1 * 2.0 ** -np.arange(0, 8, 0.5)
+    for transition, scattered in (("mannshardt", False), ("none", True)):
+        rows = state_rows(core.order_study("elliptic_curve", taus, transition=transition))
+        assert [("±" in row.slope_text) for row in rows] == [False, *3 * [scattered]]
+        row = rows[2]
+        used = (taus >= row.window[0] * (1 - 1e-9)) & (taus <= row.window[1] * (1 + 1e-9))
+        fit = linregress(np.log(taus[used]), np.log(row.error[used]))
+        assert (row.slope, row.spread) == pytest.approx((fit.slope, fit.stderr), rel=1e-6)
