@@ -13,7 +13,7 @@ from bokeh.models.glyphs import VSpan, VStrip
 
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.point_cloud import PointCloud
-from pwsviz.figures.style import BLUE, GREY, RULE, VERMILION, WITH_TABLE, assign, plain_figure, tips
+from pwsviz.figures.style import AMBER, GREY, RULE, WITH_TABLE, assign, plain_figure, tips
 from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.phase_plane import Window
@@ -57,9 +57,9 @@ class SweepView:
             self.early, VStrip(x0="start", x1="end", fill_color="colour", fill_alpha=0.25, line_width=0)
         )
         self.ends = ColumnDataSource({"x": [0.0, 1.0], "y": [0.0, 0.0]})
-        self.cloud = PointCloud(plot, [BLUE], on_window, self.ends)
+        self.cloud = PointCloud(plot, [GREY], on_window, self.ends)
         self.present = ColumnDataSource({"x": [0.0]})
-        line = plot.add_glyph(self.present, VSpan(x="x", line_color=VERMILION, line_width=1.5, line_dash=[6, 4]))
+        line = plot.add_glyph(self.present, VSpan(x="x", line_color=AMBER, line_width=1.5, line_dash=[6, 4]))
         plot.add_tools(
             tips([("", "@words"), ("", "@values")], renderers=[strips]),
             CrosshairTool(dimensions="height", line_color=RULE, line_alpha=1.0, visible=False),
