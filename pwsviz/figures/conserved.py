@@ -20,6 +20,7 @@ from pwsviz.figures.style import (
     LEVEL,
     OCCUPIED,
     assign,
+    crossing_tips,
     describe,
     fit_to_corners,
     invisible,
@@ -109,8 +110,7 @@ class ConservedView:
         self.instants = unseen(columns)
         self.ticks = Marks(plot, self.instants, "t", "foot", width=1.8)
         reach = plot.add_glyph(self.instants, invisible(size=18, x="t", y="foot"))
-        rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
-        self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
+        self.hover = crossing_tips(reach, "t")
         plot.add_tools(self.hover)
 
     def show(self, errors: Sequence[ErrorCurve], landmarks: Landmarks | None = None) -> None:

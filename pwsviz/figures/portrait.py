@@ -29,6 +29,7 @@ from pwsviz.figures.style import (
     AMBER,
     VERMILION,
     assign,
+    crossing_tips,
     describe,
     fit_to_corners,
     invisible,
@@ -184,11 +185,7 @@ class PortraitView:
         )
         self.marks = Marks(plot, self.crossings)
         reach = plot.add_glyph(self.crossings, invisible(size=16))  # easier to hit than the mark
-        rows = [
-            ("crossing", "@number"), ("time", "@time{9}"), ("kind", "@kind"), ("integrator", "@method"),
-            ("start", "@start"),
-        ]  # fmt: skip
-        self.hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
+        self.hover = crossing_tips(reach, "time", "@method, start @start")
         plot.add_tools(self.hover)
         self._end_glyphs()
         self.pointed = ColumnDataSource({"x": [], "y": []})
@@ -203,8 +200,8 @@ class PortraitView:
         # White inside: through a hollow mark, runs that end there from both sides would look joined.
         look: dict[str, Any] = {"marker": "marker", "fill_color": "white", "line_color": "colour", "line_width": 2}
         self.stops = plot.add_glyph(self.ends, Scatter(size=END_SIZE, **look))
-        rows = [("stops at time", "@time{9}"), ("as", "@kind"), ("integrator", "@method"), ("start", "@start")]
-        plot.add_tools(tips(rows, renderers=[self.stops], attachment="above", visible=False, limit=3))
+        rows = [("@kind", "t = @time{9}"), ("of", "@method, start @start")]
+        plot.add_tools(tips(rows, renderers=[self.stops], attachment="horizontal", visible=False, limit=2))
 
     def _start_glyphs(self) -> None:
         plot = self.figure

@@ -22,6 +22,7 @@ from pwsviz.figures.style import (
     OCCUPIED,
     ROOM,
     assign,
+    crossing_tips,
     invisible,
     line_of,
     plain_figure,
@@ -114,8 +115,7 @@ class Panel:
         plot = self.figure
         marks = Marks(plot, instants, "t", column, width=1.8)
         reach = plot.add_glyph(instants, invisible(x="t", y=column, size=14))  # easier to hit than the mark
-        rows = [("crossing", "@number"), ("time", "@t{9}"), ("kind", "@kind"), ("integrator", "@method")]
-        hover = tips(rows, renderers=[reach], attachment="above", visible=False, limit=3)
+        hover = crossing_tips(reach, "t")
         rows = [("integrator", "@method"), ("time", "$snap_x{6}"), ("value", "$snap_y{6}")]
         values = tips(rows, renderers=[self.lines], line_policy="nearest", attachment="horizontal", visible=False)
         plot.add_tools(hover, values)

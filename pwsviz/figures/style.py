@@ -21,6 +21,7 @@ from bokeh.models import (
 )
 from bokeh.models.annotations import Span
 from bokeh.models.glyphs import MultiLine, Scatter, VStrip
+from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
@@ -228,6 +229,22 @@ def tips(rows: list[tuple[str, str]], **options: Any) -> HoverTool:
     numbers = re.findall(r"([@$]\w+){[0-9]+}", cells)
     formatters: dict[str, Any] = dict.fromkeys(numbers, CustomJSHover(code=TIP_NUMBER))
     return HoverTool(tooltips=f'<div style="{TIP_CELLS}">{cells}</div>', formatters=formatters, **options)
+
+
+def crossing_tips(reach: GlyphRenderer[Any], time: str, run: str = "@method") -> HoverTool:
+    """Make a tool that tells of a crossing in two lines, beside it: above it they might be cut by the window's edge.
+
+    Parameters
+    ----------
+    reach
+        Marks with columns ``label`` and ``number``.
+    time
+        The column of its time.
+    run
+        Of which run it is.
+    """
+    rows = [("@label @number", f"t = @{time}{{9}}"), ("of", run)]
+    return tips(rows, renderers=[reach], attachment="horizontal", visible=False, limit=2)
 
 
 BESIDE = 0.025

@@ -123,7 +123,7 @@ def test_dark_mode_repaints_the_figures_and_is_remembered(visit):
     page.mouse.move(x, y, steps=3)
     page.wait_for_function(f"({TIP})()")
     words, *colours = page.evaluate(TIP)
-    assert words.startswith("crossing2time")
+    assert words.startswith("crossing 2t = ")
     assert colours == ["rgb(255, 255, 255)", "rgb(18, 18, 18)"], "as other texts of the dark page"
     for number in ("2.5e-16", "1e+21", "-1e-7", "-3.25", "0.001"):
         assert page.evaluate(f"number => {{ {PRINTED} return printed(number) }}", number) == printed(number)
