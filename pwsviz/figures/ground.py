@@ -82,7 +82,7 @@ class Ground:
         usual_keys, own_keys = (list(keys.values()) for keys in self._level_keys.values())
         self.legend: list[tuple[str, Any]] = [
             ("S: g = 0", line), ("g < 0", tint), ("no law", bare), ("field f", field), ("ψ = const.", usual_keys),
-            ("ψ = const. (run)", own_keys), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
+            ("ψ = const. (trajectory)", own_keys), ("S attracts", [attracting, line]), ("S repels", [repelling, line]),
         ]  # fmt: skip
         self.formulas = ColumnDataSource({"text": ["null"], "across": ["x"], "up": ["y"]})
         self.clock = ColumnDataSource({"t": [0.0], "running": [False]})

@@ -32,6 +32,9 @@ from pwsviz.geometry.walls import bare_name
 GRID = 120
 """Cells along the longer side of the grid on which surfaces and level sets are traced: 6 to 10 pixels each."""
 
+FINEST = 16
+"""Parts of a cell beyond which values are not defined: half a pixel each."""
+
 ARROWS = 24
 """Arrows of the field along the longer side."""
 
@@ -259,13 +262,17 @@ class _Plane:
         """Return the first ψ of a mode on the grid; None if it has none whose level sets can be drawn in the plane."""
         if not shows_levels(self.system):
             return None
+        return self._first_psi(mode, self.grid)
+
+    def _first_psi(self, mode: int, states: Floats) -> Floats | None:
         with np.errstate(all="ignore"):
-            psi = np.asarray(self.system.conserved(self.system.laws.name(mode), 0.0, self.grid))
+            psi = np.asarray(self.system.conserved(self.system.laws.name(mode), 0.0, states))
         return psi[..., 0] if psi.shape[-1] else None
 
-    def _contours(self, values: Floats) -> Callable[[float], Floats]:
-        """Return a function that traces a level set of values on the grid."""
-        contours = contour_generator(self.x, self.y, values, line_type=LineType.ChunkCombinedNan)
+    @staticmethod
+    def _contours(x: Floats, y: Floats, values: Floats) -> Callable[[float], Floats]:
+        """Return a function that traces a level set of values on a grid."""
+        contours = contour_generator(x, y, values, line_type=LineType.ChunkCombinedNan)
 
         def at(level: float) -> Floats:
             (line,) = contours.lines(level)[0]
@@ -276,7 +283,14 @@ class _Plane:
     def _level_contours(self, mode: int) -> Callable[[float], Floats] | None:
         """Return a function that traces a level set of the first ψ of a mode; None if there is none to draw."""
         psi = self._psi(mode)
-        return None if psi is None else self._contours(psi)
+        if psi is None:
+            return None
+        known = np.isfinite(psi)
+        x = _finer(self.x, (known[:, 1:] != known[:, :-1]).any(axis=0))
+        y = _finer(self.y, (known[1:] != known[:-1]).any(axis=1))
+        finer = len(x) > len(self.x) or len(y) > len(self.y)
+        values = self._first_psi(mode, self._states(*np.meshgrid(x, y))) if finer else psi
+        return None if values is None else self._contours(x, y, values)
 
     def _simplified(self, lines: Floats) -> Floats:
         """Return lines without the vertices within 1/4000 of the longer side of what is left."""
@@ -291,7 +305,7 @@ class _Plane:
         return joined(map(self._surface, self.shown))
 
     def _traced_surface(self, k: int) -> Floats:
-        return self._simplified(self._contours(self._switching(k))(0.0))
+        return self._simplified(self._contours(self.x, self.y, self._switching(k))(0.0))
 
     def where_both_point(self, way: int) -> Floats:
         """Return the parts of the surfaces to which both fields point (way = 1), or from which both do (−1).
@@ -384,6 +398,21 @@ class _Plane:
 
     def _arrow_length(self) -> float:
         return 0.5 * max(self.window.width, self.window.height) / ARROWS
+
+
+def _finer(lines: Floats, ends: NDArray[np.bool_]) -> Floats:
+    """Return grid lines (n,), with more of them in the intervals (n − 1,) in which values cease to be defined.
+
+    A level set is traced through cells all of whose corners have a value. Where ψ has a logarithm of x it would end a
+    cell before x = 0. Where too many intervals would be divided, as along an oblique border, none is.
+    """
+    count = int(ends.sum())
+    parts = min(FINEST, GRID // count) if count else 1
+    if parts < 2:
+        return lines
+    k = np.flatnonzero(ends)
+    between = lines[k, None] + np.diff(lines)[k, None] * np.arange(1, parts) / parts
+    return np.sort(np.concatenate([lines, between.ravel()]))
 
 
 def _arrow_lines(x: Floats, y: Floats, u: Floats, v: Floats, length: float) -> Floats:

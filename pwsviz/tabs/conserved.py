@@ -32,6 +32,10 @@ class ErrorPicture(NamedTuple):
     """Why no step was made, where none was."""
 
 
+DEFINED = "|Δψ| is the change of ψ since the start; jumps of ψ from one law to the next do not count."
+"""What the axis shows, in a line; captions say more."""
+
+
 class ConservedTab(Tab):
     """The change of ψ that each integrator has made, against time."""
 
@@ -72,7 +76,7 @@ class ConservedTab(Tab):
         self.plots[0].visible = there
         if there:
             self.view.show(outcome.curves, outcome.marks)
-        said = conserved_text(outcome.curves) if there else ""
+        said = f"{conserved_text(outcome.curves)} {DEFINED * drawn}".strip() if there else ""
         if outcome.unmoved:
             said = f"No step was made, so there is no |Δψ| to show: {outcome.unmoved}"
         elif slides and not drawn:
