@@ -144,7 +144,7 @@ CLASSICAL = ButcherTableau(
 RK4 = Method(
     "rk4",
     CLASSICAL,
-    "Classical Runge-Kutta method, order 4: explicit; it does not conserve ψ.",
+    "Classical Runge–Kutta method, order 4: explicit; it does not conserve ψ.",
 )
 
 DOP853 = ButcherTableau(

@@ -33,7 +33,7 @@ def wrong_names(declared: DeclaredTexts) -> Iterator[Problem]:
     times = Counter((*declared.variables, *declared.parameters))
     for twice in sorted(name for name in times if times[name] > 1):
         field = "parameters" if twice in declared.parameters else "variables"
-        yield Problem(field, f"{twice!r} stands for two things: names must differ")
+        yield Problem(field, f"the name {twice!r} is used twice: names must differ")
 
 
 def wrong_regions(declared: DeclaredTexts) -> Iterator[Problem]:
@@ -96,7 +96,7 @@ def miscounted(given: Sequence[object], noun: str, variables: Sequence[str]) -> 
     """Message that the number of entries is not the number of variables; empty if it is."""
     if len(given) == len(variables):
         return ""
-    return f"{_count(len(given), noun)} here, {len(variables)} are needed: one for each of {', '.join(variables)}"
+    return f"{_count(len(given), noun)} given, {len(variables)} needed: one for each of {', '.join(variables)}"
 
 
 def _count(number: int, noun: str) -> str:

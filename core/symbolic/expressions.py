@@ -174,7 +174,7 @@ class _Reader:
                 return self.combine(OPERATIONS[type(op)], first, self.visit(right, depth + 1))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
                 if len(args) != 1 or isinstance(args[0], ast.Starred):
-                    raise self.fail(f"{name} takes one argument, here it has {len(args)}")
+                    raise self.fail(f"{name} takes one argument, not {len(args)}")
                 exact, real = FUNCTIONS[name]
                 return self.combine((exact, real), self.visit(args[0], depth + 1))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if self.switches:
@@ -229,7 +229,7 @@ class _Reader:
             return self.extremum(name, args, depth)
         if len(args) != 1:
             why = ": its value at 0 never matters" if name == "Heaviside" else ""
-            raise self.fail(f"{name} takes one argument, here it has {len(args)}{why}")
+            raise self.fail(f"{name} takes one argument, not {len(args)}{why}")
         inner = self.visit(args[0], depth)
         sign = self.sign(inner)
         if name == "abs":
@@ -238,7 +238,7 @@ class _Reader:
 
     def extremum(self, name: str, args: Sequence[ast.expr], depth: int) -> Operand:
         if len(args) < 2:
-            raise self.fail(f"{name} takes two arguments or more, here it has {len(args)}")
+            raise self.fail(f"{name} takes two arguments or more, not {len(args)}")
         read = [self.visit(u, depth) for u in args]
         best, *others = sorted(read, key=lambda u: u[1] is None)  # numbers first: of these only one is compared
         for other in others:

@@ -37,7 +37,9 @@ class Parameter:
                 raise ValueError(f"bounds of parameter {self.name} are {self.bounds!r}: two numbers are needed")
             low, high = (number(b, f"bound of parameter {self.name}") for b in self.bounds)
             if not low < high:
-                raise ValueError(f"bounds of parameter {self.name} are {self.bounds}: the first must be the smaller")
+                raise ValueError(
+                    f"parameter {self.name}: the lower bound {low:g} is not below the upper bound {high:g}"
+                )
             object.__setattr__(self, "bounds", (low, high))
         object.__setattr__(self, "default", self.check(self.default))
 

@@ -16,5 +16,5 @@ SYSTEM = PiecewiseSystem(
         Parameter("angle", 0.5, (-1.5, 1.5), "where gravity changes, in radians", r"\alpha"),
     ),
     x0=(-1.57, 0.0),
-    doc="A pendulum of one metre swings in the gravity of Mars, and beyond the angle α in that of the Earth.",
+    doc="A pendulum of length one metre swings under Martian gravity for q < α, and terrestrial gravity for q > α.",
 )

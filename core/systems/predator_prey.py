@@ -15,10 +15,10 @@ SYSTEM = PiecewiseSystem(
     parameters=(
         Parameter("a", 2.0, (0.2, 5.0), "growth of the prey"),
         Parameter("b", 2.0, (0.2, 5.0), "prey eaten by a predator"),
-        Parameter("c_minus", 1.0, (0.2, 5.0), "predators fed by a prey, where prey is scarce"),
-        Parameter("c_plus", 0.6, (0.2, 5.0), "predators fed by a prey, where prey is plentiful"),
+        Parameter("c_minus", 1.0, (0.2, 5.0), "conversion rate where prey is scarce"),
+        Parameter("c_plus", 0.6, (0.2, 5.0), "conversion rate where prey is plentiful"),
         Parameter("d", 1.0, (0.2, 5.0), "death of the predators"),
-        Parameter("threshold", 1.0, (0.2, 4.0), "prey from which it is plentiful", r"\theta"),
+        Parameter("threshold", 1.0, (0.2, 4.0), "density above which prey is plentiful", r"\theta"),
     ),
     x0=(0.5, 1.0),
     doc="Predators y live on prey x. Where prey is plentiful, x > θ, they are sated, and each prey feeds fewer.",

@@ -21,7 +21,7 @@ SYSTEM = PiecewiseSystem(
         Parameter("storage", 0.5, (0.1, 1.5), "heat given to the room, per heat stored in the radiator", r"\sigma"),
     ),
     x0=(-2.0, 0.0),
-    doc="The heating goes on where the room’s temperature T, measured from the temperature set, falls to −δ, and off "
-    "where it rises to δ; in between it stays as it is (hysteresis). The radiator, of temperature r, stores heat, so "
-    "the room’s temperature overshoots, and approaches a limit cycle.",
+    doc="The heating switches on when the room temperature T, measured from the set point, falls to −δ, and off when "
+    "it rises to δ; in between it keeps its state (hysteresis). The radiator, of temperature r, stores heat, so the "
+    "room temperature overshoots, and approaches a limit cycle.",
 )

@@ -72,7 +72,7 @@ _HINTS = {
 _HELP = {
     "variables": "Time is t.",
     "parameters": "One per line. The range of the slider is optional.",
-    "f": "In place of g, f₋ and f₊: one law, as v; -x - k*max(x - 1, 0). Up to six surfaces are found in it.",
+    "f": "Alternatively, a single field in place of g, f₋, f₊, such as v; -x - k*max(x - 1, 0): surfaces are found.",
     "psi": "Of the field f. Optional. One per line.",
     "f_minus": "The time derivative of each variable, one per line.",
     "f_plus": "The time derivative of each variable, one per line.",
@@ -310,7 +310,7 @@ def _verdict(outcome: Checked) -> str:
     if "system" in outcome.complaints:
         return as_text(outcome.complaints["system"], "error")
     titles = "; ".join(FIELDS[name] for name in FIELDS if name in outcome.complaints)
-    return as_text(f"This is not yet a system. Please check: {titles}.", "error")
+    return as_text(f"The definition is incomplete. Please check: {titles}.", "error")
 
 
 def _without_icons(words: str) -> str:

@@ -82,7 +82,7 @@ def _about_marks(curves: Sequence[ErrorCurve]) -> str:
     if many > MOST_BANDS:
         whose = f" of {first.method}" * (len(curves) > 1)
         return f" The {many:,} crossings{whose} are too many to be marked, and the sides to be shaded."
-    return f" Shading and marks are those of {first.method}." * (len(curves) > 1)
+    return f" Shading and crossing marks refer to {first.method}." * (len(curves) > 1)
 
 
 def _change(curve: ErrorCurve) -> str:
@@ -123,7 +123,7 @@ def _share_of_crossings(curve: ErrorCurve, known: NDArray[np.bool_]) -> str:
     if curve.between is None:
         return ""
     most = rounded_up(float(np.nanmax(curve.between[known])))
-    return f", of which at most {most} between two crossings, since perturbed crossings change ψ, too"
+    return f"; between two crossings ψ changes by at most {most}, and perturbed crossings change it, too"
 
 
 def _kind_of_rounding(curve: ErrorCurve, error: Floats, known: NDArray[np.bool_]) -> str:

@@ -104,25 +104,14 @@ def _which_start(pictures: Pictures) -> str:
 def law_note(system: core.PiecewiseSystem) -> str:
     """Return the equations of a system, or where they are if they are long."""
     laws = indexed(equations(system))
-    return f"{laws}." if len(laws) <= LONGEST else "The equations are in the view Scheme."
+    return f"{laws}." if len(laws) <= LONGEST else "The equations are in the tab Scheme."
 
 
 def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
     """Return in words what the portrait leaves out or shows at t = 0 only; empty if that is nothing."""
     sentences = []
     if system.dimension > PLANE:
-        plane = ", ".join(variable_name(system.variables[k]) for k in axes)
-        sentences.append(f"Projected onto the plane of {plane}, in which the field and the level sets cannot be drawn.")
-        if alike := [", ".join(variable_name(system.variables[k]) for k in one) for one in planes_alike(system, axes)]:
-            sentences.append(f"Drawn in it, too, as thin lines: {'; '.join(alike)}. Marks are those of {plane}.")
-        shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
-        if hidden := [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]:
-            several, names = len(hidden) > 1, ", ".join(hidden)
-            sentences.append(
-                f"Nor can the surfaces {names}, which are not curves there." if several
-                else f"Nor can the surface {names}, which is not a curve there."
-            )  # fmt: skip
-        sentences.append("Other variables are not drawn: “Portrait in the plane of” chooses which two are.")
+        sentences.append(_projection(system, axes))
     elif not system.laws.sides.shape[1]:
         sentences.append("Regions overlap, as a state may lie in more than one: their fields are not drawn.")
     elif not is_divided(system):
@@ -134,3 +123,21 @@ def portrait_note(system: core.PiecewiseSystem, axes: Axes) -> str:
     if system.dimension == PLANE and psi_names_time(system):
         sentences.append("ψ depends on time, so its level sets move and are not drawn.")
     return " ".join(sentences)
+
+
+def _projection(system: core.PiecewiseSystem, axes: Axes) -> str:
+    """Return on which plane a system of more variables is projected, and what cannot be drawn in it."""
+    plane, *alike = (_named_plane(system, one) for one in (axes, *planes_alike(system, axes)))
+    shown, texts = surfaces_shown(system, axes), system.surfaces or tuple(map(to_text, system.laws.surfaces))
+    hidden = [f"{readable(g, system)} = 0" for k, g in enumerate(texts) if k not in shown]
+    lost = ["the field", "the level sets"] + [f"the surface{'s' * (len(hidden) > 1)} {', '.join(hidden)}"] * bool(
+        hidden
+    )
+    words = f"Projection onto the plane of {plane}, in which {listed(lost)} cannot be drawn."
+    if alike:
+        words += f" Thin lines show {'; '.join(alike)}, and discs where they start; marks refer to {plane}."
+    return f"{words} “Portrait in the plane of” selects the plane."
+
+
+def _named_plane(system: core.PiecewiseSystem, axes: Axes) -> str:
+    return ", ".join(variable_name(system.variables[k]) for k in axes)

@@ -20,10 +20,13 @@ def prospects(system: core.PiecewiseSystem) -> str:
     """Return why a section can show little, or what it depends on; nothing if neither is known."""
     words = []
     if _is_flow_in_the_plane(system):
-        words.append("Bounded motion in the plane without t tends to rest or a closed curve: few later points differ.")
+        words.append(
+            "A bounded orbit of an autonomous planar system generically approaches an equilibrium or a closed orbit, "
+            "so only a few distinct points remain."
+        )
     if _conserves(system):
         words.append(
-            "In each region ψ is constant, so points depend on its level at the start: other starts may have others."
+            "ψ is constant in each region: the points depend on its initial value, and other starts may give others."
         )
     return " ".join(words)
 

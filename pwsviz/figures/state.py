@@ -277,7 +277,7 @@ def _told(name: str, runs: Sequence[StateCurves], k: int) -> str:
 
 def _whose(runs: Sequence[StateCurves]) -> str:
     """Say whose sides and crossings are marked, where there are several runs."""
-    return f" Shading and marks are those of {runs[0].method}." if len(runs) > 1 else ""
+    return f" Shading and crossing marks refer to {runs[0].method}." if len(runs) > 1 else ""
 
 
 def _how_many(crossings: int) -> str:

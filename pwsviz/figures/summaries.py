@@ -107,8 +107,8 @@ def fit_rule(shown: Sequence[Studied]) -> str:
     if not any(math.isfinite(row.slope) for one in shown for row in one.rows):
         return f"No slope is fitted, as too few errors lie between {above:.2g} and {below:.2g}. {lower}"
     return (
-        f"Slopes are fitted to errors between {above:.2g} and {below:.2g}, from the finest step size to where the "
-        f"slope changes, or to the coarsest where it is irregular. {lower}"
+        f"Slopes are least-squares fits to errors between {above:.2g} and {below:.2g}, from the finest step size to "
+        f"where the slope changes, or to the coarsest where it is irregular (then with its standard error). {lower}"
     )
 
 

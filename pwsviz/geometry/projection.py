@@ -123,7 +123,7 @@ def conserved_note(system: core.PiecewiseSystem) -> str:
         names = f"region{'s' * (len(bare) > 1)} {', '.join(map(region_name, bare))}"
         return f"No conserved quantity is known in {names}: there the curves have gaps."
     most = max(counts.values())
-    return f"Of the {most} conserved quantities the one that changes most is shown." if most > 1 else ""
+    return f"Of the {most} conserved quantities, the one with the largest error is shown." if most > 1 else ""
 
 
 def _others(names: Sequence[Name], axes: Axes) -> list[Name]:

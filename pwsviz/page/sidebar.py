@@ -103,7 +103,7 @@ class Sidebar(pn.viewable.Viewer):
     def _make_system(self, on_edit: Callable[[], None]) -> None:
         self.system = Dropdown(
             LABELS["system"],
-            description="The two fields, and the surface between them.",
+            description="The fields, and the surfaces between them.",
             value=self.scene.system,
             options=self._systems(),
         )

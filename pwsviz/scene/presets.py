@@ -171,8 +171,8 @@ def _stopping() -> tuple[Preset, ...]:
         ),
         Preset(
             "sticking", "Dry friction sticks", "",
-            "Each turning point is closer by 2μ = 0.8. At the fourth, y = −0.2, the block sticks, and the state stays "
-            "on v = 0.",
+            "Each turning point is closer to the origin by 2μ = 0.8. At the fourth, y = −0.2, the block sticks, "
+            "and the state stays on v = 0.",
             "Less friction: more swings. With μ = 2 the block sticks at the first turning point.",
             {"system": "coulomb_friction", "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved"},
         ),
@@ -189,7 +189,7 @@ def _comparisons() -> tuple[Preset, ...]:
         ),
         Preset(
             "kepler", "A planet and a shell of dust", "",
-            "Outside the shell its mass pulls, too; prk8 conserves energy and angular momentum to 3×10⁻¹⁵, "
+            "Outside the shell its mass attracts, too; prk8 conserves energy and angular momentum to 3×10⁻¹⁵, "
             "rk4 does not.",
             "Set μ₊ = μ₋: the shell has no mass, and the planet stays on one Kepler ellipse.",
             {"system": "kepler", "methods": ["rk4", "prk8"], "tau": 0.01, "t_end": 60.0, "view": "conserved"},
@@ -197,7 +197,7 @@ def _comparisons() -> tuple[Preset, ...]:
         Preset(
             "taylor", "Taylor series at tolerance 10⁻¹²", "",
             "Order and step follow from the tolerance: 63 crossings in some 250 steps, ψ conserved to 10⁻¹⁵.",
-            "Set the tolerance to 10⁻⁶: fewer steps, and ψ is conserved as well.",
+            "Set the tolerance to 10⁻⁶: somewhat fewer steps, and ψ is conserved as well.",
             {**_CURVE, "methods": ["taylor"], "tau": 1.0, "tolerance": 1e-12, "t_end": 60.0, "view": "conserved"},
         ),
         Preset(
@@ -223,8 +223,8 @@ def _several_surfaces() -> tuple[Preset, ...]:
         ),
         Preset(
             "chua", "Chua’s double scroll", "",
-            "Two surfaces divide the space in three. The orbit is chaotic: rk4 and taylor part by 0.1 at t = 44.",
-            "Take a smaller τ: they part later, but not much.",
+            "Two surfaces divide the space in three. The orbit is chaotic: rk4 and taylor differ by 0.1 at t = 44.",
+            "Halve τ: they differ by 0.1 some 12 later, and at the next halving some 14 later.",
             {
                 "system": "chua", "methods": ["rk4", "taylor"], "tau": 0.02, "t_end": 60.0, "view": "state",
                 "axes": (0, 2),

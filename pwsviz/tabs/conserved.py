@@ -78,9 +78,9 @@ class ConservedTab(Tab):
             self.view.show(outcome.curves, outcome.marks)
         said = f"{conserved_text(outcome.curves)} {DEFINED * drawn}".strip() if there else ""
         if outcome.unmoved:
-            said = f"No step was made, so there is no |Δψ| to show: {outcome.unmoved}"
+            said = f"No step was made, so there is no |Δψ| to show. The run ended at once, at {outcome.unmoved}"
         elif slides and not drawn:
-            return f"{said} Drawn is g, which sliding keeps: no other conserved quantity is known."
+            return f"{said} Shown is |Δg| while sliding, as no conserved quantity is known."
         return f"{said} {conserved_note(system)}".strip()
 
     def meaning(self, outcome: ErrorPicture) -> str:

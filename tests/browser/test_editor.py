@@ -22,7 +22,7 @@ def test_walls_are_changed_in_the_editor_and_kept_in_the_link(visit):
     several.wait_for()
     resets = field(page, "Resets at surfaces")
     resets.fill("g1 => x")
-    page.get_by_text("At g1: 1 expression here, 2 are needed").wait_for()
+    page.get_by_text("At g1: 1 expression given, 2 needed").wait_for()
     assert page.get_by_role("button", name="Use this system").is_disabled()
     resets.fill("g1, g2 => x, -v/2")
     page.get_by_text("This system is ready.").wait_for()

@@ -147,11 +147,11 @@ def test_a_conserved_quantity_may_name_time_and_hold_only_within_the_bounds_of_a
 
 WRONG: list[tuple[dict[str, Any], str, str]] = [
     # what is changed, the offending text, what would do
-    ({"f_minus": ("y",)}, "f_minus = ('y',)", "2 are needed"),
-    ({"f_plus": ("y", "-x", "0")}, "f_plus = ('y', '-x', '0')", "2 are needed"),
+    ({"f_minus": ("y",)}, "f_minus = ('y',)", "2 needed"),
+    ({"f_plus": ("y", "-x", "0")}, "f_plus = ('y', '-x', '0')", "2 needed"),
     ({"f_plus": "y"}, "f_plus = 'y'", "('y', '-x')"),
-    ({"jump": ("x",)}, "jump = ('x',)", "2 are needed"),
-    ({"x0": (1.0,)}, "(1.0,)", "2 are needed: one for each of x, y"),
+    ({"jump": ("x",)}, "jump = ('x',)", "2 needed"),
+    ({"x0": (1.0,)}, "(1.0,)", "2 needed: one for each of x, y"),
     ({"x0": (1.0, float("nan"))}, "nan", "must be finite"),
     ({"x0": (1.0, "a")}, "'a'", "2 numbers are needed"),
     ({"x0": 3.0}, "3.0", "2 numbers are needed"),
@@ -229,8 +229,8 @@ def test_dependent_conserved_quantities_are_refused(psi: tuple[str, str]) -> Non
     ("arguments", "remedy"),
     [
         (("k", 3.0, (4.0, 5.0)), "4 … 5"),
-        (("k", 3.0, (5.0, 4.0)), "smaller"),
-        (("k", 3.0, (3.0, 3.0)), "smaller"),
+        (("k", 3.0, (5.0, 4.0)), "not below"),
+        (("k", 3.0, (3.0, 3.0)), "not below"),
         (("k", 3.0, (0.0, float("inf"))), "finite"),
         (("k", 3.0, (0.0, 1.0, 2.0)), "two"),
         (("k", 3.0, 5.0), "two"),

@@ -34,7 +34,7 @@ def test_all_problems_are_told_each_by_its_field_and_the_system_raises_the_first
         ("parameters", None), ("f_plus", None), ("psi_plus", None), ("f_minus", 1), ("g", 0), ("jump", 1),
     ]  # fmt: skip
     laws = {name: changes[name] for name in ("f_minus", "f_plus", "psi_plus", "jump")}
-    with pytest.raises(ValueError, match=r"parameters = \('k', 'x'\): 'x' stands for two things") as caught:
+    with pytest.raises(ValueError, match=r"parameters = \('k', 'x'\): the name 'x' is used twice") as caught:
         PiecewiseSystem("wrong", wrong.variables, g="k", parameters={"k": 1.0, "x": 1.0}, **laws)
     assert str(caught.value).endswith(wrong.problems[0].message)
 

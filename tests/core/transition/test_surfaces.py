@@ -412,7 +412,7 @@ def declared(**parts):
 
 @pytest.mark.parametrize("key", ["+", "+-+", "+0", "inside", "", 1])
 def test_a_key_that_is_not_one_sign_a_surface_is_refused(key):
-    with pytest.raises(ValueError, match=re.escape(f"{key!r} is no ")):
+    with pytest.raises(ValueError, match=re.escape(f"{key!r} is not ")):
         declared(**{**_TWO, "regions": {key: _TURN}})
 
 
@@ -447,7 +447,7 @@ def test_a_jump_at_a_surface_that_is_not_there_is_refused(number):
 
 
 def test_a_jump_of_another_dimension_is_refused():
-    with pytest.raises(ValueError, match=r"jumps\[1\] = \('x',\): 1 expression here, 2 are needed"):
+    with pytest.raises(ValueError, match=r"jumps\[1\] = \('x',\): 1 expression given, 2 needed"):
         declared(**_TWO, jumps={1: ("x",)})
 
 

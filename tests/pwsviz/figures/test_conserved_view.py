@@ -148,7 +148,7 @@ def test_the_sentence_tells_round_off_from_drift():
     drifting = curve(np.linspace(0, 6.4e-7, 300), "rk2")
     noise = curve(1e-16 * np.arange(9))
     words = "dmm2 conserves ψ to accumulated round-off: |Δψ| ≤ 8×10⁻¹⁶; rk2 drifts: max |Δψ| = 6.4×10⁻⁷ up to t = 20."
-    words += " Shading and marks are those of dmm2."
+    words += " Shading and crossing marks refer to dmm2."
     assert conserved_text([noise, drifting]) == words
 
 
@@ -177,7 +177,7 @@ def test_round_off_adds_up_over_the_steps_that_there_are():
 
 def test_a_sentence_says_whose_marks_are_shown_only_where_there_are_some():
     many = replace(curve([0.0, 1e-16]), crossings=np.linspace(0, 20, MOST_BANDS + 1), sides=np.ones(MOST_BANDS + 2))
-    whose, none = "Shading and marks are those of dmm2.", "crossings of dmm2 are too many to be marked"
+    whose, none = "Shading and crossing marks refer to dmm2.", "crossings of dmm2 are too many to be marked"
     for first, said, unsaid in ((curve([0.0, 1e-16]), whose, none), (many, none, whose)):
         words = conserved_text([first, curve([0.0, 1e-7], "rk2")])
         assert said in words
@@ -266,7 +266,7 @@ def test_a_change_of_psi_by_perturbed_crossings_is_not_blamed_on_a_method_that_k
         assert (
             f"{name} conserves ψ to round-off between crossings, but perturbed crossings change it: max |Δψ|" in words
         )
-    assert re.search(r"rk2 drifts: max .*, of which at most .* between two crossings, since perturbed", words)
+    assert re.search(r"rk2 drifts: max .*; between two crossings ψ changes by at most .*, and perturbed", words)
     unperturbed = conserved_text(computed(**settings | {"perturbation_order": None})[0])
     assert "perturbed" not in unperturbed
     assert "gauss4 conserves ψ to round-off: |Δψ| ≤" in unperturbed, "it keeps every quadratic ψ"

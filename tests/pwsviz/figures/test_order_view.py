@@ -163,7 +163,7 @@ def test_errors_above_the_painted_line_are_those_that_a_fit_may_use():
         (
             exact,
             state_rows(exact)[1],
-            f"Slopes are fitted to errors between {exact.fit_above:.2g} and {exact.fit_below:.2g}, from the finest",
+            f"least-squares fits to errors between {exact.fit_above:.2g} and {exact.fit_below:.2g}, from the finest",
         ),
     ):
         view, (shown,) = OrderView("error"), studied([study], lambda _, row=row: [row])

@@ -89,11 +89,11 @@ def test_a_surface_that_is_no_curve_in_the_plane_is_left_out_and_named():
 def test_of_several_surfaces_those_that_are_no_curves_in_the_plane_are_named():
     ring, chua, bridge = (core.CATALOGUE[name] for name in ("gene_ring", "chua", "diode_bridge"))
     assert surfaces_shown(ring, XY) == [0, 1]
-    assert "Nor can the surface z − θ = 0, which is not a curve" in portrait_note(ring, XY)
-    assert "Nor can" not in portrait_note(chua, XY)
-    assert "Nor can the surfaces x + 1 = 0, x − 1 = 0, which are not curves" in portrait_note(chua, (1, 2))
-    assert "Nor can the surfaces v − u = 0, v + u = 0" in portrait_note(bridge, (0, 2))
-    assert "Nor can" not in portrait_note(bridge, XY)
+    assert "the field, the level sets and the surface z − θ = 0 cannot be drawn" in portrait_note(ring, XY)
+    assert "surface" not in portrait_note(chua, XY)
+    assert "the level sets and the surfaces x + 1 = 0, x − 1 = 0 cannot be drawn" in portrait_note(chua, (1, 2))
+    assert "the surfaces v − u = 0, v + u = 0 cannot" in portrait_note(bridge, (0, 2))
+    assert "surface" not in portrait_note(bridge, XY)
     assert [shows_regions(ring, XY), shows_regions(chua, XY), shows_regions(bridge, XY)] == [False, True, True]
 
 
@@ -138,7 +138,7 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
     ]  # fmt: skip
     assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
     assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
-    assert "x₂, y₂; x₃, y₃. Marks are those of x₁, y₁." in portrait_note(bodies, (0, 1))
+    assert "x₂, y₂; x₃, y₃, and discs where they start; marks refer to x₁, y₁." in portrait_note(bodies, (0, 1))
     others = [system for name, system in core.CATALOGUE.items() if name != "three_bodies"]
     assert not any(planes_alike(system, axes) for system in others for axes in planes(system))
 
@@ -191,4 +191,4 @@ def test_the_conserved_view_names_the_regions_of_which_nothing_is_known():
 def test_the_equations_stand_below_the_portrait_unless_they_are_long():
     assert law_note(core.CATALOGUE["elliptic_curve"]).endswith("g = x² + y² − r².")
     assert "reset map at g = 0" in law_note(core.CATALOGUE["bouncing_ball"])
-    assert law_note(core.CATALOGUE["three_bodies"]).startswith("The equations are in the view Scheme.")
+    assert law_note(core.CATALOGUE["three_bodies"]).startswith("The equations are in the tab Scheme.")

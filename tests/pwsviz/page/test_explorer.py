@@ -483,7 +483,7 @@ def test_sliding_is_drawn_apart_and_named_also_where_no_psi_is_known(explorer):
     explorer.settle(20)
     assert explorer.view.plots[0].visible
     assert view.figure.yaxis[0].axis_label == "error of g while sliding, |Δg|"
-    assert "Drawn is g" in explorer.view.words.object
+    assert "Shown is |Δg|" in explorer.view.words.object
 
 
 def test_the_export_says_that_a_view_is_not_computed_and_offers_its_files_when_it_is(explorer):
@@ -745,7 +745,10 @@ def test_what_a_study_does_at_crossings_stands_in_its_caption(explorer, view):
 
 def test_the_caption_of_the_drift_says_which_psi_is_shown_and_that_what_perturbed_crossings_change_is_counted(explorer):
     for settings, told in (
-        ({"system": "rigid_body", "methods": ["dmm2"]}, "Of the 2 conserved quantities the one that changes most"),
+        (
+            {"system": "rigid_body", "methods": ["dmm2"]},
+            "Of the 2 conserved quantities, the one with the largest error",
+        ),
         ({"perturbation_order": 1}, "A perturbed crossing lies off the surface"),
     ):
         explorer.scene.load({**settings, "view": "conserved"})
