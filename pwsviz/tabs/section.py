@@ -89,7 +89,7 @@ class SectionTab(LongTab):
         self._across, self._up = (Dropdown(words, options={"": 0}, value=0) for words in ("Across", "Up"))
         self._across.param.watch(lambda event: self._take_axis(0, event.new), "value")
         self._up.param.watch(lambda event: self._take_axis(1, event.new), "value")
-        self._up_place, kind = _wide(self._up, 72), choice(scene, "section_map", lambda: KINDS)
+        self._up_place, kind = _wide(self._up, 72), choice(scene, "section_map", lambda: KINDS, name="Shown")
         self.note = text_pane("", "about")
         self._more = pn.FlexBox(*self._rarely_needed(), visible=False, margin=0, sizing_mode="stretch_width")
         more = pmui.IconButton(icon="tune", description="More choices", size="small", margin=(10, 0, 0, 0))

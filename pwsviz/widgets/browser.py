@@ -8,6 +8,7 @@ import panel as pn
 import param
 
 from pwsviz.figures.style import ON_DARK
+from pwsviz.widgets.dialog import KEEP_FOCUS
 
 NARROW = 600
 """Pixels of window width below which the controls start hidden, as they would cover the picture."""
@@ -83,6 +84,20 @@ const name_panel = () => {
 name_panel()
 """
 """JavaScript that makes the tabs' content a tab panel, which the tabs of panel-material-ui leave out."""
+
+
+TELL_HEADER = """
+// The header is fixed, and higher where the type is large: what begins below it is told its height.
+let glances = 0
+const tell_header = () => {
+  const header = find(document, ".MuiAppBar-root")
+  if (header == null) { if (glances++ < 300) { setTimeout(tell_header, 100) }; return }
+  const tell = () => document.documentElement.style.setProperty("--header", `${header.offsetHeight}px`)
+  new ResizeObserver(tell).observe(header)
+}
+tell_header()
+"""
+"""JavaScript that keeps the height of the header in a variable of CSS."""
 
 
 PAINT_WHOLE = """
@@ -192,11 +207,17 @@ export function render({ model }) {
   }
   document.addEventListener("keydown", press)
   FIND
+  KEEP_FOCUS
+  document.addEventListener("keydown", keep_focus, { capture: true })
   NAME_PANEL
   NAME_MENU
+  TELL_HEADER
   PAINT_WHOLE
   TONE
-  model.on("remove", () => document.removeEventListener("keydown", press))
+  model.on("remove", () => {
+    document.removeEventListener("keydown", press)
+    document.removeEventListener("keydown", keep_focus, { capture: true })
+  })
   model.on("query", () => {
     const address = new URL(window.location.href)
     address.search = model.query
@@ -206,8 +227,10 @@ export function render({ model }) {
 """.replace("NARROW", str(NARROW))
         .replace("IS_DARK", IS_DARK)
         .replace("FIND", FIND)
+        .replace("KEEP_FOCUS", KEEP_FOCUS)
         .replace("NAME_PANEL", NAME_PANEL)
         .replace("NAME_MENU", NAME_MENU)
+        .replace("TELL_HEADER", TELL_HEADER)
         .replace("PAINT_WHOLE", PAINT_WHOLE)
         .replace("TONE", TONE)
     )

@@ -21,6 +21,7 @@ progress:indeterminate { background: linear-gradient(90deg, var(--track) 33%, va
 progress:indeterminate::-webkit-progress-bar { background: none; }
 progress:indeterminate::-moz-progress-bar { background: none; }
 @keyframes pass { from { background-position: 100% } to { background-position: 0 } }
+@media (forced-colors: active) { progress { forced-color-adjust: none; --track: GrayText; --done: Highlight; } }
 @media (prefers-reduced-motion) { progress:indeterminate { animation-duration: 12s } }
 """
 """Drawn alike by all browsers: their own bars have colours of their own."""
