@@ -14,7 +14,7 @@ from pwsviz.text.words import as_text
 from pwsviz.widgets.panes import text_pane
 from pwsviz.widgets.setting_buttons import PRESSED, UNSEEN_LABEL
 
-NUMBERS_SX = {".MuiToggleButton-root": {"minWidth": "28px", "flex": "1 0 auto"}, **PRESSED}
+NUMBERS_SX = {".MuiToggleButton-root": {"paddingX": "12px"}, **PRESSED}
 
 ASIDE = 0.1
 """Distance of a new start from the selected one in its first coordinate, relative to its largest |coordinate|."""

@@ -21,6 +21,7 @@ input:focus-visible { outline: 2px solid var(--mui-palette-primary-main); outlin
 
 
 SEEN_NAME = """
+fieldset { font-size: 0.875rem; }
 legend { position: static; float: left; width: auto; height: auto; clip-path: none; margin: 0 4px 0 0;
          line-height: 26px; color: var(--mui-palette-text-secondary); }
 """

@@ -22,7 +22,7 @@ PRESSED = {
 """The pressed button where the colours are those of the system."""
 
 BUTTONS_SX = {
-    ".MuiToggleButton-root": {**PLAIN_SX, "paddingY": "2px", "minWidth": "28px", "flex": "1 0 auto"},
+    ".MuiToggleButton-root": {**PLAIN_SX, "padding": "2px 8px"},
     **PRESSED,
 }
 
