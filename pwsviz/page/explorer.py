@@ -35,6 +35,7 @@ from pwsviz.text.words import as_text, failure
 from pwsviz.widgets.announcer import Announcer
 from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
+from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.lecture import Lecture
 from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 
@@ -388,6 +389,8 @@ class Explorer(pn.viewable.Viewer):
         )
         self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "can_redo")
         redo.on_click(lambda _: self.history.redo())
+        for button, other in ((undo, redo), (redo, undo)):
+            hand_on(button, other)
         export = pmui.Button(
             label="Export & share", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX
         )

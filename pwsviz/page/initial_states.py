@@ -11,6 +11,7 @@ from pwsviz.scene.checks import MAX_STARTS
 from pwsviz.scene.names import LABELS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text
+from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.panes import text_pane
 from pwsviz.widgets.setting_buttons import PRESSED, UNSEEN_LABEL
 
@@ -36,6 +37,8 @@ class Trajectories(pn.viewable.Viewer):
         self.numbers.param.watch(self._select, "value")
         self.more.on_click(lambda _: self._try(self._add))
         self.less.on_click(lambda _: self._try(lambda: scene.remove(scene.selected)))
+        for button, other in ((self.more, self.less), (self.less, self.more)):
+            hand_on(button, other)
         scene.param.watch(self._sync, ["starts", "selected"])
         self._sync()
 

@@ -26,6 +26,7 @@ from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, complaint, failure
 from pwsviz.widgets.browser import NARROW
+from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import bar_pane
 
@@ -344,7 +345,10 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return portrait, player and notes in a column."""
-        row = pn.Row(self.player.button, self.limits.button, self.readout, margin=0, sizing_mode="stretch_width")
+        row = pn.Row(
+            self.player.button, self.limits.button, self.readout, Disclosure(self.limits.button, self.limits.box),
+            margin=0, sizing_mode="stretch_width",
+        )  # fmt: skip
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
             self.pane, row, self.limits, self.player, self.trouble, self.note, self.status,

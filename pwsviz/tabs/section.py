@@ -33,6 +33,7 @@ from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.typed import as_typed
 from pwsviz.text.words import as_text, complaint, listed
+from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.dropdown import Dropdown
 from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import text_pane
@@ -98,6 +99,7 @@ class SectionTab(LongTab):
         self._offer()
         controls = pn.FlexBox(
             kind, _wide(self._of, 140), self._other, _wide(self._across, 72), self._up_place, more,
+            Disclosure(more, self._more),
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
         return [controls, self._more, self.progress, self.plot(self.view.figure), self.note]

@@ -120,6 +120,23 @@ paint_whole()
 """JavaScript that lets no figure be painted with rows that have no colours yet."""
 
 
+DESCRIBE = """
+// What the “?” beside the name of a list says is told of the list itself, too, which the keyboard reaches.
+const describe_lists = () => {
+  const list = Bokeh.Models.get("Select").prototype.default_view.prototype, { render } = list
+  list.render = function() {
+    render.call(this)
+    const markup = [this.model.description?.content?.html ?? []].flat().filter(part => typeof part == "string").join("")
+    if (markup == "") { return }
+    const words = new DOMParser().parseFromString(markup, "text/html").body.textContent
+    this.input_el.setAttribute("aria-description", words.trim())
+  }
+}
+describe_lists()
+"""
+"""JavaScript that gives lists the words of their tips as a description."""
+
+
 TONE = """
 // On dark ground the colours of glyphs are others: a figure is painted with those that go with its own ground.
 const tone_figures = on_dark => {
@@ -213,6 +230,7 @@ export function render({ model }) {
   NAME_MENU
   TELL_HEADER
   PAINT_WHOLE
+  DESCRIBE
   TONE
   model.on("remove", () => {
     document.removeEventListener("keydown", press)
@@ -232,5 +250,6 @@ export function render({ model }) {
         .replace("NAME_MENU", NAME_MENU)
         .replace("TELL_HEADER", TELL_HEADER)
         .replace("PAINT_WHOLE", PAINT_WHOLE)
+        .replace("DESCRIBE", DESCRIBE)
         .replace("TONE", TONE)
     )

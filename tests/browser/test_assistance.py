@@ -147,3 +147,39 @@ def test_groups_have_names(visit):
     row = page.get_by_role("dialog").get_by_role("group", name="Phase portrait")
     row.get_by_role("button", name="SVG").wait_for()
     assert row.get_by_role("button", name="SVG").count() == 1
+
+
+def test_buttons_tell_what_they_open_and_lists_what_they_are(visit):
+    page = visit(query="v=2&view=section")
+    await_painted(page, "Phase portrait")
+    listed = page.get_by_role("combobox", name="Examples")
+    sync_api.expect(listed).to_have_attribute("aria-description", re.compile("Scenes to start from"))
+    for name in ("Limits of the portrait", "More choices"):
+        button = page.get_by_role("button", name=name)
+        sync_api.expect(button).to_have_attribute("aria-expanded", "false")
+        button.click()
+        sync_api.expect(button).to_have_attribute("aria-expanded", "true")
+    page.get_by_role("button", name="Write your own").click()
+    several = page.get_by_role("button", name="Several surfaces")
+    sync_api.expect(several).to_have_attribute("aria-expanded", "false")
+    several.click()
+    sync_api.expect(several).to_have_attribute("aria-expanded", "true")
+
+
+def test_a_button_that_can_no_longer_be_pressed_hands_the_focus_on(visit):
+    page = visit()
+    await_painted(page, "Phase portrait")
+    page.get_by_role("button", name="Add a trajectory").click()
+    less = page.get_by_role("button", name="Remove this trajectory")
+    sync_api.expect(less).to_be_enabled()
+    less.press("Enter")
+    sync_api.expect(page.get_by_role("button", name="Add a trajectory")).to_be_focused()
+    page.get_by_role("textbox", name="End time").fill("3")
+    page.get_by_role("textbox", name="End time").press("Enter")
+    undo, redo = (page.get_by_role("button", name=name) for name in ("Undo", "Redo"))
+    sync_api.expect(undo).to_be_enabled()
+    for _ in moments(page):
+        if not undo.is_enabled():
+            break
+        undo.press("Enter")
+    sync_api.expect(redo).to_be_focused()
