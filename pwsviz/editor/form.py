@@ -18,6 +18,7 @@ from pwsviz.editor.validation import Checked, Finding, check
 from pwsviz.tasks.event_loop import Delivery
 from pwsviz.tasks.latest_wins import Job, Lane
 from pwsviz.text.words import as_text, complaint
+from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.panes import TEXT_CSS, heading
 
 __all__ = ["SystemEditor"]
@@ -279,6 +280,7 @@ class SystemEditor(pn.viewable.Viewer):
             self._field("jump"),
             self._field("f"),
             self.more,
+            Disclosure(self.more, self.several),
             self.several,
             heading("Conserved quantities"),
             self._pair("psi_minus", "psi_plus"),

@@ -16,7 +16,9 @@ REACHED: dict[str, Any] = {
 """HTML attributes of a figure that the Tab key reaches, and that takes these keys."""
 
 FOCUS_CSS = """
-:host(:focus-visible) { outline: 2px solid var(--mui-palette-primary-main, #1976d2); outline-offset: -2px; }
+:host(:focus-visible) { outline: none; }
+:host(:focus-visible)::after { content: ""; position: absolute; inset: 0; z-index: 100; pointer-events: none;
+                               border: 2px solid var(--mui-palette-primary-main, #1976d2); }
 """
 
 KEYS = """

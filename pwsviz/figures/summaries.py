@@ -39,6 +39,12 @@ def run_lines(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> str
     return "".join(lines) + "".join(as_text(words, "stopped") for words in (*reasons, *warned))
 
 
+def run_words(summaries: Sequence[Summary]) -> str:
+    """Say in a sentence of each run how it went, such as “dmm2: 21 crossings, end time reached.”."""
+    said = (one.message or f"{', '.join(filter(None, (one.course, 'end time reached')))}." for one in summaries)
+    return " ".join(f"{one.method}: {words}" for one, words in zip(summaries, said, strict=True))
+
+
 def _reason(first: Summary, *others: Summary) -> str:
     """Say where and why a run stopped, and which others stopped for the same reason."""
     likewise = f" Likewise {listed([other.method for other in others])}." if others else ""

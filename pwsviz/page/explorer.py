@@ -31,9 +31,11 @@ from pwsviz.scene.views import VIEWS
 from pwsviz.tabs import LongTab, Tab, make_tab
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
-from pwsviz.text.words import as_text
+from pwsviz.text.words import as_text, failure
+from pwsviz.widgets.announcer import Announcer
 from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
+from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.lecture import Lecture
 from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
 
@@ -65,8 +67,14 @@ GRID_CSS = f"""
 """
 """Beside a long view that scrolls, the portrait stays in sight; above one it does not."""
 
-HEADER_SX = {**PLAIN_SX, "&&&": {"color": "inherit !important"}}
-"""Of a button in the header, whose theme assumes a coloured bar and sets white text."""
+HEADER_SX = {
+    **PLAIN_SX, "&&&": {"color": "inherit !important"},
+    "@media (width < 480px)": {
+        "fontSize": 0, "minWidth": "34px", "--pmui-starticon-mr": "0px !important",
+        ".MuiButton-startIcon": {"marginX": 0}, ".MuiIcon-root": {"fontSize": "20px !important"},
+    },
+}  # fmt: skip
+"""Of a button in the header, whose theme assumes a coloured bar and sets white text; on a phone its icon is seen."""
 
 TABS_SX = {
     ".MuiTab-root": {
@@ -76,6 +84,7 @@ TABS_SX = {
     ".MuiTabs-list": {"flexWrap": "wrap"},
     ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
     ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
+    "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
 }  # fmt: skip
 """Titles as narrow as possible: in one row from 1400 pixels of screen on, in two on a narrow one."""
 
@@ -115,10 +124,12 @@ class Explorer(pn.viewable.Viewer):
         if scene is None and pn.state.location is not None:
             self.adopt(pn.state.location.search)  # before anything is computed
         self.scheduler = Scheduler()
+        self.announcer = Announcer(sizing_mode="fixed", width=0, height=0, margin=0)
         self.views = {key: make_tab(key, self.scene, self.results) for key in VIEWS}
         self.portrait_panel = PortraitPanel(
-            self.scene, self.results, self.scheduler, self._await_system, self._refresh_export
-        )
+            self.scene, self.results, self.scheduler, self._await_system, self._refresh_export,
+            self.announcer.tell_of_portrait,
+        )  # fmt: skip
         link_portrait(self.portrait_panel.portrait)
         self.history = History(self.scene)
         self.editor: SystemEditor | None = None  # two dozen widgets that few visitors need
@@ -232,7 +243,15 @@ class Explorer(pn.viewable.Viewer):
 
     def _show(self, view: Tab, wanted: Any, outcome: Any) -> None:
         view.present(wanted, outcome)
+        if isinstance(outcome, Exception):
+            self._tell(failure(outcome))
+        elif isinstance(view, LongTab):
+            self._tell("finished.")
         self._refresh_export()
+
+    def _tell(self, words: str) -> None:
+        """Tell screen readers how the computation of the view has ended."""
+        self.announcer.tell_of_view(f"{VIEWS[self.scene.view].title}: {words}")
 
     def _refresh_export(self) -> None:
         if "export" in vars(self):  # made with the rest of the page
@@ -242,6 +261,7 @@ class Explorer(pn.viewable.Viewer):
         """Cancel the running study; its partial result stays on screen."""
         if self.scheduler.cancel("view") and isinstance(self.view, LongTab):
             self.view.stop()
+            self._tell("cancelled.")
 
     def _again(self) -> None:
         """Run the study again."""
@@ -347,7 +367,7 @@ class Explorer(pn.viewable.Viewer):
         self.browser.param.watch(lambda _: self.history.redo(), "redone")
         self.browser.param.watch(lambda _: self.help.open(), "helped")
         self.lecture.jscallback(large=f"{THE_PAGE}.sidebar_open = !cb_obj.large")
-        page.main.extend([self.browser, self.lecture])
+        page.main.extend([self.browser, self.lecture, self.announcer])
         pn.state.onload(self._furnish)
         return page
 
@@ -369,6 +389,8 @@ class Explorer(pn.viewable.Viewer):
         )
         self.history.param.watch(lambda event: redo.param.update(disabled=not event.new), "can_redo")
         redo.on_click(lambda _: self.history.redo())
+        for button, other in ((undo, redo), (redo, undo)):
+            hand_on(button, other)
         export = pmui.Button(
             label="Export & share", icon="ios_share", variant="text", size="small", margin=4, sx=HEADER_SX
         )

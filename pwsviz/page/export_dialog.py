@@ -23,6 +23,7 @@ from pwsviz.export.short_caption import short_caption
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.dialog import dialog
+from pwsviz.widgets.named_row import NamedRow
 from pwsviz.widgets.panes import PLAIN_SX, TEXT_CSS, heading
 from pwsviz.widgets.setting_buttons import BUTTONS_SX
 
@@ -151,7 +152,7 @@ class ExportDialog(pn.viewable.Viewer):
         button.js_on_click(args=given, code=_COPY.replace("WORDS", COPY[kind]))
         return button
 
-    def _row(self, piece: Piece) -> pn.FlexBox:
+    def _row(self, piece: Piece) -> NamedRow:
         buttons = [
             self._download(f"CSV {name}".strip(), f"{piece.title} {name}", "csv", partial(_write_csv, table), piece)
             for name, table in piece.tables.items()
@@ -164,7 +165,7 @@ class ExportDialog(pn.viewable.Viewer):
         if not buttons:
             buttons.append(pmui.Typography(NOT_YET, margin=(8, 8), variant="body2"))
         title = pmui.Typography(piece.title, margin=(8, 8), width=170)
-        return pn.FlexBox(title, *buttons, margin=0, sizing_mode="stretch_width")
+        return NamedRow(title, *buttons, group=piece.title, margin=0, sizing_mode="stretch_width")
 
     def _make_choices(self) -> Any:
         """Return the choices about pictures."""
@@ -191,11 +192,11 @@ class ExportDialog(pn.viewable.Viewer):
         button.js_on_click(args=given, code=picture_callback(piece.figures))
         return button
 
-    def _equations(self) -> pn.FlexBox:
+    def _equations(self) -> NamedRow:
         """Return the row of the equations in LaTeX."""
         title = pmui.Typography("Equations", margin=(8, 8), width=170)
         file = self._download("TEX", "Equations", "tex", partial(latex_file, self.scene), Piece("Equations", {}, []))
-        return pn.FlexBox(title, file, margin=0, sizing_mode="stretch_width")
+        return NamedRow(title, file, group="Equations", margin=0, sizing_mode="stretch_width")
 
     def _download(
         self, label: str, what: str, ending: str, write: Callable[[Mapping[str, str]], bytes], piece: Piece

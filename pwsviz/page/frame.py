@@ -27,6 +27,12 @@ PAGE_SX = {
     },
     ".MuiAppBar-root .title": {"color": "text.primary", "fontSize": "1.35rem", "letterSpacing": "0.01em"},
     ".MuiToolbar-root": {"minHeight": "48px !important"},
+    ".MuiToolbar-root a": {"minHeight": "24px"},
+    "&& :is(.main, .sidebar) .MuiToolbar-root": {"height": "var(--header, 48px)", "flexShrink": 0},  # room for it
+    "@media (width < 480px)": {
+        ".MuiAppBar-root > .MuiToolbar-root": {"paddingX": "12px"},
+        ".MuiToolbar-root > .MuiIconButton-edgeStart": {"marginRight": "4px"},
+    },
     ".MuiToolbar-root > h5, .MuiAppBar-root > .MuiLinearProgress-root": {"display": "none"},  # have no name and no use
 }  # fmt: skip
 

@@ -25,7 +25,7 @@ GREETING = (
 """Both on a narrow screen, above the portrait: the controls are out of sight there. As markup."""
 
 GREETING_CSS = f"""
-.greeting {{ font: 13px/18px Roboto, Helvetica, Arial, sans-serif; height: 36px; margin: 0; opacity: 0.8; }}
+.greeting {{ font: 13px/18px Roboto, Helvetica, Arial, sans-serif; min-height: 36px; margin: 0; opacity: 0.8; }}
 @media (width >= {NARROW}px) {{ .greeting {{ display: none; }} }}
 """
 

@@ -8,9 +8,14 @@ import panel as pn
 import panel_material_ui as pmui
 
 from pwsviz.scene.checks import MAX_STARTS
+from pwsviz.scene.names import LABELS
 from pwsviz.scene.scene import Scene
 from pwsviz.text.words import as_text
+from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.panes import text_pane
+from pwsviz.widgets.setting_buttons import PRESSED, UNSEEN_LABEL
+
+NUMBERS_SX = {".MuiToggleButton-root": {"paddingX": "12px"}, **PRESSED}
 
 ASIDE = 0.1
 """Distance of a new start from the selected one in its first coordinate, relative to its largest |coordinate|."""
@@ -22,13 +27,18 @@ class Trajectories(pn.viewable.Viewer):
     def __init__(self, scene: Scene) -> None:
         super().__init__()
         self.scene = scene
-        self.numbers = pmui.RadioButtonGroup(options=[1], value=1, size="small", margin=(4, 8, 4, 0))
+        self.numbers = pmui.RadioButtonGroup(
+            options=[1], value=1, label=LABELS["starts"], size="small", margin=(4, 8, 4, 0), sx=NUMBERS_SX,
+            stylesheets=[UNSEEN_LABEL],
+        )  # fmt: skip
         self.more = pmui.IconButton(icon="add", size="small", description="Add a trajectory", margin=2)
         self.less = pmui.IconButton(icon="delete", size="small", description="Remove this trajectory", margin=2)
         self.message = text_pane("", "error")
         self.numbers.param.watch(self._select, "value")
         self.more.on_click(lambda _: self._try(self._add))
         self.less.on_click(lambda _: self._try(lambda: scene.remove(scene.selected)))
+        for button, other in ((self.more, self.less), (self.less, self.more)):
+            hand_on(button, other)
         scene.param.watch(self._sync, ["starts", "selected"])
         self._sync()
 

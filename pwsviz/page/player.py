@@ -184,7 +184,7 @@ export function render({ model, data, el }) {
 _CSS = """
 .player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 10px; font-size: 0.875rem;
           color: var(--mui-palette-text-primary, inherit); }
-.scrub { flex: 1 1 140px; min-width: 100px; accent-color: var(--mui-palette-primary-main, #0072B2); }
+.scrub { flex: 1 1 140px; min-width: 100px; height: 24px; accent-color: var(--mui-palette-primary-main, #0072B2); }
 .play { width: 40px; height: 36px; border-radius: 6px; cursor: pointer; font-size: 1rem; background: none;
         color: inherit; border: 1px solid var(--mui-palette-divider, #808080); }
 .play:disabled { opacity: 0.5; cursor: default; }

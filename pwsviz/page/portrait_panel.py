@@ -11,7 +11,7 @@ import panel as pn
 
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.portrait_text import figures_of, law_note, portrait_note
-from pwsviz.figures.summaries import run_lines
+from pwsviz.figures.summaries import run_lines, run_words
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import Axes
 from pwsviz.page.player import Player
@@ -24,8 +24,9 @@ from pwsviz.scene.scene import Scene
 from pwsviz.scene.validation import window
 from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
-from pwsviz.text.words import as_text, complaint
+from pwsviz.text.words import as_text, complaint, failure
 from pwsviz.widgets.browser import NARROW
+from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.panes import fade, plot_pane, text_pane
 from pwsviz.widgets.progress import bar_pane
 
@@ -52,6 +53,8 @@ class PortraitPanel(pn.viewable.Viewer):
         Called with a text while the integrators of another system are compiled.
     on_show : callable
         Called when other trajectories have been drawn.
+    on_end : callable
+        Called with words about the runs when these have ended, or could not be computed.
     """
 
     def __init__(
@@ -61,10 +64,11 @@ class PortraitPanel(pn.viewable.Viewer):
         scheduler: Scheduler,
         on_wait: Callable[[str], None],
         on_show: Callable[[], None],
+        on_end: Callable[[str], None],
     ) -> None:
         super().__init__()
         self.scene, self.results, self.scheduler = scene, results, scheduler
-        self._on_wait, self._on_show = on_wait, on_show
+        self._on_wait, self._on_show, self._on_end = on_wait, on_show, on_end
         self.portrait = PortraitView(
             on_window=self._look_at,
             on_place=self.place,
@@ -125,6 +129,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self.progress.visible = False
         if isinstance(outcome, Exception):
             self.trouble.object = complaint(outcome)
+            self._on_end(failure(outcome))
             return
         self.trouble.object = ""
         fade(self.pane, past=False)
@@ -137,6 +142,7 @@ class PortraitPanel(pn.viewable.Viewer):
         self._cover()
         self._submit_frames()
         self._on_show()
+        self._on_end(run_words(outcome.summaries))
         runs = (*outcome.inputs.selected, *outcome.inputs.others)
         self.scheduler.submit(
             "warnings",
@@ -339,7 +345,10 @@ class PortraitPanel(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return portrait, player and notes in a column."""
-        row = pn.Row(self.player.button, self.limits.button, self.readout, margin=0, sizing_mode="stretch_width")
+        row = pn.Row(
+            self.player.button, self.limits.button, self.readout, Disclosure(self.limits.button, self.limits.box),
+            margin=0, sizing_mode="stretch_width",
+        )  # fmt: skip
         return pn.Column(
             pn.Column(self.progress, height=4, margin=0, sizing_mode="stretch_width"),
             self.pane, row, self.limits, self.player, self.trouble, self.note, self.status,

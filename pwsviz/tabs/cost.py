@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
 
 import core
 from pwsviz.export.files import Table
@@ -18,6 +17,7 @@ from pwsviz.tabs.base import LongTab, about_crossings
 from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.tables import Numbers
 from pwsviz.text.words import at_surface
+from pwsviz.widgets.choices import SEEN_NAME, Choices
 from pwsviz.widgets.setting_buttons import choice
 
 
@@ -43,14 +43,18 @@ class CostTab(LongTab):
         self.view = CostView()
         across = choice(self.scene, "cost_across", lambda: {words: key for key, words in COST_ACROSS.items()})
         up = choice(self.scene, "cost_up", lambda: {words: key for key, words in COST_UP.items()})
-        peers = pmui.CheckBoxGroup(
-            label=LABELS["peers"], options={words: key for key, words in EXTERNAL_SOLVERS.items()},
-            value=self.scene.peers, inline=True, size="small", margin=(6, 0),
+        peers = Choices(
+            label=LABELS["peers"], options=list(EXTERNAL_SOLVERS.values()), value=self._peers(), margin=(4, 0),
+            stylesheets=[SEEN_NAME],
         )  # fmt: skip
-        peers.param.watch(lambda event: self.scene.accept("peers", list(event.new)), "value")
-        self.scene.param.watch(lambda event: peers.param.update(value=event.new), "peers")
+        chosen = {words: key for key, words in EXTERNAL_SOLVERS.items()}
+        peers.param.watch(lambda event: self.scene.accept("peers", [chosen[words] for words in event.new]), "value")
+        self.scene.param.watch(lambda _: peers.param.update(value=self._peers()), "peers")
         controls = pn.FlexBox(across, up, peers, margin=0, sizing_mode="stretch_width")
         return [controls, self.progress, self.plot(self.view.figure)]
+
+    def _peers(self) -> list[str]:
+        return [EXTERNAL_SOLVERS[key] for key in self.scene.peers]
 
     def draw(self, outcome: core.WorkPrecision) -> str:
         """Draw the curves and return in words which integrator is fastest."""

@@ -33,6 +33,7 @@ from pwsviz.tasks.cancellation import Cancel, Report
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.typed import as_typed
 from pwsviz.text.words import as_text, complaint, listed
+from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.dropdown import Dropdown
 from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import text_pane
@@ -89,7 +90,7 @@ class SectionTab(LongTab):
         self._across, self._up = (Dropdown(words, options={"": 0}, value=0) for words in ("Across", "Up"))
         self._across.param.watch(lambda event: self._take_axis(0, event.new), "value")
         self._up.param.watch(lambda event: self._take_axis(1, event.new), "value")
-        self._up_place, kind = _wide(self._up, 72), choice(scene, "section_map", lambda: KINDS)
+        self._up_place, kind = _wide(self._up, 72), choice(scene, "section_map", lambda: KINDS, name="Shown")
         self.note = text_pane("", "about")
         self._more = pn.FlexBox(*self._rarely_needed(), visible=False, margin=0, sizing_mode="stretch_width")
         more = pmui.IconButton(icon="tune", description="More choices", size="small", margin=(10, 0, 0, 0))
@@ -98,6 +99,7 @@ class SectionTab(LongTab):
         self._offer()
         controls = pn.FlexBox(
             kind, _wide(self._of, 140), self._other, _wide(self._across, 72), self._up_place, more,
+            Disclosure(more, self._more),
             margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
         return [controls, self._more, self.progress, self.plot(self.view.figure), self.note]

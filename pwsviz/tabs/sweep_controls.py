@@ -17,6 +17,7 @@ from pwsviz.scene.views import SWEEP_SETTINGS
 from pwsviz.text.math_names import variable_name
 from pwsviz.text.numbers import printed
 from pwsviz.text.typed import as_typed
+from pwsviz.widgets.disclosure import Disclosure
 from pwsviz.widgets.dropdown import Dropdown
 from pwsviz.widgets.number_field import NumberField
 from pwsviz.widgets.panes import PLAIN_SX
@@ -170,5 +171,7 @@ class SweepControls(pn.viewable.Viewer):
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return the controls."""
-        line = pn.FlexBox(self._method, self._more, margin=0, sizing_mode="stretch_width")
+        line = pn.FlexBox(
+            self._method, self._more, Disclosure(self._more, self.box), margin=0, sizing_mode="stretch_width"
+        )
         return pn.Column(self._first, line, self.box, margin=0, sizing_mode="stretch_width")

@@ -68,7 +68,11 @@ def rounded(value: float) -> str:
 
 def complaint(reason: Exception) -> str:
     """Return an exception as a paragraph for the user: the message of a ValueError; else that the program failed."""
+    return as_text(failure(reason), "error")
+
+
+def failure(reason: Exception) -> str:
+    """Return the words of `complaint`."""
     if isinstance(reason, ValueError):
-        return as_text(on_page(str(reason)), "error")
-    words = f"The program failed here ({type(reason).__name__}: {reason}). The server’s log has the details."
-    return as_text(words, "error")
+        return on_page(str(reason))
+    return f"The program failed here ({type(reason).__name__}: {reason}). The server’s log has the details."

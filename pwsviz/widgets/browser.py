@@ -8,6 +8,7 @@ import panel as pn
 import param
 
 from pwsviz.figures.style import ON_DARK
+from pwsviz.widgets.dialog import KEEP_FOCUS
 
 NARROW = 600
 """Pixels of window width below which the controls start hidden, as they would cover the picture."""
@@ -85,6 +86,20 @@ name_panel()
 """JavaScript that makes the tabs' content a tab panel, which the tabs of panel-material-ui leave out."""
 
 
+TELL_HEADER = """
+// The header is fixed, and higher where the type is large: what begins below it is told its height.
+let glances = 0
+const tell_header = () => {
+  const header = find(document, ".MuiAppBar-root")
+  if (header == null) { if (glances++ < 300) { setTimeout(tell_header, 100) }; return }
+  const tell = () => document.documentElement.style.setProperty("--header", `${header.offsetHeight}px`)
+  new ResizeObserver(tell).observe(header)
+}
+tell_header()
+"""
+"""JavaScript that keeps the height of the header in a variable of CSS."""
+
+
 PAINT_WHOLE = """
 // Bokeh takes the rows of a source at once, and their colours only some promises later. A change of layout has a figure
 // painted in between: the legend then looks for the colour of a row that has none yet, and the painting ends there
@@ -103,6 +118,23 @@ const paint_whole = () => {
 paint_whole()
 """
 """JavaScript that lets no figure be painted with rows that have no colours yet."""
+
+
+DESCRIBE = """
+// What the “?” beside the name of a list says is told of the list itself, too, which the keyboard reaches.
+const describe_lists = () => {
+  const list = Bokeh.Models.get("Select").prototype.default_view.prototype, { render } = list
+  list.render = function() {
+    render.call(this)
+    const markup = [this.model.description?.content?.html ?? []].flat().filter(part => typeof part == "string").join("")
+    if (markup == "") { return }
+    const words = new DOMParser().parseFromString(markup, "text/html").body.textContent
+    this.input_el.setAttribute("aria-description", words.trim())
+  }
+}
+describe_lists()
+"""
+"""JavaScript that gives lists the words of their tips as a description."""
 
 
 TONE = """
@@ -192,11 +224,18 @@ export function render({ model }) {
   }
   document.addEventListener("keydown", press)
   FIND
+  KEEP_FOCUS
+  document.addEventListener("keydown", keep_focus, { capture: true })
   NAME_PANEL
   NAME_MENU
+  TELL_HEADER
   PAINT_WHOLE
+  DESCRIBE
   TONE
-  model.on("remove", () => document.removeEventListener("keydown", press))
+  model.on("remove", () => {
+    document.removeEventListener("keydown", press)
+    document.removeEventListener("keydown", keep_focus, { capture: true })
+  })
   model.on("query", () => {
     const address = new URL(window.location.href)
     address.search = model.query
@@ -206,8 +245,11 @@ export function render({ model }) {
 """.replace("NARROW", str(NARROW))
         .replace("IS_DARK", IS_DARK)
         .replace("FIND", FIND)
+        .replace("KEEP_FOCUS", KEEP_FOCUS)
         .replace("NAME_PANEL", NAME_PANEL)
         .replace("NAME_MENU", NAME_MENU)
+        .replace("TELL_HEADER", TELL_HEADER)
         .replace("PAINT_WHOLE", PAINT_WHOLE)
+        .replace("DESCRIBE", DESCRIBE)
         .replace("TONE", TONE)
     )

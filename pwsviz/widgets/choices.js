@@ -1,24 +1,22 @@
 // A named group of check boxes, each with its explanation.
 
-let count = 0
-
 function render({ model, el }) {
   const group = document.createElement("fieldset")
   const name = document.createElement("legend")
   const draw = () => {
     name.textContent = model.label
     const boxes = model.options.map(option => {
-      const id = `choice-${count++}`
-      const box = Object.assign(document.createElement("input"), { type: "checkbox", id, value: option })
-      const words = Object.assign(document.createElement("label"), { htmlFor: id, textContent: option })
+      const box = Object.assign(document.createElement("input"), { type: "checkbox", value: option })
+      const both = document.createElement("label")
+      both.append(box, option)
       const one = Object.assign(document.createElement("span"), { title: model.about[option] ?? "" })
       box.checked = model.value.includes(option)
       box.disabled = model.disabled
       if (one.title != "") { box.setAttribute("aria-description", one.title) }
       box.addEventListener("change", () => {
-        model.value = model.options.filter((_, k) => boxes[k].firstChild.checked)
+        model.value = model.options.filter((_, k) => boxes[k].querySelector("input").checked)
       })
-      one.append(box, words)
+      one.append(both)
       return one
     })
     group.replaceChildren(name, ...boxes)

@@ -7,18 +7,25 @@ from typing import ClassVar
 import panel as pn
 import param
 
-__all__ = ["Choices"]
+__all__ = ["SEEN_NAME", "Choices"]
 
 CHOICES_CSS = """
 fieldset { display: flex; flex-wrap: wrap; gap: 2px 12px; margin: 0; padding: 2px; border: none; font-size: 1rem;
            color: var(--mui-palette-text-primary); }
 legend { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
-span { display: inline-flex; align-items: center; min-height: 26px; }
+label { display: inline-flex; align-items: center; min-width: 24px; min-height: 26px; cursor: pointer; }
 input { width: 18px; height: 18px; margin: 0 6px 0 0; flex: none; cursor: pointer;
         accent-color: var(--mui-palette-primary-main); }
-label { cursor: pointer; }
 input:focus-visible { outline: 2px solid var(--mui-palette-primary-main); outline-offset: 2px; }
 """
+
+
+SEEN_NAME = """
+fieldset { font-size: 0.875rem; }
+legend { position: static; float: left; width: auto; height: auto; clip-path: none; margin: 0 4px 0 0;
+         line-height: 26px; color: var(--mui-palette-text-secondary); }
+"""
+"""Style sheet of a group whose name is seen, before the boxes."""
 
 
 class Choices(pn.custom.JSComponent):

@@ -6,7 +6,7 @@ from typing import Any
 
 import panel_material_ui as pmui
 
-__all__ = ["dialog"]
+__all__ = ["KEEP_FOCUS", "dialog"]
 
 LOOK = {"& [aria-label=close]": {"color": "var(--mui-palette-text-secondary) !important"}}
 """The button to close it is otherwise dark on dark."""
@@ -18,6 +18,36 @@ if (cb_obj.open) { cb_obj.opener = focused }
 else { requestAnimationFrame(() => setTimeout(() => cb_obj.opener?.focus({ preventScroll: true }))) }
 """
 """JavaScript run at opening and closing: Material UI looks for what had the focus outside of all shadow roots."""
+
+
+KEEP_FOCUS = """
+// While a window is open over the page, Tab goes round in it, Esc closes it wherever the focus is, and keys that open
+// or change something else do nothing. Material UI looks for the focus outside of all shadow roots, and does neither.
+const keep_focus = event => {
+  const { key } = event, taken = ["Tab", "Escape", "?", "l", "L"].includes(key)
+  const opened = taken && !event.ctrlKey && !event.altKey && !event.metaKey && find(document, "[role=dialog]")
+  if (!opened) { return }
+  const within = event.composedPath().includes(opened)
+  if (key == "Escape") {
+    if (!within) { find(opened, "[aria-label=close]")?.click() }
+  } else if (key == "Tab") {
+    const stops = []
+    const look = node => {
+      for (const part of node.children) {
+        if (part.tabIndex >= 0 && !part.disabled && part.checkVisibility({ visibilityProperty: true })) stops.push(part)
+        if (part.shadowRoot) { look(part.shadowRoot) }
+        look(part)
+      }
+    }
+    look(opened)
+    const [from, to] = event.shiftKey ? [stops[0], stops.at(-1)] : [stops.at(-1), stops[0]]
+    if (within && event.composedPath()[0] != from && (!event.shiftKey || event.composedPath()[0] != opened)) { return }
+    event.preventDefault()
+    to?.focus()
+  } else { event.stopPropagation() }  // before the listeners of the page
+}
+"""
+"""JavaScript function that takes the keys of the page first; it needs `FIND`."""
 
 
 def dialog(title: str, *contents: Any, width: str = "md") -> pmui.Dialog:

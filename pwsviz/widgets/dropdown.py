@@ -24,6 +24,9 @@ select.bk-input:disabled {{ color: var(--mui-palette-text-disabled); border-styl
 option, optgroup {{ color: var(--mui-palette-text-primary); background: var(--mui-palette-background-paper); }}
 .bk-input-group::after {{ content: ""; position: absolute; right: 14px; top: calc(6px + 1.25rem); pointer-events: none;
     border: 5px solid transparent; border-top-color: var(--mui-palette-text-secondary); border-bottom-width: 0; }}
+@media (forced-colors: active) {{
+  .bk-input-group::after {{ forced-color-adjust: none; border-top-color: CanvasText; }}
+}}
 """
 
 

@@ -11,9 +11,10 @@ color: var(--mui-palette-text-secondary); background: var(--mui-palette-backgrou
 """Style of a name that interrupts the frame."""
 
 FOCUS = """
-border-color: var(--mui-palette-primary-main); outline: none; box-shadow: 0 0 0 1px var(--mui-palette-primary-main);
+border-color: var(--mui-palette-primary-main); outline: 2px solid transparent;
+box-shadow: 0 0 0 1px var(--mui-palette-primary-main);
 """
-"""Style of a framed field that has the focus."""
+"""Style of a framed field that has the focus; the outline is seen where colours are forced: shadows are not."""
 
 _TRACK = """
 height: 2px; border-radius: 1px;
@@ -48,5 +49,9 @@ input[type=range]::-webkit-slider-thumb {{ {_THUMB} margin-top: -5.5px; }}
 input[type=range]::-moz-range-thumb {{ {_THUMB} }}
 input[type=range]:focus-visible {{ outline: 2px solid var(--mui-palette-primary-main); border-radius: 4px; }}
 [hidden] {{ display: none !important; }}
+@media (forced-colors: active) {{
+  input[type=range] {{ forced-color-adjust: none; --mui-palette-primary-main: Highlight;
+                       --mui-palette-text-primary: CanvasText; }}
+}}
 """
 """Style sheet of a number's entry and slider; `--part` is the part of the slider before its thumb."""

@@ -21,6 +21,7 @@ progress:indeterminate { background: linear-gradient(90deg, var(--track) 33%, va
 progress:indeterminate::-webkit-progress-bar { background: none; }
 progress:indeterminate::-moz-progress-bar { background: none; }
 @keyframes pass { from { background-position: 100% } to { background-position: 0 } }
+@media (forced-colors: active) { progress { forced-color-adjust: none; --track: GrayText; --done: Highlight; } }
 @media (prefers-reduced-motion) { progress:indeterminate { animation-duration: 12s } }
 """
 """Drawn alike by all browsers: their own bars have colours of their own."""
@@ -43,8 +44,9 @@ class Progress(pn.viewable.Viewer):
         self._again = pmui.Button(
             label="Run again", size="small", variant="text", margin=(2, 0), sx=PLAIN_SX, visible=False
         )
-        self._cancel.on_click(lambda _: on_cancel())
-        self._again.on_click(lambda _: on_again())
+        self._cancel.on_click(lambda _: self._press(on_cancel))
+        self._again.on_click(lambda _: self._press(on_again))
+        self._pressed = False
         self._row = pn.Row(
             self._bar, self._words, self._cancel, self._again, visible=False, margin=0, sizing_mode="stretch_width"
         )
@@ -66,7 +68,7 @@ class Progress(pn.viewable.Viewer):
 
     def end(self) -> None:
         """Hide the bar: the computation is finished."""
-        self._row.visible = False
+        self._row.visible = self._pressed = False
 
     def stop(self) -> None:
         """Show that the computation was cancelled, and offer to run it again."""
@@ -74,10 +76,18 @@ class Progress(pn.viewable.Viewer):
             self._bar.visible = False
             self._say("cancelled", cancellable=False)
 
+    def _press(self, act: Callable[[], None]) -> None:
+        """Do what a button stands for; it will be hidden, and hands the focus on to the other one."""
+        self._pressed = True
+        act()
+
     def _say(self, words: str, cancellable: bool) -> None:
         self._words.object = words
         self._cancel.visible, self._again.visible = cancellable, not cancellable
         self._row.visible = True
+        if self._pressed:
+            self._pressed = False
+            (self._cancel if cancellable else self._again).focus()
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Return bar, text and buttons in a row."""

@@ -7,16 +7,37 @@ from typing import Any
 
 import panel_material_ui as pmui
 
+from pwsviz.scene.names import LABELS
 from pwsviz.scene.scene import Scene
 from pwsviz.widgets.panes import PLAIN_SX
 
-BUTTONS_SX = {".MuiToggleButton-root": {**PLAIN_SX, "paddingY": "2px"}}
+PRESSED = {
+    "@media (forced-colors: active)": {
+        ".MuiToggleButton-root.Mui-selected": {
+            "forcedColorAdjust": "none", "color": "HighlightText !important",
+            "backgroundColor": "Highlight !important",
+        }
+    }
+}  # fmt: skip
+"""The pressed button where the colours are those of the system."""
+
+BUTTONS_SX = {
+    ".MuiToggleButton-root": {**PLAIN_SX, "padding": "2px 8px"},
+    **PRESSED,
+}
+
+UNSEEN_LABEL = """
+label { position: absolute !important; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+"""
+"""Style sheet of buttons whose name is told to screen readers alone."""
 
 Options = Mapping[str, Any]
 """Value of each option by its label."""
 
 
-def choice(scene: Scene, setting: str, options: Callable[[], Options], follows: Sequence[str] = ()) -> Any:
+def choice(
+    scene: Scene, setting: str, options: Callable[[], Options], follows: Sequence[str] = (), name: str = ""
+) -> Any:
     """Return a row of buttons, of which the pressed one is the value of a setting.
 
     Parameters
@@ -29,8 +50,13 @@ def choice(scene: Scene, setting: str, options: Callable[[], Options], follows: 
         Returns the present options.
     follows : sequence of str
         Names of the settings on which the options depend.
+    name : str
+        What screen readers call the row; by default the label of the setting.
     """
-    buttons = pmui.RadioButtonGroup(options=dict(options()), size="small", margin=(4, 10, 4, 0), sx=BUTTONS_SX)
+    buttons = pmui.RadioButtonGroup(
+        options=dict(options()), label=name or LABELS[setting], size="small", margin=(4, 10, 4, 0), sx=BUTTONS_SX,
+        stylesheets=[UNSEEN_LABEL],
+    )  # fmt: skip
 
     syncing = False
 

@@ -202,7 +202,8 @@ def test_a_figure_is_reached_by_tab_and_moved_zoomed_and_fitted_by_keys(visit, n
     page.get_by_role("button", name="Close menu").focus()
     while focused(page) != figure.get_attribute("aria-label"):
         page.keyboard.press("Tab")
-    assert figure.evaluate("one => getComputedStyle(one).outlineWidth") == "2px"
+    ring = "one => [getComputedStyle(one, '::after')].map(one => [one.borderTopWidth, one.zIndex])[0]"
+    assert figure.evaluate(ring) == ["2px", "100"], "above the canvas"
     width = before[1] - before[0]
     for key, across in (("ArrowRight", (0.1, 0.1)), ("ArrowLeft", (0, 0)), ("+", (0.1, -0.1)), ("-", (0, 0))):
         page.keyboard.press(key)

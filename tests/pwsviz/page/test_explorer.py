@@ -163,9 +163,11 @@ def test_a_long_study_can_be_cancelled_and_begun_again(explorer):
     assert explorer.settle(20)
     assert view.outcome is None
     assert view.progress._again.visible
+    assert explorer.announcer.view[0] == "Cost: cancelled."
     view.on_again()
     assert explorer.settle(60)
     assert view.outcome is not None
+    assert explorer.announcer.view[0] == "Cost: finished."
     assert not view.progress.busy
 
 

@@ -1,0 +1,63 @@
+"""Words for screen readers alone: that a computation has ended, and how."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import panel as pn
+import param
+
+__all__ = ["Announcer"]
+
+RESTS = 700
+"""Milliseconds without news after which they are told: not at each move of a slider."""
+
+UNSEEN = """
+[role=status] { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%);
+                white-space: nowrap; }
+"""
+
+
+class Announcer(pn.custom.JSComponent):
+    """Invisible: says politely what was told last of the portrait, and of the view beside it."""
+
+    portrait = param.List(default=[], doc="Words about the runs of the portrait, and how often there were any.")
+    view = param.List(default=[], doc="The same about the view beside it.")
+
+    _esm = """
+export function render({ model, el }) {
+  const region = Object.assign(document.createElement("div"), { role: "status" }), news = new Map()
+  el.append(region)
+  let timer = null
+  const tell = () => {
+    const words = Object.assign(document.createElement("p"), { textContent: [...news.values()].join(" ") })
+    region.replaceChildren(words)  // a new element is told, be its words those of the last
+    news.clear()
+  }
+  for (const source of ["portrait", "view"]) {
+    const take = () => {
+      if (model[source].length == 0) return
+      news.set(source, model[source][0])
+      clearTimeout(timer)
+      timer = setTimeout(tell, RESTS)
+    }
+    model.on(source, take)
+    take()
+  }
+  model.on("remove", () => clearTimeout(timer))
+}
+""".replace("RESTS", str(RESTS))
+    _stylesheets: ClassVar[list[str]] = [UNSEEN]
+
+    def tell_of_portrait(self, words: str) -> None:
+        """Say something of the runs of the portrait."""
+        self.portrait = _next(self.portrait, words)
+
+    def tell_of_view(self, words: str) -> None:
+        """Say something of the view beside the portrait."""
+        self.view = _next(self.view, words)
+
+
+def _next(told: list[object], words: str) -> list[object]:
+    """Return words and their number: the browser is told of a change alone, and the same may be said again."""
+    return [words, told[1] + 1 if told and isinstance(told[1], int) else 1]
