@@ -82,7 +82,7 @@ const levels_of = (axis, { start, end }, width) => {
 }
 
 // What the letters of levels stand for, in a sentence; null where there are none.
-const lettered_levels = ({ frame, model }, width) => {
+export const lettered_levels = ({ frame, model }, width) => {
   const meanings = model.right.filter(axis => names_levels(axis, "right")).flatMap(axis => {
     const { names, labels, fit } = levels_of(axis, frame.y_scale.source_range, width)
     return fit ? [] : names.map((name, k) => `(${labels[k]}) ${name}`)
@@ -190,6 +190,13 @@ const laid_out = async (copy, use) => {
   }
 }
 
+// Images with all of their pixels: Bokeh paints them anew at the size of the frame, where those between its pixels are lost.
+const keep_pixels = (svg, plot) => {
+  const painted = [...plot.renderer_views.values()].flatMap(one => one.glyph?.image_data ?? []).filter(one => one != null)
+  const images = svg.querySelectorAll("image")
+  if (images.length == painted.length) images.forEach((one, k) => one.setAttribute("href", painted[k].toDataURL()))
+}
+
 // Without the second copy of each text, of its outline, where that is not seen: it would be read and copied twice.
 const drop_unseen = svg => {
   svg.querySelectorAll('text[fill="none"][stroke-opacity="0"]').forEach(words => words.remove())
@@ -241,7 +248,7 @@ const equal_scales = ({ frame, model }, across, most) => {
 }
 
 // Figures for a picture of a given width, together at most so tall where that is possible: each as an SVG element with its size
-// in pixels. Frames have one left edge and one right edge.
+// and the height of its frame in pixels. Frames have one left edge and one right edge.
 export const drawn = async (views, width, printed, tallest) => {
   const shape = Math.min(SHAPE, SHAPES / views.length)
   let seen = views.map(({ frame }) => ({ left: 0, right: RIM, around: 0, tall: shape * width, scale: frame.y_scale }))
@@ -273,8 +280,9 @@ export const drawn = async (views, width, printed, tallest) => {
       const { frame, bbox: { width, height } } = other, svg = other.export("svg", false).canvas
       host.append(svg)
       drop_unseen(svg)
+      keep_pixels(svg, other)
       keep_inside(svg, frame.bbox)
-      return { svg, width, height, note: lettered_levels(view, width) }
+      return { svg, width, height, tall: frame.bbox.height }
     }))
   }
   return pictures

@@ -2,12 +2,14 @@
 // A copy of the figure is laid out anew at the width and the text size asked for (by `picture_layout.js`); it is drawn as
 // vectors.
 
-import { drawn, FONT, INK, PAPER, SMALL, TEXT, wrapped } from "./picture_layout.js"
+import { drawn, FONT, INK, lettered_levels, PAPER, SMALL, TEXT, wrapped } from "./picture_layout.js"
 
 const HERE = new URL(".", import.meta.url)
 const GAP = 10  // pixels between figure and caption, and around the caption
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
 const INCH = 25.4  // mm
+const CAPTIONS = ["full", "short", "no caption"]
+const LEAST = 30, LEAST_SHAPE = 0.4  // mm of a frame's height that a caption leaves, or this part of the width if that is less
 
 let bytes = null  // of the font, fetched once
 const load_font = async () => {
@@ -28,16 +30,29 @@ const node = (name, attributes, words) => {
   return made
 }
 
+const STEP = LEADING * SMALL
+const below = lines => lines.length > 0 ? 2 * GAP + STEP * lines.length : GAP / 2  // what a caption takes below figures
+
+// Figures of a width in pixels, with the lines of the caption below them, which is the one asked for, or a shorter one where
+// that leaves them too little of the greatest height.
+const laid_out = async (views, wish, width) => {
+  const keys = views.map(view => lettered_levels(view, width))
+  const scale = width / wish.millimetres, least = scale * Math.min(LEAST, LEAST_SHAPE * wish.millimetres)
+  for (const caption of CAPTIONS.slice(CAPTIONS.indexOf(wish.caption))) {
+    const words = [wish.captions[caption], ...keys].filter(Boolean).join(" ")
+    const lines = wrapped(words, width - 2 * GAP, SMALL)
+    const pictures = await drawn(views, width, wish.printed, scale * wish.tallest - below(lines) - 1)
+    const ample = pictures.every(one => one.tall >= least)
+    if (ample || caption == CAPTIONS.at(-1)) return { pictures, lines, caption }
+  }
+}
+
 // One SVG element of the figures, one below the other, with the caption below.
 const composed = async (views, wish) => {
   const font = await load_font()
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
-  const step = LEADING * SMALL, below = words => words.length > 0 ? 2 * GAP + step * words.length : GAP / 2
-  const caption = wish.captions[wish.caption] ?? "", told = wrapped(caption, width - 2 * GAP, SMALL)
-  const pictures = await drawn(views, width, wish.printed, wish.tallest / wish.millimetres * width - below(told))
+  const { pictures, lines, caption } = await laid_out(views, wish, width)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
-  const words = [...pictures.map(one => one.note), caption].filter(Boolean).join(" ")
-  const lines = wrapped(words, picture.width - 2 * GAP, SMALL)
   const height = picture.height + below(lines)
   const svg = node("svg", {
     xmlns: "http://www.w3.org/2000/svg", width: `${wish.millimetres}mm`,
@@ -55,9 +70,9 @@ const composed = async (views, wish) => {
     top += one.height
   }
   lines.forEach((line, k) => svg.append(node("text", {
-    x: GAP, y: picture.height + GAP + step * (k + 0.8), fill: ink, "font-family": FONT, "font-size": `${SMALL}px`,
+    x: GAP, y: picture.height + GAP + STEP * (k + 0.8), fill: ink, "font-family": FONT, "font-size": `${SMALL}px`,
   }, line)))
-  return { svg, width: picture.width, height }
+  return { svg, width: picture.width, height, caption }
 }
 
 // Colours of the page behind a figure, and of its text.
@@ -140,16 +155,20 @@ const WRITERS = {
 const amount = words => Number(/[0-9]+/.exec(words)[0])  // such as that of “175 mm”
 
 // Save figures as one picture. `chosen` has kind ("svg", "pdf" or "png"), name, title, captions ("short" and "full", which is always
-// in the metadata of SVG and PDF), and the choices as they are offered.
+// in the metadata of SVG and PDF), and the choices as they are offered. Returns what is to be said of it; empty if that is nothing.
 export const save = async (ids, chosen) => {
   const views = ids.map(id => Bokeh.index.find_one_by_id(id)).filter(view => view != null)
   if (views.length == 0) throw new Error("the figure is no longer on the page")
   const [millimetres, tallest, points, dpi] = [chosen.width, chosen.height, chosen.points, chosen.dpi].map(amount)
   const wish = { ...chosen, millimetres, tallest, points, dpi, printed: chosen.look == "for print" }
-  const blob = await WRITERS[wish.kind](await composed(views, wish), wish)
+  const made = await composed(views, wish)
+  const blob = await WRITERS[wish.kind](made, wish)
   const link = document.createElement("a")
   link.href = URL.createObjectURL(blob)
   link.download = wish.name
   link.click()
   setTimeout(() => URL.revokeObjectURL(link.href), 60000)
+  if (made.caption == wish.caption) return ""
+  return `${wish.name} has ${made.caption == "short" ? "the short caption" : "no caption"}, as a longer one leaves a picture ` +
+    `of ${tallest} mm too little room.`
 }

@@ -50,7 +50,7 @@ const wished = { ...wish }
 for (const [name, choice] of Object.entries({ CHOICES })) wished[name] = choice.data.value
 const tell = words => trouble.data.setv({ object: words }, { sync: false })  // or the server would repeat it, late
 tell("")
-import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).catch(reason => {
+import(new URL("pictures.js", files)).then(({ save }) => save(IDS, wished)).then(tell).catch(reason => {
   const why = String(reason?.message ?? reason).replace(/[<>&*_`]/g, " ")
   const advice = "Is the page still connected? If so, try SVG, or another width."
   tell(`${wish.name} could not be saved: ${why}. ${advice}`)

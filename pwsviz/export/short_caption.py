@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
-
 from pwsviz.export.about import about
 from pwsviz.scene.equations import indexed
 from pwsviz.scene.names import met_at_surfaces, short_name
 from pwsviz.scene.scene import Scene
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import at_surface, plural
+from pwsviz.text.words import at_surface
 
 __all__ = ["short_caption"]
 
@@ -39,7 +37,7 @@ def short_caption(
         if one.startswith("integrated by ") or (one.startswith(f"{met} ") and one.partition(". ")[0] != usual)
     ]  # fmt: skip
     told = "; ".join([first, *needed, *([endings] if endings else [])])
-    sentences = [_starts(scene, parts["starts"], every_start), told]
+    sentences = [*filter(None, [_starts(scene, parts["starts"], every_start)]), told]
     what = f"{title}, {parts['system']}{f': {values}' if values else ''}"
     return printed(indexed(". ".join([what, *(f"{one[0].upper()}{one[1:]}" for one in sentences)]).rstrip(".") + "."))
 
@@ -50,6 +48,10 @@ def _value(symbol: str, value: float) -> str:
 
 
 def _starts(scene: Scene, told: str, every: bool) -> str:
-    if len(told) <= LONGEST or not every:
-        return told if len(told) <= LONGEST else re.sub(r" at .*?(, start|$)", r"\1", told)
-    return f"from {plural(len(scene.starts), 'start')}"
+    """Return the starts, or of long ones how many there are, or which is shown; nothing of the only one."""
+    count = len(scene.starts)
+    if len(told) <= LONGEST:
+        return told
+    if count == 1:
+        return ""
+    return f"from {count} starts" if every else f"from start {min(scene.selected, count - 1) + 1} of {count}"

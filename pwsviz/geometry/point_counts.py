@@ -17,7 +17,7 @@ LEVELS = 16
 """Shades of each kind, by the logarithm of the number of points in a pixel."""
 
 SPARSE = 0.15
-"""Part of the pixels that have points up to which a point is painted two pixels wide: a single one is hardly seen."""
+"""Part of the pixels that have points up to which points are painted a pixel wider: a single one is hardly seen."""
 
 BY_ONE = 64
 """Pixels for each new point from which points are counted one by one: a new array of all pixels would cost more."""
@@ -75,8 +75,10 @@ class PointCounts:
             counts += np.bincount(pixel, minlength=len(counts)).astype(np.int32)
         return len(pixel)
 
-    def image(self) -> NDArray[np.uint8]:
+    def image(self, wide: int = 2) -> NDArray[np.uint8]:
         """Return (rows, columns): 0 where there is no point, else 1 + shade + `LEVELS` · kind.
+
+        Points are at most `wide` pixels wide, and less where they are many (`SPARSE`).
 
         The kind is the one with the most points of the pixel; the shade, from 0 to `LEVELS` − 1, grows with the
         logarithm of their number, and is the last one in the fullest pixel.
@@ -85,7 +87,11 @@ class PointCounts:
         most = max(int(total.max(initial=0)), 2)
         shade = np.floor(np.log(np.maximum(total, 1)) * ((LEVELS - 1) / np.log(most)) + 1e-9)
         image = np.where(total > 0, 1 + shade + LEVELS * kind, 0).astype(np.uint8)
-        return _widened(image) if np.count_nonzero(image) < SPARSE * image.size else image
+        for _ in range(wide - 1):
+            if np.count_nonzero(image) >= SPARSE * image.size:
+                break
+            image = _widened(image)
+        return image
 
 
 def visible(portion: Portion, window: Window) -> NDArray[np.bool_]:
@@ -108,7 +114,7 @@ def extent_of(portions: Sequence[Portion]) -> Window | None:
 
 
 def _widened(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return an image whose points are two pixels wide and high, where they have room."""
+    """Return an image whose points are a pixel wider and higher, where they have room."""
     for part, shifted in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
         before = image.copy()
         image[part] = np.where(before[part] == 0, before[shifted], before[part])

@@ -135,6 +135,6 @@ def test_a_picture_for_print_has_finer_pixels_until_the_next_look(cloud):
     cloud.show([square(100_000)])
     looked_at(cloud, 0.2, 0.7, 0.1, 0.9)
     cloud.sharpen()
-    assert cloud.image.data_source.data["image"][0].shape == (200, 400)
+    assert cloud.image.data_source.data["image"][0].shape == (400, 800)
     looked_at(cloud, 0.2, 0.8, 0.1, 0.9)
     assert cloud.image.data_source.data["image"][0].shape == (100, 200)
