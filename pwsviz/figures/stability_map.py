@@ -39,7 +39,7 @@ FLOOR = MACHINE_EPSILON / 8
 CEILING = 1.0
 """|Δψ| at the upper end of the colour scale; larger ones have the same colour."""
 
-LIMIT = "largest τ that works: "
+LIMIT = "no failure up to τ: "
 """Legend of the lines, before the name of the integrator."""
 
 PLACE = "chosen τ and start"

@@ -40,7 +40,7 @@ _USE = (
     "Click in the portrait to start a trajectory; drag a star to move its start, and press Delete to remove it. "
     "Double click beside the stars to fit the portrait to the trajectories.",
     "Choose integrators to compare them: dmm2 to dmm8, prk8 and taylor conserve ψ; Runge–Kutta methods (rk) in general "
-    "do not, and gauss4 conserves quadratic ψ only.",
+    "do not, and gauss4 conserves linear and quadratic ψ only.",
     "Each tab beside the portrait answers one question: is ψ conserved, how does the state change in time, what is the "
     "order, when does the solution cross, what does an error cost, where does it meet a surface, which step sizes "
     "work, what does a parameter change, what is the scheme.",

@@ -36,6 +36,9 @@ REST = 1.5
 REMIND = 300
 """Milliseconds of computing after which a progress bar appears."""
 
+LONG_WAIT = 1500
+"""Milliseconds after that until it is said that the first trajectory has to wait for compilation."""
+
 NARROW_CSS = f"""
 @media (width < {NARROW}px) {{ :host {{ display: contents !important; }} .aside {{ order: 2; }} }}
 """
@@ -118,12 +121,19 @@ class PortraitPanel(pn.viewable.Viewer):
     def _remind(self) -> None:
         """Show a progress bar: the portrait has not come yet."""
         self.progress.visible = self.scheduler.busy("runs")
+        if self.progress.visible and self.shown is None:
+            self.scheduler.call_later(LONG_WAIT, self._explain_wait, lambda: self.shown is None)
         if self.progress.visible and self.shown and self.shown.inputs.declaration != self.scene.declaration:
             name = self.scene.declaration.name
             words = f"{name}: compiling its integrators, which takes a few seconds the first time."
             self.status.object, self.note.object = as_text(words), ""
             fade(self.pane, past=True)
             self._on_wait(words)
+
+    def _explain_wait(self) -> None:
+        """Say why the first trajectory takes long: nothing has been compiled on this machine yet."""
+        if self.shown is None:
+            self.status.object = as_text("Compiling the integrators, once on this machine: about half a minute …")
 
     def _show(self, outcome: Pictures | Exception) -> None:
         self.progress.visible = False

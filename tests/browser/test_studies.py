@@ -97,7 +97,7 @@ LIMITS = f"""() => {{
 
 def test_the_legend_of_the_map_has_a_line_for_the_limit_of_each_integrator(visit):
     page = visit(query="v=2&view=stability&methods=dmm2,rk2&t_end=5")
-    wanted = {f"largest τ that works: {name}" for name in ("dmm2", "rk2")}
+    wanted = {f"no failure up to τ: {name}" for name in ("dmm2", "rk2")}
     await_that(page, LIMITS, lambda seen: wanted <= {*seen})
     assert page.evaluate(BLANK_KEYS) == []
 

@@ -195,7 +195,7 @@ def test_the_largest_step_sizes_are_lines_named_after_their_integrators(study):
     view = StabilityView(lambda *place: None)
     view.show(study, "map", "dmm2")
     data = view._made["map"].limits.data
-    assert list(data["entry"]) == [f"largest τ that works: {name}" for name in METHODS]
+    assert list(data["entry"]) == [f"no failure up to τ: {name}" for name in METHODS]
     assert list(data["x"]) == study.largest_tau.tau.tolist()
     assert data["colour"] == [line_of(name).colour for name in METHODS]
 

@@ -6,7 +6,7 @@ import pytest
 import core
 from pwsviz.export.about import caption
 from pwsviz.export.tables import sweep_tables
-from pwsviz.figures.point_cloud import FEW
+from pwsviz.figures.point_cloud import FEW, FINE
 from pwsviz.geometry.phase_plane import Window
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
@@ -58,7 +58,7 @@ def test_a_picture_is_painted_in_finer_pixels_than_the_screen():
     assert cloud.count > FEW
     shape = np.shape(cloud._picture.data["image"][0])
     page._pieces()
-    assert np.shape(cloud._picture.data["image"][0]) == (2 * shape[0], 2 * shape[1])
+    assert np.shape(cloud._picture.data["image"][0]) == (FINE * shape[0], FINE * shape[1])
     page.close()
 
 
