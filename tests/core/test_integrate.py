@@ -258,7 +258,7 @@ def test_an_empty_time_span_is_the_initial_state():
         ({"method": "euler"}, "known are dmm2"),
         ({"transition": "jump"}, "mannshardt"),
         ({"record": "all"}, "'all'"),
-        ({"x0": (1.0,)}, "2 are needed"),
+        ({"x0": (1.0,)}, "2 needed"),
         ({"x0": (1.0, math.inf)}, "finite"),
         ({"t_span": (0.0, math.nan)}, "end time"),
         ({"t_span": 3.0}, "start and an end"),

@@ -212,7 +212,7 @@ def test_a_sampled_run_that_stops_early_leaves_out_what_comes_after():
 @pytest.mark.parametrize(
     ("times", "words"),
     [([6.0], r"6.0, which is outside t_span = \(0.0, 5.0\)"), ([1.0, math.nan], "nan"), ("1", "numbers are needed"),
-     ([-1e-9], "outside t_span"), (["a"], "numbers are needed"), ({1.0}, "no number")],
+     ([-1e-9], "outside t_span"), (["a"], "numbers are needed"), ({1.0}, "not a number")],
 )  # fmt: skip
 def test_times_that_the_run_does_not_pass_are_refused(times, words):
     with pytest.raises(ValueError, match=words):

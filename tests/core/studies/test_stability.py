@@ -374,7 +374,7 @@ def test_cancelling_before_the_start_computes_nothing():
         ({"parts": ()}, "choose from"),
         ({"tau": -1.0}, "-1.0.*positive"),
         ({"steps": 0}, "steps = 0"),
-        ({"x0": (1.0,)}, "2 are needed"),
+        ({"x0": (1.0,)}, "2 needed"),
     ],
 )
 def test_arguments_that_make_no_sense_are_refused_with_what_would_do(change, told):
