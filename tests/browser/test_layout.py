@@ -228,7 +228,8 @@ CUT = """() => {
     const found = []
     const look = node => {
         for (const part of [...node.children ?? [], ...(node.shadowRoot?.children ?? [])]) {
-            const seen = part.nodeName == "LABEL" && part.checkVisibility({visibilityProperty: true})
+            const seen = part.nodeName == "LABEL" && part.checkVisibility({visibilityProperty: true}) &&
+                part.clientWidth > 1  // those for screen readers alone are a pixel wide
             if (seen && part.scrollWidth > part.clientWidth) { found.push(part.textContent) }
             look(part)
         }
