@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats, Mask
+from pwsviz.geometry.window import Window
 
 __all__ = ["clipped"]
 

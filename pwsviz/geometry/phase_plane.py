@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
@@ -28,18 +27,13 @@ from pwsviz.geometry.projection import (
 )
 from pwsviz.geometry.shades import regions_of
 from pwsviz.geometry.walls import bare_name
+from pwsviz.geometry.window import ARROWS, Window
 
 GRID = 120
 """Cells along the longer side of the grid on which surfaces and level sets are traced: 6 to 10 pixels each."""
 
 FINEST = 16
 """Parts of a cell beyond which values are not defined: half a pixel each."""
-
-ARROWS = 24
-"""Arrows of the field along the longer side."""
-
-BEYOND = 1.3
-"""Least size of a backdrop relative to the view that it is for, so that a short pan stays within it."""
 
 ROWS = 6
 """Rows of an arrow."""
@@ -54,73 +48,6 @@ FINE = 300
 """Vertices along the longer side, at least, of a line of which a moving surface hides a part."""
 
 Columns: TypeAlias = "dict[str, Floats]"
-
-
-class Window(NamedTuple):
-    """A rectangle of the plane."""
-
-    x_low: float
-    x_high: float
-    y_low: float
-    y_high: float
-
-    @property
-    def width(self) -> float:
-        """Extent in x."""
-        return self.x_high - self.x_low
-
-    @property
-    def height(self) -> float:
-        """Extent in y."""
-        return self.y_high - self.y_low
-
-    @classmethod
-    def around(cls, points: Floats) -> Window:
-        """Return the bounding box of points (n, 2) with a margin, ignoring NaN."""
-        low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
-        size, away = float((high - low).max()), float(np.abs(high + low).max()) / 2
-        if size <= 1e-6 * max(away, 1e-3):  # one point: its largest |coordinate| becomes the margin, or 1
-            size = 5 * max(away, 1.0)
-        margin = 0.2 * size
-        return cls(*(float(end) for end in (low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin)))
-
-    def holds(self, points: Floats) -> NDArray[np.bool_]:
-        """Return (n,) which of the points (n, 2) lie within."""
-        x, y = points[:, 0], points[:, 1]
-        return (self.x_low <= x) & (x <= self.x_high) & (self.y_low <= y) & (y <= self.y_high)
-
-    def scaled(self, factor: float) -> Window:
-        """Return the window scaled about its centre."""
-        x, y = (self.x_low + self.x_high) / 2, (self.y_low + self.y_high) / 2
-        w, h = factor * self.width / 2, factor * self.height / 2
-        return Window(x - w, x + w, y - h, y + h)
-
-    @property
-    def longest(self) -> float:
-        """The longer side."""
-        return max(self.width, self.height)
-
-    def covers(self, other: Window) -> bool:
-        """Whether `other` lies within."""
-        across = self.x_low <= other.x_low and other.x_high <= self.x_high
-        return across and self.y_low <= other.y_low and other.y_high <= self.y_high
-
-    def surroundings(self) -> Window:
-        """Return the window of a backdrop for this view.
-
-        Its longer side is a power of two, and its arrows stand on a lattice: how dense they are follows from the size
-        of the view alone, not from the way on which the view was reached, and a pan does not move them.
-        """
-        longer = 2.0 ** math.ceil(math.log2(BEYOND * self.longest))
-        cell = longer / ARROWS
-        sides = [(side / self.longest, side / cell) for side in (self.width, self.height)]
-        half = [cell * math.ceil(max(ARROWS / 2 * share, 0.5 * cells + 0.5)) for share, cells in sides]
-        x, y = (cell * round(0.5 * (low + high) / cell) for low, high in (self[:2], self[2:]))
-        return Window(x - half[0], x + half[0], y - half[1], y + half[1])
-
-    def shows_well(self, other: Window) -> bool:
-        """Whether this backdrop suits the view `other`: it covers it, and is of the size of its own backdrop."""
-        return self.covers(other) and math.isclose(self.longest, other.surroundings().longest, rel_tol=1e-6)
 
 
 @dataclass(frozen=True)
@@ -401,11 +328,13 @@ class _Plane:
 
 
 def _finer(lines: Floats, ends: NDArray[np.bool_]) -> Floats:
-    """Return grid lines (n,), with more of them in the intervals (n − 1,) in which values cease to be defined.
+    """Return grid lines (n,), with more of them in and beside intervals (n − 1,) in which values cease to be defined.
 
-    A level set is traced through cells all of whose corners have a value. Where ψ has a logarithm of x it would end a
-    cell before x = 0. Where too many intervals would be divided, as along an oblique border, none is.
+    A level set is traced linearly through the cells whose corners all have a value. Where ψ has a logarithm of x, it
+    would end a cell before x = 0 and be far off in the cell before that one. Where too many intervals would have to be
+    divided, as along an oblique border, none is.
     """
+    ends = np.convolve(ends, np.ones(3), mode="same") > 0
     count = int(ends.sum())
     parts = min(FINEST, GRID // count) if count else 1
     if parts < 2:

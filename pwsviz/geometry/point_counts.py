@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.window import Window
 
 __all__ = ["LEVELS", "PointCounts", "Portion", "extent_of", "visible"]
 

@@ -38,8 +38,11 @@ def planes(system: core.PiecewiseSystem) -> list[Axes]:
 def planes_alike(system: core.PiecewiseSystem, axes: Axes) -> list[Axes]:
     """Return the planes of variables that are named as those of a plane but for one number, as of several bodies.
 
-    With x1, y1 these are x2, y2 and x3, y3: one picture shows all of them.
+    With x1, y1 these are x2, y2 and x3, y3: one picture shows all of them. There are none where a surface is drawn: it
+    divides the plane of one body, and the others would pass through it unharmed.
     """
+    if shows_surface(system, axes):
+        return []
     named = [_NUMBERED.fullmatch(name) for name in system.variables]
     across, up = (named[k] for k in axes)
     if across is None or up is None or across[2] != up[2] or across[1] == up[1]:

@@ -13,7 +13,7 @@ import core
 from core.kernels import Floats
 from core.symbolic import TIME, parse, to_text
 from pwsviz.geometry.line_pieces import joined
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 from pwsviz.text.math_names import variable_name
 
 __all__ = [

@@ -8,7 +8,7 @@ import pytest
 import core
 from core.diagnostics import inhabited
 from pwsviz.figures.portrait_text import law_note, portrait_note
-from pwsviz.geometry.phase_plane import Window, backdrop, closed_surface
+from pwsviz.geometry.phase_plane import backdrop, closed_surface
 from pwsviz.geometry.projection import (
     axis_labels,
     conserved_note,
@@ -23,6 +23,7 @@ from pwsviz.geometry.projection import (
     surfaces_shown,
 )
 from pwsviz.geometry.shades import regions_of
+from pwsviz.geometry.window import Window
 from pwsviz.scene.names import readable
 from pwsviz.text.math_names import variable_name
 from tests.pwsviz.own_systems import GATE, OWN_SYSTEMS, RELAY, STRIPS, WEDGE
@@ -139,6 +140,12 @@ def test_variables_that_differ_by_one_number_are_drawn_in_one_picture():
     assert planes_alike(bodies, (0, 2)) == [], "x1 and x2 span a plane of their own"
     assert axis_labels(bodies, (0, 1)) == ("x₁, x₂, x₃ (6 other variables not shown)", "y₁, y₂, y₃")
     assert "x₂, y₂; x₃, y₃, and discs where they start; marks refer to x₁, y₁." in portrait_note(bodies, (0, 1))
+    walled = core.PiecewiseSystem(
+        name="Two beads, a wall for one", variables=("x1", "v1", "x2", "v2"), g="x1",
+        f_minus=("v1", "-x1", "v2", "-x2"), f_plus=("v1", "-4*x1", "v2", "-x2"), x0=(1.0, 0.0, 0.5, 0.0),
+    )  # fmt: skip
+    assert planes_alike(walled, (0, 1)) == [], "the second bead would be seen to cross the surface of the first"
+    assert planes_alike(walled, (2, 3)) == [(0, 1)]
     others = [system for name, system in core.CATALOGUE.items() if name != "three_bodies"]
     assert not any(planes_alike(system, axes) for system in others for axes in planes(system))
 
