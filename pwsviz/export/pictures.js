@@ -35,7 +35,7 @@ const below = lines => lines.length > 0 ? 2 * GAP + STEP * lines.length : GAP / 
 
 // Figures of a width in pixels, with the lines of the caption below them, which is the one asked for, or a shorter one where
 // that leaves them too little of the greatest height.
-const laid_out = async (views, wish, width) => {
+const fitted = async (views, wish, width) => {
   const keys = views.map(view => lettered_levels(view, width))
   const scale = width / wish.millimetres, least = scale * Math.min(LEAST, LEAST_SHAPE * wish.millimetres)
   for (const caption of CAPTIONS.slice(CAPTIONS.indexOf(wish.caption))) {
@@ -51,7 +51,7 @@ const laid_out = async (views, wish, width) => {
 const composed = async (views, wish) => {
   const font = await load_font()
   const width = wish.millimetres / INCH * 72 / wish.points * TEXT
-  const { pictures, lines, caption } = await laid_out(views, wish, width)
+  const { pictures, lines, caption } = await fitted(views, wish, width)
   const picture = { width: pictures[0].width, height: pictures.reduce((sum, one) => sum + one.height, 0) }
   const height = picture.height + below(lines)
   const svg = node("svg", {
@@ -168,6 +168,8 @@ export const save = async (ids, chosen) => {
   link.download = wish.name
   link.click()
   setTimeout(() => URL.revokeObjectURL(link.href), 60000)
+  const tall = wish.millimetres * made.height / made.width
+  if (tall > tallest) return `${wish.name} is ${Math.ceil(tall)} mm high: its figures do not fit into ${tallest} mm.`
   if (made.caption == wish.caption) return ""
   return `${wish.name} has ${made.caption == "short" ? "the short caption" : "no caption"}, as a longer one leaves a picture ` +
     `of ${tallest} mm too little room.`

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from pwsviz.geometry.phase_plane import Window, closed_surface
+from pwsviz.geometry.phase_plane import closed_surface
+from pwsviz.geometry.window import Window
 from pwsviz.results.results import Pictures
 
 __all__ = ["OTHERS", "extent", "power_of_ten"]

@@ -20,10 +20,11 @@ from pwsviz.figures.labels import PLACE_LABELS, label_glyph, surface_labels
 from pwsviz.figures.legends import LEGEND_GLYPH
 from pwsviz.figures.moving import AWAIT, REPAINT, TELL_PLACE
 from pwsviz.figures.style import GREEN, GREY, PURPLE, SHADES, SIDES, assign, ranges, tips
-from pwsviz.geometry.phase_plane import Backdrop, Window
+from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import Axes, surface_name
 from pwsviz.geometry.shades import shade_names
+from pwsviz.geometry.window import Window
 
 __all__ = ["Ground"]
 

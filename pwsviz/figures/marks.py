@@ -9,8 +9,8 @@ import numpy as np
 
 from core import Status
 from pwsviz.figures.style import AMBER, GREEN, GREY, PURPLE, VERMILION
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats
+from pwsviz.geometry.window import Window
 from pwsviz.results.orbits import End, Orbit
 
 __all__ = [

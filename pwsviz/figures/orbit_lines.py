@@ -10,13 +10,13 @@ import numpy as np
 import core
 from pwsviz.figures.sent_arrays import sent
 from pwsviz.figures.style import WIDEST, line_of, together
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.turns import spacing
+from pwsviz.geometry.window import Window
 from pwsviz.results.orbits import Orbit
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
-__all__ = ["OF_OTHERS", "companion_columns", "curve_columns", "fitted_widths", "step_columns"]
+__all__ = ["OF_OTHERS", "alongside_columns", "curve_columns", "fitted_widths", "step_columns"]
 
 OF_OTHERS = 0.5
 """Width of the curves of other starts, relative to those of the selected one."""
@@ -50,8 +50,8 @@ def fitted_widths(orbits: Sequence[Orbit], view: Window | None, thinner: float) 
     return [max(min(THINNEST, width), fit * width) for width, fit in zip(usual, fits, strict=True)]
 
 
-def companion_columns(system: core.PiecewiseSystem, pictures: Pictures) -> dict[str, list[Any]]:
-    """Return a row for each start in a plane alike, with the names of its variables beside that of the selected one."""
+def alongside_columns(system: core.PiecewiseSystem, pictures: Pictures) -> dict[str, list[Any]]:
+    """Return a row for each start alongside, with the names of the variables of its plane beside the selected one."""
     each, rows = len(pictures.orbits), []
     for plane, orbits in pictures.alongside.items():
         name = ", ".join(variable_name(system.variables[k]) for k in plane)

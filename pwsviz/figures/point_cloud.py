@@ -12,8 +12,8 @@ from bokeh.models.glyphs import Image, Scatter
 from bokeh.plotting import figure
 
 from pwsviz.figures.style import assign, fit_to_corners, invisible, ranges, refit
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.point_counts import LEVELS, PointCounts, Portion, extent_of, visible
+from pwsviz.geometry.window import Window
 
 __all__ = ["FEW", "PointCloud", "Portion"]
 

@@ -23,7 +23,7 @@ from pwsviz.figures.gestures import attach_gestures
 from pwsviz.figures.ground import Ground
 from pwsviz.figures.legends import legend_below
 from pwsviz.figures.marks import crossing_columns, end_columns, star_labels
-from pwsviz.figures.orbit_lines import OF_OTHERS, companion_columns, curve_columns, fitted_widths, step_columns
+from pwsviz.figures.orbit_lines import OF_OTHERS, alongside_columns, curve_columns, fitted_widths, step_columns
 from pwsviz.figures.portrait_text import SUMMARY, portrait_text
 from pwsviz.figures.style import (
     AMBER,
@@ -43,8 +43,9 @@ from pwsviz.figures.style import (
 )
 from pwsviz.figures.touch import attach_touch
 from pwsviz.geometry.first_view import with_room
-from pwsviz.geometry.phase_plane import Backdrop, Window
+from pwsviz.geometry.phase_plane import Backdrop
 from pwsviz.geometry.projection import Axes, axis_labels
+from pwsviz.geometry.window import Window
 from pwsviz.results.results import Pictures
 from pwsviz.text.math_names import variable_name
 
@@ -70,7 +71,7 @@ END_SIZE = 15
 STEP_SIZE = 4.5
 """Diameter in pixels of the dot at the end of a step."""
 
-COMPANION_SIZE = 11
+ALONGSIDE_SIZE = 11
 """Diameter in pixels of the disc at the start of a curve in another plane, which cannot be dragged."""
 
 POINTED_SIZE = 19
@@ -214,10 +215,10 @@ class PortraitView:
         plot.add_glyph(self.starts, Text(text="number", **letters, **centred))
         beside: dict[str, Any] = {"text_align": "left", "text_baseline": "bottom", "x_offset": 9, "y_offset": -5}
         plot.add_glyph(self.starts, Text(text="crowd", **{**letters, "text_color": AMBER}, **beside))
-        self.companions = unseen(("x", "y", "label"))
-        look = {"size": COMPANION_SIZE, "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
-        plot.add_glyph(self.companions, Scatter(marker="circle", **look))
-        plot.add_glyph(self.companions, Text(text="label", **{**letters, "text_color": AMBER}, **beside))
+        self.alongside = unseen(("x", "y", "label"))
+        look = {"size": ALONGSIDE_SIZE, "fill_color": PALE_STAR, "line_color": AMBER, "line_width": 1.2}
+        plot.add_glyph(self.alongside, Scatter(marker="circle", **look))
+        plot.add_glyph(self.alongside, Text(text="label", **{**letters, "text_color": AMBER}, **beside))
         self.moving = ColumnDataSource({name: [] for name in ("x", "y", "colour", "marker", "size")})
         look = {"size": "size", "fill_color": "colour", "line_color": "white", "line_width": 1.5}
         plot.add_glyph(self.moving, Scatter(marker="marker", **look))
@@ -237,7 +238,7 @@ class PortraitView:
             ],
             usual=2,
         )
-        marks = [self.starts, self.companions, self.crossings, self.ends]
+        marks = [self.starts, self.alongside, self.crossings, self.ends]
         self.ground.follow(entries[-len(self.ground.legend) :], marks, [self.orbits, self.others])
 
     def _watch_window(
@@ -318,7 +319,7 @@ class PortraitView:
         assign(self.steps, **step_columns([*pictures.orbits, *pictures.thin]))
         jumps = np.concatenate([orbit.jumps for orbit in (*pictures.orbits, *pictures.thin)])
         assign(self.jumps, x=jumps[:, 0], y=jumps[:, 1])
-        assign(self.companions, **companion_columns(system, pictures))
+        assign(self.alongside, **alongside_columns(system, pictures))
         self.show_starts(starts, selected)
         describe(self.figure, portrait_text(system, pictures, starts, selected))
         self._pictures = pictures

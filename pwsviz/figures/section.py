@@ -38,9 +38,9 @@ from pwsviz.figures.style import (
     tips,
 )
 from pwsviz.figures.touch import attach_touch
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.section_plane import coordinate_label, in_first_turn, surface_curves
+from pwsviz.geometry.window import Window
 from pwsviz.results.resting import ROUND_OFF
 from pwsviz.results.sections import SectionPoints, SectionPortion
 

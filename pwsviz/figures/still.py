@@ -16,7 +16,7 @@ from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 from numpy.typing import ArrayLike, NDArray
 
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 
 __all__ = ["still"]
 

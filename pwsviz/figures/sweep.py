@@ -16,7 +16,7 @@ from pwsviz.figures.point_cloud import PointCloud
 from pwsviz.figures.style import AMBER, GREY, RULE, WITH_TABLE, assign, plain_figure, tips
 from pwsviz.figures.sweep_text import SUMMARY, coordinate_name, ending, parameter_name, stretches
 from pwsviz.figures.touch import attach_touch
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 from pwsviz.results.sweeps import Diagram
 from pwsviz.text.numbers import printed
 

@@ -16,10 +16,11 @@ from pwsviz.editor.form import SystemEditor
 from pwsviz.export.endings import endings
 from pwsviz.export.tables import DrawnRun, drawn_runs, drawn_table, portrait_tables
 from pwsviz.figures.linking import link_portrait
-from pwsviz.page.cover import COLUMNS, Cover
+from pwsviz.page.cover import Cover
 from pwsviz.page.export_dialog import ExportDialog, Piece
 from pwsviz.page.frame import THE_PAGE, make_frame
 from pwsviz.page.help import ABOUT, CITATION, GREETING, GREETING_CSS, Help
+from pwsviz.page.look import ABOUT_CSS, GRID_CSS, HEADER_SX, STACK_CSS, TABS_SX, TAGLINE_CSS
 from pwsviz.page.portrait_panel import NARROW_CSS, PortraitPanel
 from pwsviz.page.sidebar import Sidebar
 from pwsviz.results.requests import run_inputs
@@ -33,11 +34,11 @@ from pwsviz.tasks.cancellation import Cancel
 from pwsviz.tasks.scheduler import Scheduler
 from pwsviz.text.words import as_text, failure
 from pwsviz.widgets.announcer import Announcer
-from pwsviz.widgets.browser import NARROW, REMEMBER_DARK, Browser
+from pwsviz.widgets.browser import REMEMBER_DARK, Browser
 from pwsviz.widgets.dialog import dialog
 from pwsviz.widgets.focus import hand_on
 from pwsviz.widgets.lecture import Lecture
-from pwsviz.widgets.panes import PLAIN_SX, markup_pane, text_pane
+from pwsviz.widgets.panes import markup_pane, text_pane
 
 RESULTS = Results()
 """Shared by all sessions of the process, so that a second visitor finds the first picture computed."""
@@ -59,50 +60,6 @@ SOON = 200
 
 AHEAD = 0.05
 """Seconds after a successful check of a user's own system until it is compiled, in case the user applies it."""
-
-GRID_CSS = f"""
-:host {{ {COLUMNS} height: auto !important; max-height: none !important; container-type: inline-size; }}
-@media (width < {NARROW}px) {{ :host {{ row-gap: 2px; }} }}
-@container (min-width: 880px) {{ .portrait {{ position: sticky; top: 0; }} }}
-"""
-"""Beside a long view that scrolls, the portrait stays in sight; above one it does not."""
-
-HEADER_SX = {
-    **PLAIN_SX, "&&&": {"color": "inherit !important"},
-    "@media (width < 480px)": {
-        "fontSize": 0, "minWidth": "34px", "--pmui-starticon-mr": "0px !important",
-        ".MuiButton-startIcon": {"marginX": 0}, ".MuiIcon-root": {"fontSize": "20px !important"},
-    },
-}  # fmt: skip
-"""Of a button in the header, whose theme assumes a coloured bar and sets white text; on a phone its icon is seen."""
-
-TABS_SX = {
-    ".MuiTab-root": {
-        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "letterSpacing": 0,
-        "fontSize": "min(0.775rem, max(12.4px, 1.25cqi))",  # what is larger in lecture mode keeps to one row, too
-    },
-    ".MuiTabs-list": {"flexWrap": "wrap"},
-    ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
-    ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
-    "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
-}  # fmt: skip
-"""Titles as narrow as possible: in one row from 1400 pixels of screen on, in two on a narrow one."""
-
-ABOUT_CSS = """
-footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
-         color: var(--mui-palette-text-secondary); }
-footer a { color: inherit; }
-@media (width < NARROWpx) or (width >= 1150px) { .about { display: none; } }
-""".replace("NARROW", str(NARROW))
-
-TAGLINE_CSS = """
-p { font-size: 0.8125rem; line-height: 1.3; max-width: 64ch; margin: 0 0 0 12px;
-    color: var(--mui-palette-text-secondary); }
-@media (width < 1150px) { p { display: none; } }
-"""
-"""What the page is, in its header; where that has no room, in the footer, or above a narrow portrait."""
-
-STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
 
 
 class Explorer(pn.viewable.Viewer):

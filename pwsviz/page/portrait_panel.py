@@ -12,8 +12,8 @@ import panel as pn
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.portrait_text import figures_of, law_note, portrait_note
 from pwsviz.figures.summaries import run_lines, run_words
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import Axes
+from pwsviz.geometry.window import Window
 from pwsviz.page.player import Player
 from pwsviz.page.window_fields import Ends, WindowFields
 from pwsviz.results.orbits import Levels

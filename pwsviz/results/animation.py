@@ -8,9 +8,9 @@ import numpy as np
 
 import core
 from core.integration import KINDS
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats, simplify
 from pwsviz.geometry.projection import PLANE, Axes, in_plane
+from pwsviz.geometry.window import Window
 from pwsviz.results.curves import curve, pixel_size
 
 FEW = 500

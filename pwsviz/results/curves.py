@@ -8,7 +8,6 @@ import numpy as np
 
 import core
 from pwsviz.geometry.bends import bent_pieces
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import (
     EVERYWHERE,
     RESOLUTION,
@@ -19,6 +18,7 @@ from pwsviz.geometry.polyline_reduction import (
     spliced,
 )
 from pwsviz.geometry.projection import PLANE, Axes, in_plane
+from pwsviz.geometry.window import Window
 
 __all__ = ["FAR", "Curve", "curve", "jump_lines", "pixel_size"]
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 import core
 from core.diagnostics import starts_beyond_wall
 from pwsviz.geometry.clipping import clipped
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import Floats, distinct_pixels, screen_path
 from pwsviz.geometry.projection import PLANE, Axes, in_plane, shows_levels
+from pwsviz.geometry.window import Window
 from pwsviz.results.curves import FAR, curve, jump_lines, pixel_size
 from pwsviz.results.requests import RunInputs
 

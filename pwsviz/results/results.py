@@ -11,9 +11,10 @@ from threading import BoundedSemaphore
 
 import core
 from pwsviz.geometry.first_view import first_plane
-from pwsviz.geometry.phase_plane import Backdrop, Window, backdrop
+from pwsviz.geometry.phase_plane import Backdrop, backdrop
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.geometry.projection import PLANE, Axes, planes_alike
+from pwsviz.geometry.window import Window
 from pwsviz.results.animation import Frames, Landmarks, frames, landmarks
 from pwsviz.results.cache import Cache, Value
 from pwsviz.results.error_curve import ErrorCurve, error_curve
@@ -111,7 +112,7 @@ class Pictures:
 
     @property
     def thin(self) -> list[Orbit]:
-        """The orbits that are drawn thin: from other starts, and in planes alike."""
+        """The orbits that are drawn thin: from other starts, and alongside."""
         return [*self.others, *(orbit for orbits in self.alongside.values() for orbit in orbits)]
 
     @property

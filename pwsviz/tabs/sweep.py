@@ -15,7 +15,7 @@ from pwsviz.export.script import sweep_program
 from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.sweep import SweepView
 from pwsviz.figures.sweep_text import parameter_name, sweep_how, sweep_numbers, sweep_text
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 from pwsviz.results.requests import SweepInputs
 from pwsviz.results.sweeps import Diagram
 from pwsviz.scene.sweeping import swept_parameter, swept_range

@@ -178,7 +178,7 @@ def test_a_portrait_is_no_taller_than_asked_for_with_equal_scales(visit, height)
     page.get_by_role("button", name=re.compile("Export")).click()
     page.get_by_role("button", name=f"{height} mm", exact=True).click()
     svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
-    assert float(re.search(r'height="([0-9.]+)mm"', svg)[1]) < height + 1
+    assert float(re.search(r'height="([0-9.]+)mm"', svg)[1]) <= height
     texts = [text for text in page.evaluate(PLACES, svg)["texts"] if not text["within"]]
     middles = {axis: {} for axis in (0, 1)}
     for text in texts:
@@ -190,6 +190,45 @@ def test_a_portrait_is_no_taller_than_asked_for_with_equal_scales(visit, height)
     across, up = (max(found.values(), key=len) for found in middles.values())
     slopes = [(max(ends)[1] - min(ends)[1]) / (max(ends)[0] - min(ends)[0]) for ends in (across, up)]
     assert slopes[0] == pytest.approx(-slopes[1], rel=0.03)
+
+
+def test_a_caption_that_leaves_a_figure_too_little_room_is_shortened_and_the_page_says_so(visit):
+    page = visit(query="system=gene_ring&t_end=2")
+    await_that(page, PORTRAIT)
+    page.get_by_role("button", name=re.compile("Export")).click()
+    for choice in ("85 mm", "80 mm", "full"):
+        page.get_by_role("button", name=choice, exact=True).click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").first).decode()
+    page.get_by_text(
+        re.compile("has the short caption, as a longer one leaves a picture of 80 mm too little")
+    ).wait_for()
+    assert float(re.search(r'height="([0-9.]+)mm"', svg)[1]) <= 80
+    page.get_by_role("button", name="160 mm", exact=True).click()
+    downloaded(page, page.get_by_role("button", name="SVG").first)
+    page.get_by_text(re.compile("too little room")).wait_for(state="detached")
+
+
+PIXELS = """async svg => {
+    const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement
+    const images = [...root.querySelectorAll("image")].map(async one => {
+        const made = new Image()
+        made.src = one.getAttribute("href")
+        await made.decode()
+        return [made.width, made.height, Number(one.getAttribute("width"))]
+    })
+    return [Number(root.getAttribute("viewBox").split(" ")[2]), await Promise.all(images)]
+}"""
+"""The width of a picture, and of each image in it its pixels and the width in which it is painted."""
+
+
+def test_a_cloud_of_points_is_saved_with_600_pixels_an_inch(visit):
+    page = visit(query="system=chua&view=sweep&methods=taylor&sweep_parameter=alpha&sweep_points=40")
+    page.get_by_text(re.compile("Each has all its 40 points")).first.wait_for()
+    page.get_by_role("button", name=re.compile("Export")).click()
+    page.get_by_role("button", name="85 mm", exact=True).click()
+    svg = downloaded(page, page.get_by_role("button", name="SVG").nth(1)).decode()
+    whole, [(across, _, painted)] = page.evaluate(PIXELS, svg)
+    assert across / (85 / 25.4 * painted / whole) >= 600
 
 
 PLACES = """svg => {

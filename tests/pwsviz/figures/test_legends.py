@@ -16,7 +16,7 @@ from pwsviz.figures.stability import StabilityView
 from pwsviz.figures.state import StateView
 from pwsviz.figures.style import SIDES
 from pwsviz.figures.sweep import SweepView
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
 

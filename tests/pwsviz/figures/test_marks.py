@@ -16,7 +16,7 @@ from pwsviz.figures.marks import (
     star_labels,
 )
 from pwsviz.figures.portrait_text import figures_of
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 from pwsviz.results import orbits
 from pwsviz.results.orbits import MOST_PLACES
 from pwsviz.results.results import PortraitInputs, Results

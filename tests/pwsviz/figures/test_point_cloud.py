@@ -5,8 +5,8 @@ import pytest
 
 from pwsviz.figures.point_cloud import FEW, PointCloud, Portion
 from pwsviz.figures.style import plain_figure
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.point_counts import PointCounts
+from pwsviz.geometry.window import Window
 
 
 @pytest.fixture

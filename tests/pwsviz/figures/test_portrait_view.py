@@ -14,7 +14,8 @@ from core.transition.status import CROSSING_KINDS
 from pwsviz.figures.framing import OTHERS, extent
 from pwsviz.figures.marks import KIND_MARKERS
 from pwsviz.figures.portrait import PortraitView
-from pwsviz.geometry.phase_plane import Window, backdrop
+from pwsviz.geometry.phase_plane import backdrop
+from pwsviz.geometry.window import Window
 from pwsviz.page.player import Player
 from pwsviz.results.animation import frames
 from pwsviz.results.results import PortraitInputs, Results

@@ -13,9 +13,10 @@ from pwsviz.figures.marks import end_columns
 from pwsviz.figures.portrait import PortraitView
 from pwsviz.figures.scheme import scheme_markup
 from pwsviz.figures.state import StateView
-from pwsviz.geometry.phase_plane import Window, backdrop
+from pwsviz.geometry.phase_plane import backdrop
 from pwsviz.geometry.projection import in_plane
 from pwsviz.geometry.shades import shade_names, shades_of
+from pwsviz.geometry.window import Window
 from pwsviz.results.animation import landmarks
 from pwsviz.results.requests import run_inputs
 from pwsviz.results.results import PortraitInputs, Results

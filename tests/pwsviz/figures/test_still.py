@@ -10,7 +10,7 @@ from bokeh.models.glyphs import Line, MultiLine, MultiPolygons, Scatter
 from bokeh.plotting import figure
 
 from pwsviz.figures.still import UNITS, still
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 
 WINDOW = Window(-1.0, 3.0, 0.0, 2.0)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pwsviz.geometry.clipping import clipped
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 
 BOX = Window(-1.0, 1.0, -2.0, 2.0)
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.phase_plane import ARROWS, GRID, ROWS, Window, backdrop
+from pwsviz.geometry.phase_plane import GRID, ROWS, backdrop
 from pwsviz.geometry.shades import regions_of, shades_of
+from pwsviz.geometry.window import ARROWS, Window
 from tests.pwsviz.own_systems import GATE, STRIPS, WALL, WEDGE
 
 WINDOW = Window(-3.0, 3.1, -2.0, 2.05)

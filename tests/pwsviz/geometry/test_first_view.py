@@ -5,7 +5,7 @@ import pytest
 
 import core
 from pwsviz.geometry.first_view import first_plane, with_room
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 
 TURN = np.linspace(0.0, 20.0, 500)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.point_counts import LEVELS, PointCounts, Portion, extent_of
+from pwsviz.geometry.window import Window
 
 WINDOW = Window(-1.0, 2.0, 0.5, 1.5)
 ROWS, COLUMNS, KINDS = 30, 40, 3

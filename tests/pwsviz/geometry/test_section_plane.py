@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.section_plane import (
     angles,
     coordinate_names,
@@ -16,6 +15,7 @@ from pwsviz.geometry.section_plane import (
     usual_plane,
 )
 from pwsviz.geometry.section_state import state_at
+from pwsviz.geometry.window import Window
 
 HENON_HEILES = core.CATALOGUE["henon_heiles"]
 TABLE = core.CATALOGUE["vibrating_table"]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.phase_plane import Window, backdrop
+from pwsviz.geometry.phase_plane import backdrop
+from pwsviz.geometry.window import Window
 
 WINDOW = Window(-3.0, 3.0, -2.0, 2.0)
 

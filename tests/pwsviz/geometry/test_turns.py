@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.turns import PIXELS, spacing
+from pwsviz.geometry.window import Window
 
 VIEW = Window(-1.0, 1.0, -1.0, 1.0)
 

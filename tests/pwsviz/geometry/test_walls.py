@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.phase_plane import Window, backdrop
+from pwsviz.geometry.phase_plane import backdrop
 from pwsviz.geometry.walls import bare_name
+from pwsviz.geometry.window import Window
 from tests.pwsviz.own_systems import OWN_SYSTEMS, WALL
 
 BALL = core.CATALOGUE["bouncing_ball"]

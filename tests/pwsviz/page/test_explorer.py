@@ -16,8 +16,8 @@ from panel.io.state import set_curdoc
 
 import core
 from pwsviz.export.about import caption
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.projection import shows_field, shows_surface
+from pwsviz.geometry.window import Window
 from pwsviz.page.explorer import ADDRESS_RESTS, WINDOW_RESTS, Explorer
 from pwsviz.page.export_dialog import NOT_YET
 from pwsviz.page.portrait_panel import at_point

@@ -7,7 +7,7 @@ import core
 from pwsviz.export.about import caption
 from pwsviz.export.tables import sweep_tables
 from pwsviz.figures.point_cloud import FEW, FINE
-from pwsviz.geometry.phase_plane import Window
+from pwsviz.geometry.window import Window
 from pwsviz.page.explorer import Explorer
 from pwsviz.results.results import Results
 from pwsviz.scene.scene import Scene

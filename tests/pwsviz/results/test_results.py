@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import core
-from pwsviz.geometry.phase_plane import Window
 from pwsviz.geometry.polyline_reduction import RESOLUTION
+from pwsviz.geometry.window import Window
 from pwsviz.results.requests import CostInputs, Scheme, StabilityInputs, run_inputs, study_inputs
 from pwsviz.results.results import PortraitInputs, Results
 from pwsviz.scene.scene import Scene
@@ -287,3 +287,20 @@ def test_errors_of_every_system_are_known_where_it_has_a_conserved_quantity(resu
         assert np.isfinite(curve.error).all() == known
         assert len(curve.sides) == 1 + len(curve.crossings)
         assert known or np.isnan(results.summary(inputs).worst_error)
+
+
+def test_the_first_short_run_of_a_system_and_a_method_is_made_again_when_warm(results, monkeypatch):
+    calls = []
+    original = core.integrate
+
+    def counted(*arguments, **keywords):
+        run = original(*arguments, **keywords)
+        calls.append(run.method)
+        return run
+
+    monkeypatch.setattr(core, "integrate", counted)
+    for tau in (0.01, 0.02, 0.03):
+        results.run(run_inputs(Scene(methods=["dmm2"], tau=tau, t_end=1.0))[0])
+    assert calls == ["dmm2"] * 4, "the first call brings the code into memory: its time is not that of the run"
+    results.run(run_inputs(Scene(methods=["rk2"], tau=0.02, t_end=1.0))[0])
+    assert calls[4:] == ["rk2"] * 2

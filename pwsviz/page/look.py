@@ -1,0 +1,53 @@
+"""Style sheets of the header, the tabs and the columns of the page."""
+
+from __future__ import annotations
+
+from pwsviz.page.cover import COLUMNS
+from pwsviz.widgets.browser import NARROW
+from pwsviz.widgets.panes import PLAIN_SX
+
+__all__ = ["ABOUT_CSS", "GRID_CSS", "HEADER_SX", "STACK_CSS", "TABS_SX", "TAGLINE_CSS"]
+
+GRID_CSS = f"""
+:host {{ {COLUMNS} height: auto !important; max-height: none !important; container-type: inline-size; }}
+@media (width < {NARROW}px) {{ :host {{ row-gap: 2px; }} }}
+@container (min-width: 880px) {{ .portrait {{ position: sticky; top: 0; }} }}
+"""
+"""Beside a long view that scrolls, the portrait stays in sight; above one it does not."""
+
+HEADER_SX = {
+    **PLAIN_SX, "&&&": {"color": "inherit !important"},
+    "@media (width < 480px)": {
+        "fontSize": 0, "minWidth": "34px", "--pmui-starticon-mr": "0px !important",
+        ".MuiButton-startIcon": {"marginX": 0}, ".MuiIcon-root": {"fontSize": "20px !important"},
+    },
+}  # fmt: skip
+"""Of a button in the header, whose theme assumes a coloured bar and sets white text; on a phone its icon is seen."""
+
+TABS_SX = {
+    ".MuiTab-root": {
+        "textTransform": "none", "minWidth": 0, "minHeight": 40, "paddingX": "4px", "letterSpacing": 0,
+        "fontSize": "min(0.775rem, max(12.4px, 1.25cqi))",  # what is larger in lecture mode keeps to one row, too
+    },
+    ".MuiTabs-list": {"flexWrap": "wrap"},
+    ".MuiTabs-indicator": {"display": "none"},  # knows of one row only
+    ".MuiTab-root.Mui-selected": {"boxShadow": "inset 0 -2px currentColor"},
+    "@media (forced-colors: active)": {".MuiTab-root.Mui-selected": {"borderBottom": "3px solid Highlight"}},
+}  # fmt: skip
+"""Titles as narrow as possible: in one row from 1400 pixels of screen on, in two on a narrow one."""
+
+ABOUT_CSS = """
+footer { border-top: 1px solid var(--mui-palette-divider); margin-top: 14px; padding: 8px 0; font-size: 0.8125rem;
+         color: var(--mui-palette-text-secondary); }
+footer a { color: inherit; }
+@media (width < NARROWpx) or (width >= 1150px) { .about { display: none; } }
+""".replace("NARROW", str(NARROW))
+
+TAGLINE_CSS = """
+p { font-size: 0.8125rem; line-height: 1.3; max-width: 64ch; margin: 0 0 0 12px;
+    color: var(--mui-palette-text-secondary); }
+@media (width < 1150px) { p { display: none; } }
+"""
+"""What the page is, in its header; where that has no room, in the footer, or above a narrow portrait."""
+
+STACK_CSS = ":host { height: auto !important; max-height: none !important; } :host > * { flex: none !important; }"
