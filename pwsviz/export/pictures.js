@@ -9,6 +9,7 @@ const GAP = 10  // pixels between figure and caption, and around the caption
 const LEADING = 1.35  // of the lines of the caption, in heights of its text
 const INCH = 25.4  // mm
 const CAPTIONS = ["full", "short", "no caption"]
+const SLACK = 4  // pixels by which a layout may be higher than the one before it, which tells what is around the frame
 const LEAST = 30, LEAST_SHAPE = 0.4  // mm of a frame's height that a caption leaves, or this part of the width if that is less
 
 let bytes = null  // of the font, fetched once
@@ -41,7 +42,7 @@ const fitted = async (views, wish, width) => {
   for (const caption of CAPTIONS.slice(CAPTIONS.indexOf(wish.caption))) {
     const words = [wish.captions[caption], ...keys].filter(Boolean).join(" ")
     const lines = wrapped(words, width - 2 * GAP, SMALL)
-    const pictures = await drawn(views, width, wish.printed, scale * wish.tallest - below(lines) - 1)
+    const pictures = await drawn(views, width, wish.printed, scale * wish.tallest - below(lines) - SLACK)
     const ample = pictures.every(one => one.tall >= least)
     if (ample || caption == CAPTIONS.at(-1)) return { pictures, lines, caption }
   }
