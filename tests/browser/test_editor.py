@@ -7,6 +7,8 @@ import pytest
 from tests.browser.looking import await_painted, field
 from tests.browser.test_portrait import PORTRAIT, await_that
 
+sync_api = pytest.importorskip("playwright.sync_api")
+
 pytestmark = [pytest.mark.browser, pytest.mark.deep]
 
 
@@ -21,6 +23,7 @@ def test_walls_are_changed_in_the_editor_and_kept_in_the_link(visit):
     page.get_by_role("menuitem", name="Oscillator between walls").click()
     several.wait_for()
     resets = field(page, "Resets at surfaces")
+    sync_api.expect(resets).to_have_value(re.compile("g1"))  # painted a moment after the fields are
     resets.fill("g1 => x")
     page.get_by_text("At g1: 1 expression given, 2 needed").wait_for()
     assert page.get_by_role("button", name="Use this system").is_disabled()
