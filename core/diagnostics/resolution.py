@@ -203,9 +203,9 @@ class _Steps:
         """Warn of a step in which a pair of crossings may have been missed."""
         if hidden.any():
             yield (
-                f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
-                f"{self.t[hidden][0]:.6g} on g varies by more than its values and rates at both ends show, so "
-                f"crossings may have been missed; {self._advice}"
+                f"With a step of {abs(self.h[hidden][0]):.3g} crossings may have been missed: from t = "
+                f"{self.t[hidden][0]:.6g} on g varies by more within a step than its values and rates at both ends "
+                f"show; {self._advice}"
             )
 
     def _hides(self, rows: NDArray[np.intp], number: int, places: Floats, beyond: bool) -> NDArray[np.bool_]:
@@ -257,9 +257,8 @@ class _Steps:
             missed = self._has_missed(k, times, values)
             if missed.any():
                 yield (
-                    f"A step of {abs(self.h[missed][0]):.3g} is too long for the event function {text!r}: from t = "
-                    f"{self.t[missed][0]:.6g} on its sign changes more often than events were found, so events may "
-                    f"have been missed; {self._advice}"
+                    f"With a step of {abs(self.h[missed][0]):.3g} events of {text!r} may have been missed: from t = "
+                    f"{self.t[missed][0]:.6g} on it changes sign more often than events were found; {self._advice}"
                 )
 
     def _has_missed(self, k: int, times: Floats, values: Floats) -> NDArray[np.bool_]:
@@ -309,8 +308,8 @@ class _Steps:
         worst = int(np.argmax(np.nan_to_num(part, nan=0.0)))
         if part[worst] > (_APART_KEPT if self.method.adaptive else _APART):
             yield (
-                f"A step of {abs(self.h[worst]):.3g} is too long for this field: from t = {self.t[worst]:.6g} on it "
-                f"differs from shorter ones by {_share(part[worst])}; {self._advice}"
+                f"A step of {abs(self.h[worst]):.3g} is too long for this field: at t = {self.t[worst]:.6g} its "
+                f"result differs from that of shorter steps by {_share(part[worst])}; {self._advice}"
             )
 
     @property

@@ -188,7 +188,7 @@ def _capital(words: str) -> str:
 
 
 def _declared(laws: Iterable[str]) -> str:
-    return f"there are {', '.join(laws)}" if laws else "write its field first"
+    return f"the regions are {', '.join(laws)}" if laws else "write its field first"
 
 
 # Reading -------------------------------------------------------------------------------------------------------------

@@ -134,7 +134,7 @@ def _stand_in(method: str) -> str:
     whose = (
         f"one step of {whole.name}, longer than any of its own"
         if whole.conservative
-        else "one classical Runge-Kutta step"
+        else "one classical Runge–Kutta step"
     )
     return f"<p>For {escape(method)}, the constants of the scheme are those of {whose}.</p>"
 

@@ -58,11 +58,12 @@ def cost_words(cost: float, across: Across) -> str:
 def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     """Return the cheapest run of ours and of an external solver for each of `TARGETS`; no rows if there is no error."""
     cost = "run time" if across == "seconds" else "evaluations"
-    header = ("error at most", "cheapest integrator", cost, "cheapest external solver", cost)
+    best = "fastest" if across == "seconds" else "cheapest"
+    header = ("error at most", f"{best} integrator", cost, f"{best} external solver", cost)
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
-    what = "Fastest" if across == "seconds" else "Fewest evaluations"
-    caption = f"{what} to a given error; only runs with the solution’s sequence of crossings count"
+    what = "Least time" if across == "seconds" else "Fewest evaluations"
+    caption = f"{what} for a given error; only runs with the solution’s sequence of crossings count"
     return Numbers(header, rows, caption=caption)
 
 
@@ -155,7 +156,7 @@ def _where(curve: CostCurve, found: list[int]) -> str:
 
 def compared_with(study: core.WorkPrecision) -> str:
     """Return over which time the runs go, and what they are compared with."""
-    return f"run to t = {study.t_span[1]:.6g}, over {study.met}; compared with: {study.reference}"
+    return f"run to t = {study.t_span[1]:.6g}, over {study.met}; reference: {study.reference}"
 
 
 def _comparison(study: core.WorkPrecision, up: Up) -> str:

@@ -98,7 +98,9 @@ def _which_start(pictures: Pictures) -> str:
     for number, of_methods in sorted(words.items()):
         stops.setdefault(" or ".join(dict.fromkeys(of_methods)), []).append(str(number))
     told = "; ".join(f"{listed(numbers)} ({why})" for why, numbers in stops.items())
-    return f"Start {index + 1} of {count}." + (f" Others stop early: {told}." if told else "")
+    these = "Start" if sum(map(len, stops.values())) == 1 else "Starts"
+    stop = "stops" if these == "Start" else "stop"
+    return f"Start {index + 1} of {count}." + (f" {these} {told} {stop} early." if told else "")
 
 
 def law_note(system: core.PiecewiseSystem) -> str:

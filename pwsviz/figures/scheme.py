@@ -195,7 +195,7 @@ def _write_scheme(sheet: EquationSheet, method: str, groups: Sequence[Group]) ->
         _write_multipliers(sheet, groups, _write_field)
         return
     if isinstance(scheme, Projected):
-        sheet.say(f"First an increment Δ from a Runge-Kutta method of {len(scheme.of.rows)} stages:")
+        sheet.say(f"First an increment Δ from a Runge–Kutta method of {len(scheme.of.rows)} stages:")
         _write_runge_kutta(sheet, scheme.of)
     else:
         sheet.say("First an increment Δ from the Taylor series of the solution, its coefficients by recurrence from f:")

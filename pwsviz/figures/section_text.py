@@ -79,7 +79,7 @@ def section_how(outcome: SectionPoints) -> str:
     inputs = outcome.inputs
     adaptive = inputs.scheme.tolerance is not None
     step = f"tolerance {inputs.scheme.tolerance:.3g}" if adaptive else f"step size τ = {inputs.tau:.15g}"
-    left = f", after {inputs.discard:,} discarded" if inputs.discard else ""
+    left = f", without the first {inputs.discard:,}" if inputs.discard else ""
     after = reset_words(inputs.problem.declaration, inputs.of)
     points = f"at most {plural(inputs.points, 'point')} of each start{left}"
     system = inputs.problem.declaration

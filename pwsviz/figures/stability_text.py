@@ -44,7 +44,7 @@ def stability_text(study: core.StabilityStudy, part: str) -> str:
         "map" (which includes the largest step sizes), "drift" or "grazing".
     """
     if part == "map" and (study.map is not None or study.largest_tau is not None):
-        return f"{_ends_early(study)}Crossings compared with: {study.reference}."
+        return f"{_ends_early(study)}Reference for the crossings: {study.reference}."
     if part == "drift" and study.drift is not None:
         return _drift_words(study.drift)
     if part == "grazing" and study.grazing is not None:
@@ -83,7 +83,7 @@ def _grazing_words(study: core.StabilityStudy, grazing: Grazing) -> str:
     if not grazing.judged.any():
         words.append("There is nothing to compare with: the solution itself stops on the surface.")
     else:
-        words.append("Crossings compared with: the exact solution where one is known, else the Taylor method.")
+        words.append("Reference for the crossings: the exact solution where one is known, else the Taylor method.")
     return " ".join(words)
 
 

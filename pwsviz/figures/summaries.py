@@ -73,7 +73,7 @@ def study_text(shown: Sequence[Studied], early: bool) -> str:
     """
     slopes = "; ".join(f"{row.name}, {row.slope_text}" for row in shown[0].rows)
     words = f"{shown[0].method}: {slopes}. " if len(shown) == 1 else ""
-    words += f"Compared with: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
+    words += f"Reference: {listed(list(dict.fromkeys(one.reference for one in shown)))}."
     words += f" {fit_rule(shown)}."
     if early:
         usual = listed([str(k) for k in STUDY_CROSSINGS])

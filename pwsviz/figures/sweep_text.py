@@ -179,13 +179,13 @@ def sweep_how(inputs: SweepInputs, present: float = math.nan) -> str:
         "up": "each run begins where that of the next smaller value ends",
         "down": "each run begins where that of the next greater value ends",
     }[inputs.continuation]
-    left = f"after {inputs.discard:,} discarded, " if inputs.discard else ""
+    left = f", without the first {inputs.discard:,}" if inputs.discard else ""
     step = f"step size τ = {inputs.tau:.15g}" if scheme.tolerance is None else f"tolerance {scheme.tolerance:.3g}"
     line = f"; the dashed line is {name} = {present:.15g}" if inputs.low <= present <= inputs.high else ""
     return printed(
         f"diagram of {coordinate_name(inputs)} at crossings of "
         f"{surface_words(inputs)}{reset_words(inputs.problem.declaration, inputs.of)}, for {inputs.values:,} values of "
-        f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {left}{plural(inputs.points, 'point')} of each, up to "
+        f"{name} from {inputs.low:.15g} to {inputs.high:.15g}: {plural(inputs.points, 'point')} of each{left}, up to "
         f"t = {inputs.t_end:.6g}; {begins}; integrated by {scheme.method} with {step}; "
         f"{crossings}{line}"
     )

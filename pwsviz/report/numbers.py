@@ -63,7 +63,7 @@ def slope_numbers(shown: Sequence[Studied]) -> Numbers:
     return Numbers(
         ("curve", "fitted slope", "fitted where τ is", "error at the largest τ", "at the smallest"),
         cells,
-        f"{methods}, {sizes}; compared with: {first.reference}; fits use errors above {first.fit_above:.2g}.",
+        f"{methods}, {sizes}; reference: {first.reference}; fits use errors above {first.fit_above:.2g}.",
     )
 
 

@@ -248,7 +248,7 @@ def _sections() -> tuple[Preset, ...]:
         Preset(
             "vibrating_table", "A ball on a vibrating table", "",
             "Just after each bounce: islands about periodic bounces, as at φ = π/2, v = π, between chaotic bands.",
-            "Set ε = 0.97: five orbits end in that periodic bounce, four at rest. Set a = 0.4: the bands join.",
+            "Set ε = 0.97: five orbits end in such a bounce, at φ = 1.38, four at rest. Set a = 0.4: the bands join.",
             {
                 **settings, "system": "vibrating_table", "t_end": 12.0,
                 "starts": tuple((0.0, y, 0.0) for y in (3.0, 0.5, 1.0, 2.0, 4.0, 5.0, 8.0, 12.0, 16.0)),

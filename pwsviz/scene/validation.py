@@ -116,7 +116,7 @@ def require_known(names: list[Any], known: Mapping[str, Any], what: str) -> None
     """Raise a ValueError that names the first unknown name, what it should be, and the known ones."""
     for name in names:
         if name not in known:
-            raise ValueError(f"“{name}” is not {what}; there are {', '.join(known)}.")
+            raise ValueError(f"“{name}” is not {what}; known: {', '.join(known)}.")
 
 
 def switch(value: object) -> bool:

@@ -125,7 +125,7 @@ class OrderTab(LongTab):
         taus = f"{len(first.taus)} step sizes from {first.taus.min():.2g} to {first.taus.max():.3g}"
         methods = listed([one.method for one in outcome])
         rule = f"{self._times(outcome)} {fit_rule(studied(outcome, self._rows))}".lstrip()
-        return f"integrated by {methods} with {taus}; {crossings}; compared with: {first.reference}. {rule}"
+        return f"integrated by {methods} with {taus}; {crossings}; reference: {first.reference}. {rule}"
 
     def program(self) -> str:
         """Return the lines that repeat the study."""

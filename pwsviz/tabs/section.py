@@ -87,7 +87,9 @@ class SectionTab(LongTab):
             label="h(t, x), which vanishes there", size="small", width=210, margin=(8, 10, 4, 0), visible=False
         )
         self._other.param.watch(self._take_function, "value")
-        self._across, self._up = (Dropdown(words, options={"": 0}, value=0) for words in ("Across", "Up"))
+        self._across, self._up = (
+            Dropdown(words, options={"": 0}, value=0) for words in ("Horizontal axis", "Vertical axis")
+        )
         self._across.param.watch(lambda event: self._take_axis(0, event.new), "value")
         self._up.param.watch(lambda event: self._take_axis(1, event.new), "value")
         self._up_place, kind = _wide(self._up, 72), choice(scene, "section_map", lambda: KINDS, name="Shown")

@@ -62,9 +62,9 @@ OBJECTIONS = """async ([part, rules]) => {
 #: What each view says once its study is done.
 SAID = {
     "State": r"up to t = 2",
-    "Order": r"Compared with",
-    "Crossing time": r"Compared with",
-    "Cost": r"Fastest to a given error",
+    "Order": r"Reference: ",
+    "Crossing time": r"Reference: ",
+    "Cost": r"Least time for a given error",
     "Section": r"points on ",
     "Stability": r"Largest step size",
     "Sweep": r"points",

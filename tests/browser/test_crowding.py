@@ -14,7 +14,7 @@ ZOOM = """factor => {
 }"""
 """Shows the first part of the time in the conserved quantity."""
 
-NARROW, SOME = "no shade: sides change too often", " (not all marked)"
+NARROW, SOME = "sides not shaded: too many changes", " (not all marked)"
 
 
 def labels(page):

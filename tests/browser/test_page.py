@@ -76,7 +76,7 @@ def test_order_and_crossing_time_show_slopes_near_two(visit):
     for tab, figure, count in (("Order", "State error", 4), ("Crossing time", "Crossing time error", 3)):
         page.get_by_role("tab", name=tab).click()
         # What there is of a study is shown as it comes; at first it has no slopes.
-        whole = re.compile(r"(slope \d\.\d+.*)" * count + "Compared with", re.DOTALL)
+        whole = re.compile(r"(slope \d\.\d+.*)" * count + "Reference: ", re.DOTALL)
         words = page.get_by_text(whole).locator("visible=true").first
         words.wait_for()
         slopes = [float(slope) for slope in re.findall(r"slope (\d+\.\d+)", words.inner_text())]

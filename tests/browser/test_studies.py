@@ -32,7 +32,7 @@ CELLS = f"""() => {{
 def test_a_run_with_other_crossings_than_the_solution_is_hollow_and_never_the_cheapest(visit):
     page = visit(query="v=1&view=cost&methods=dmm2,rk2")
     page.get_by_role("row", name=re.compile("^10⁻³")).wait_for()
-    page.get_by_text(re.compile("compared with", re.IGNORECASE)).locator("visible=true").first.wait_for()
+    page.get_by_text(re.compile("reference: ", re.IGNORECASE)).locator("visible=true").first.wait_for()
     points = await_that(page, POINTS, lambda seen: any(WRONG.search(one["status"]) for one in seen))
     wrong = [one for one in points if WRONG.search(one["status"])]
     assert not any(one["filled"] for one in wrong)

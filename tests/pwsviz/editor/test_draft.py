@@ -150,7 +150,7 @@ def test_walls_and_hysteresis_come_back_from_a_link_as_they_were_read(draft):
         ({"regions": ""}, "quantities", "'+-' is not a region: write its field first"),
         ({"regions": ": v, -x"}, "regions", "Nothing stands before a colon"),
         ({"quantities": "+-: v^2"}, "quantities", "ψ in region +- = 'v^2' is not conserved by the field of region +-"),
-        ({"quantities": "++: v"}, "quantities", "'++' is not a region: there are +-"),
+        ({"quantities": "++: v"}, "quantities", "'++' is not a region: the regions are +-"),
         ({"resets": "x, -v"}, "resets", "'x, -v' is at no surface: write the surface, an arrow"),
         ({"resets": "wall => x, -v"}, "resets", "'wall' is not a surface"),
         ({"resets": "g3 => x, -v"}, "resets", "There is no surface g3: 2 switching functions are given"),

@@ -42,7 +42,7 @@ def test_crossings_that_are_perturbed_or_not_located_are_told():
 
 
 def test_of_a_study_it_has_the_first_clause_and_the_integrator():
-    told = short_caption(Scene(), "Order", how="integrated by dmm2; compared with: exact. A rule.")
+    told = short_caption(Scene(), "Order", how="integrated by dmm2; reference: exact. A rule.")
     assert told.endswith("Integrated by dmm2.")
     told = short_caption(Scene(), "Sweep", how="diagram of x; each run begins at the start; integrated by dmm2 with τ")
     assert told.endswith("Diagram of x; integrated by dmm2 with τ.")

@@ -98,7 +98,7 @@ def test_without_a_run_there_is_no_table() -> None:
     assert "there is none yet" in constants_markup("dmm2", None, None)
 
 
-@pytest.mark.parametrize(("method", "stands_in"), [("dmm2", ""), ("dmm4", "dmm2"), ("prk8", "classical Runge-Kutta")])
+@pytest.mark.parametrize(("method", "stands_in"), [("dmm2", ""), ("dmm4", "dmm2"), ("prk8", "classical Runge–Kutta")])
 def test_it_is_said_of_which_step_the_constants_are(method: str, stands_in: str) -> None:
     run, diagnosis = diagnosed(0.01, method)
     assert (stands_in in constants_markup(method, diagnosis, run).rpartition("</table>")[2]) is True

@@ -127,7 +127,7 @@ def test_how_names_all_that_repeats_the_diagram():
     assert surface_words(inputs) == "the surface x − 1 = 0, where the function falls"
     how = sweep_how(inputs)
     for words in (
-        "y at crossings", "400 values of a₋ from −8 to 4", "100 discarded", "t = 2000", "next smaller value",
+        "y at crossings", "400 values of a₋ from −8 to 4", "without the first 100", "t = 2000", "next smaller value",
         "taylor with tolerance 10⁻¹²", "Filippov",
     ):  # fmt: skip
         assert words in how, words

@@ -104,7 +104,7 @@ def test_every_panel_says_what_it_shows_and_what_was_measured(page):
         for preset in figures_of_paper()[label]:
             assert preset.look in text
         assert label in text
-    assert "compared with: exact (Weierstrass ℘)" in text
+    assert "reference: exact (Weierstrass ℘)" in text
     assert re.search(r"crossing 30 (1\.99|2\.0)\d ", text)  # a fitted slope
     assert re.search(r"dmm2 \(−1, −1\) 100,000 105 crossings \d×10⁻¹⁶ ", text)  # steps, crossings, largest error
     assert re.search(r"numpy \d", text)
