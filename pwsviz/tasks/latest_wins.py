@@ -50,6 +50,7 @@ class Lane:
         self._waiting: Job | None = None
         self._running: Job | None = None
         self._draining = False
+        self._joining = 0
         self._failure: Exception | None = None
 
     @property
@@ -89,9 +90,15 @@ class Lane:
             self._changed.notify_all()
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait at most `timeout` seconds; return whether all jobs are done. What a delivery raised is raised again."""
+        """Wait at most `timeout` seconds; return whether all jobs are done. What a delivery raised is raised again.
+
+        A job that waits for quiet is started at once: nothing else will come.
+        """
         with self._changed:
+            self._joining += 1
+            self._changed.notify_all()
             done = self._changed.wait_for(lambda: not self._draining, timeout)
+            self._joining -= 1
             failure, self._failure = self._failure, None
         if failure is not None:
             raise failure
@@ -117,15 +124,17 @@ class Lane:
     def _given_up(self, job: Job, started: float) -> bool:
         return job.given_up.is_set() or (self._waiting is not None and monotonic() - started > job.patience)
 
-    def _replaced(self, job: Job) -> bool:
-        return self._waiting is not job
+    def _rested(self, job: Job) -> bool:
+        """Whether the quiet of a waiting job is over before its time."""
+        return self._waiting is not job or self._joining > 0
 
     def _next(self) -> Job | None:
         with self._changed:
             self._running = None
             while self._waiting is not None:
                 candidate = self._waiting
-                if not self._changed.wait_for(partial(self._replaced, candidate), candidate.quiet):
+                self._changed.wait_for(partial(self._rested, candidate), candidate.quiet)
+                if self._waiting is candidate:
                     self._running, self._waiting = candidate, None
                     return candidate
             self._draining = False
