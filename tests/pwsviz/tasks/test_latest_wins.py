@@ -47,11 +47,18 @@ def test_a_lane_rests_while_all_it_has_waits_for_quiet():
 
 
 def test_a_job_that_wants_quiet_starts_when_requests_rest():
-    lane, started = Lane(), []
+    lane, started, shown = Lane(), [], Event()
     for k in range(10):
-        lane.submit(Job(lambda _, k=k: started.append(k), lambda _: None, quiet=0.05))
-    assert lane.join(5)
+        lane.submit(Job(lambda _, k=k: started.append(k), lambda _: shown.set(), quiet=0.05))
+    assert shown.wait(5)
     assert started == [9]
+
+
+def test_to_wait_for_all_jobs_ends_their_quiet():
+    lane, seen = Lane(), []
+    lane.submit(Job(lambda _: "done", seen.append, quiet=60.0))
+    assert lane.join(5)
+    assert seen == ["done"]
 
 
 def test_exceptions_are_delivered():
