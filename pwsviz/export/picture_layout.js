@@ -40,8 +40,11 @@ const width_of = (words, size) => {
   return pen.measureText(words).width
 }
 
+// The spaces of a text but those of a relation: t = 20 stays on one line.
+const BETWEEN_WORDS = /(?<![=<>≤≥≈]) (?![=<>≤≥≈])/
+
 // The lines of a text, broken between words (or at other separators) where it would be wider than a number of pixels.
-export const wrapped = (words, width, size, between = " ") => {
+export const wrapped = (words, width, size, between = BETWEEN_WORDS) => {
   const lines = []
   for (const word of words.split(between).filter(Boolean)) {
     const longer = lines.length > 0 ? `${lines.at(-1)} ${word}` : word

@@ -32,7 +32,7 @@ WEIGHTS = [0.5, 1.0, 1.0, 1.0, 0.5]
 SOME = " (not all marked)"
 """What a legend adds to the name of marks of which some are left out."""
 
-NARROW_SHADES = "sides not shaded: too many changes"
+NARROW_SHADES = "some sides not shaded: too many changes"
 """What a legend says where shades are left out."""
 
 FACTOR = "const factor = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16  // large in a lecture\n"

@@ -14,7 +14,7 @@ ZOOM = """factor => {
 }"""
 """Shows the first part of the time in the conserved quantity."""
 
-NARROW, SOME = "sides not shaded: too many changes", " (not all marked)"
+NARROW, SOME = "some sides not shaded: too many changes", " (not all marked)"
 
 
 def labels(page):
