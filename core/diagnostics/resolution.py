@@ -203,9 +203,9 @@ class _Steps:
         """Warn of a step in which a pair of crossings may have been missed."""
         if hidden.any():
             yield (
-                f"With a step of {abs(self.h[hidden][0]):.3g} crossings may have been missed: from t = "
-                f"{self.t[hidden][0]:.6g} on g varies by more within a step than its values and rates at both ends "
-                f"show; {self._advice}"
+                f"A step of {abs(self.h[hidden][0]):.3g} is too long for this surface: from t = "
+                f"{self.t[hidden][0]:.6g} on g varies within a step by more than its values and rates at both ends "
+                f"show, so crossings may have been missed; {self._advice}"
             )
 
     def _hides(self, rows: NDArray[np.intp], number: int, places: Floats, beyond: bool) -> NDArray[np.bool_]:
@@ -257,8 +257,9 @@ class _Steps:
             missed = self._has_missed(k, times, values)
             if missed.any():
                 yield (
-                    f"With a step of {abs(self.h[missed][0]):.3g} events of {text!r} may have been missed: from t = "
-                    f"{self.t[missed][0]:.6g} on it changes sign more often than events were found; {self._advice}"
+                    f"A step of {abs(self.h[missed][0]):.3g} is too long for the event function {text!r}: from t = "
+                    f"{self.t[missed][0]:.6g} on it changes sign more often than events were found, so "
+                    f"events may have been missed; {self._advice}"
                 )
 
     def _has_missed(self, k: int, times: Floats, values: Floats) -> NDArray[np.bool_]:
