@@ -14,7 +14,7 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
-from core.symbolic.power_series import NoSeries, Series, SeriesIn
+from core.symbolic.power_series import LONGEST, NoSeries, Series, SeriesIn
 
 __all__ = ["Choice", "magnitude", "written_near"]
 
@@ -24,6 +24,8 @@ _TERMS = 32
 _LAST, _FIRST = 3, 6
 #: … and at how many times the distance they are: a step of the Taylor method leads farther with the same coefficients.
 _FARTHER = 2
+#: Most operations of a discriminant that is factored, so that the root of a square is told.
+_FACTORED = 100
 #: The rounding of a number, relative to it.
 _ROUNDING = sympy.Rational(1, 2**53)
 
@@ -74,18 +76,44 @@ def written_near(u: Expr, zeros: Iterable[Expr]) -> Expr:
 def _places(zero: Expr) -> Iterator[list[_Place]]:
     """All zeros of an expression, in each way in which they can be told: its own, or those of a function's argument."""
     for u in dict.fromkeys((zero, *(v for f in zero.atoms(sympy.Function) for v in sympy.Mul.make_args(f.args[0])))):
-        atoms = [a for a in sympy.preorder_traversal(u) if not (a.is_Add or a.is_Mul or a.is_number)]
+        short = (
+            u.count_ops() <= LONGEST
+        )  # else what stands beside the zero is too long for the coefficients of a series
+        nodes = sympy.preorder_traversal(u) if short else ()
+        atoms = [a for a in nodes if not (a.is_Add or a.is_Mul or a.is_number)]
         for a in sorted(dict.fromkeys(atoms), key=lambda a: (not a.is_Symbol, str(a))):
             blank = sympy.Dummy()
-            line = sympy.expand(u.xreplace({a: blank}))
-            if not line.has(blank) or not line.is_polynomial(blank):
+            line = u.xreplace({a: blank})
+            if not line.is_polynomial(blank):  # asked before it is expanded, which takes long where it is long
                 continue
-            *higher, slope, rest = sympy.Poly(line, blank).all_coeffs()
-            if not higher:
+            line = sympy.expand(line)
+            rest, slope, square, higher = (sympy.Add(*terms) for terms in _by_power(line, blank))
+            if higher == square == 0 and slope != 0:
                 yield [_Place(a, (_W - rest) / slope, u)]
-            elif len(higher) == 1:
-                yield [_Place(a, root + _W, a - root) for root in sympy.roots(line, blank)]
+            elif higher == 0 and square != 0:
+                yield [_Place(a, root + _W, a - root) for root in _roots(square, slope, rest)]
         yield [_Place(u, _W, u)]
+
+
+def _by_power(line: Expr, x: Symbol) -> tuple[list[Expr], list[Expr], list[Expr], list[Expr]]:
+    """The coefficients of 1, x and x² in an expanded polynomial, and those of all higher powers.
+
+    Not by `sympy.Poly`, which looks for a domain of the coefficients and may take hours over functions.
+    """
+    parts: tuple[list[Expr], list[Expr], list[Expr], list[Expr]] = ([], [], [], [])
+    powers = (sympy.S.One, x, x**2)
+    for term in sympy.Add.make_args(line):
+        factor, power = term.as_independent(x, as_Add=False)
+        parts[powers.index(power) if power in powers else -1].append(factor)
+    return parts
+
+
+def _roots(a: Expr, b: Expr, c: Expr) -> set[Expr]:
+    """The roots of a quadratic; not `sympy.roots`, which simplifies them and may take hours over functions."""
+    discriminant = sympy.expand(b**2 - 4 * a * c)
+    if discriminant.count_ops() <= _FACTORED:
+        discriminant = sympy.factor(discriminant)
+    return {(-b + sign * sympy.sqrt(discriminant)) / (2 * a) for sign in (1, -1)}
 
 
 class _Rewritten:

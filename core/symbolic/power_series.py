@@ -10,10 +10,10 @@ from sympy import Expr, Symbol
 
 from core.symbolic.zero_testing import is_zero
 
-__all__ = ["NoSeries", "Series", "SeriesIn"]
+__all__ = ["LONGEST", "NoSeries", "Series", "SeriesIn"]
 
 #: Number of operations of a coefficient beyond which a series is given up, to save time.
-_LONG = 60
+LONGEST = 60
 
 
 class NoSeries(Exception):  # noqa: N818 - the answer to a question, no error
@@ -129,6 +129,6 @@ def _tidy(c: Expr) -> Expr:
     if c.is_Rational:
         return c
     c = sympy.expand(c)
-    if c.count_ops() > _LONG:
+    if c.count_ops() > LONGEST:
         raise NoSeries
     return c

@@ -8,7 +8,7 @@ neither is one at which the mode ends anyway.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -117,12 +117,20 @@ def _vanishing(node: Expr) -> Iterator[Expr]:
         yield from _factors(node.base, signed=not node.exp.is_Integer)
 
 
+def _polynomial_factors(u: Expr) -> list[tuple[Expr, Expr]]:
+    """Factors of a polynomial and their powers; none of another expression, nor where sympy finds none."""
+    try:
+        return [(v, sympy.Integer(n)) for v, n in sympy.factor_list(u)[1]] if u.is_polynomial() else []
+    except sympy.BasePolynomialError:  # of the number (43/10)**(2*E), or with it
+        return []
+
+
 def _factors(u: Expr, signed: bool) -> Iterator[Expr]:
     """Factors of an expression without their powers; where its sign counts, as under a root, those of even powers."""
-    powers: Iterable[tuple[Expr, Expr]] = ()
+    powers: list[tuple[Expr, Expr]] = []
     if u.count_ops() <= _LONG:
         u = sympy.fraction(sympy.together(u.replace(sympy.tan, lambda v: sympy.sin(v) / sympy.cos(v))))[0]
-        powers = [(v, sympy.Integer(n)) for v, n in sympy.factor_list(u)[1]] if u.is_polynomial() else ()
+        powers = _polynomial_factors(u)
     for base, exponent in powers or [v.as_base_exp() for v in sympy.Mul.make_args(u)]:
         if exponent.is_Integer and exponent > 0 and not (signed and exponent % 2):
             yield base
