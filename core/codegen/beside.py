@@ -19,7 +19,12 @@ _NEXT_TO_NOTHING = 2.0**-200
 
 
 def lines_beside(
-    symbols: Mapping[Symbol, Expr], temporaries: Iterable[Symbol], modes: Iterable[Mode], t: Symbol, x: Sequence[Symbol]
+    symbols: Mapping[Symbol, Expr],
+    temporaries: Iterable[Symbol],
+    modes: Iterable[Mode],
+    t: Symbol,
+    x: Sequence[Symbol],
+    start: tuple[Expr, Sequence[Expr]] | None = None,
 ) -> list[str]:
     """Lines that move a place (t, x) to one beside it where the fields of some modes are 0/0 but have a limit.
 
@@ -29,12 +34,18 @@ def lines_beside(
     ----------
     symbols
         Names of the symbols in the generated text.
+    start
+        Time and state at the other end of a step: then it is the middle of the step that is moved, with (t, x).
     """
     lines = []
     for mode in modes:
-        place = {**symbols, **dict(zip(mode.variables, x, strict=True)), TIME: t}
+        moving = {TIME: t, **dict(zip(mode.variables, x, strict=True))}
+        place = {**symbols, **moving}
+        if start is not None:
+            others = (start[0], *start[1])
+            place |= {v: (here + there) / 2 for (v, here), there in zip(moving.items(), others, strict=True)}
         for u in mode.zeros.removable:
             lines += [*assignments(["zero"], [u.xreplace(place)], temporaries), "if zero == 0.0:"]
-            moved = [place[v] for v in (TIME, *mode.variables) if v in u.free_symbols]
+            moved = [v for symbol, v in moving.items() if symbol in u.free_symbols]
             lines += [f"    {v} += abs({v}) * {BESIDE} + {_NEXT_TO_NOTHING}" for v in moved]
     return lines

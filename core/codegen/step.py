@@ -90,6 +90,12 @@ class StepCode:
             lines += [f"if not noise <= size * {_NOISE}:", f"    return {abi.NO_SOLUTION}"]
         return lines
 
+    def _beside_within(self) -> list[str]:
+        """Lines that move the end of a step so that neither it nor the middle is where the field is 0/0."""
+        t1, start = Symbol("t1"), (self.t, self.x)
+        middle = lines_beside(self._names.symbols, self._temporaries, [self._mode], t1, self.end, start)
+        return self._beside(t1, self.end) + middle
+
     def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
         """Append lines that evaluate expressions; returns the names of their values."""
         names = [next(self._temporaries) for _ in expressions]
@@ -176,7 +182,7 @@ class StepCode:
         d = stages * len(self.x)
         unknowns = [*named("d", d), *multipliers]
         newton = self._newton if self._few else self._newton_of_many
-        inner = self._arrive + newton(residuals, unknowns, d)
+        inner = self._arrive + self._beside_within() + newton(residuals, unknowns, d)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
         slopes = self.field(self.t)
         start = [f"{u} = h*{f}" for u, f in zip(unknowns, stages * slopes, strict=False)]
@@ -238,7 +244,7 @@ class StepCode:
         part = build()
         inner = ["h = whole_h * weight", "t = whole_t + whole_h * passed", "passed += weight"]
         inner += [f"x{k}, c{k} = two_sum(w[{frame.x + k}], w[{frame.carry + k}] + (w{k} + z{k}))" for k in d]
-        inner += self._lines + self._assign([f"a{k}" for k in d], part)
+        inner += self._beside(Symbol("t"), self.x) + self._lines + self._assign([f"a{k}" for k in d], part)
         for k in d:
             inner += [f"w{k}, q = two_sum(w{k}, a{k})", f"z{k} += q"]
         inner.append(f"count += {' + '.join(self._evaluations)}")

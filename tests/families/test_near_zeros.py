@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mpmath
 import numpy as np
@@ -117,3 +117,16 @@ def test_a_run_that_passes_near_the_zero_of_a_quotient_keeps_its_digits(draws, m
         assert abs(run.x[-1, 1] - right) < (1e-6 if method == "gauss4" else 1e-10), (
             f"{about} {run.x[-1, 1]}, not {right}"
         )
+
+
+@pytest.mark.parametrize("method", deep_but(["dmm2"], ["dmm2", "dmm6", "prk8"]))
+def test_a_step_may_begin_end_or_have_its_middle_at_the_zero(draws, method):
+    for rng in draws(3):
+        case, tau = replace(drawn(rng), a=float(rng.integers(20, 58)) / 64), 2.0 ** -int(rng.integers(7, 11))
+        start = case.a - tau * float(rng.choice([4.0, 3.5, 3.25]))
+        span = (start, start + 8 * tau) if case.by_time else (0.0, 8 * tau)
+        run = core.integrate(case.declared(1.0, 0.3 if case.by_time else start), span, method=method, tau=tau)
+        assert run.status is Status.COMPLETED, f"{case}, tau = {tau}, from {start}: {run.message}"
+        right = case.integral(start, 1.0, 8 * tau)
+        # Of order 2: 8τ · τ²/12 times the second derivative of the quotient, which is below 12.
+        assert abs(run.x[-1, 1] - right) < 8 * tau**3, f"{case}, tau = {tau}, from {start}: {run.x[-1, 1]}, not {right}"

@@ -40,7 +40,7 @@ class Stiff:
             self.back = np.round(np.linalg.inv(self.v))
             if np.abs(self.v).max() < 8 and np.array_equal(self.v @ self.back, np.eye(d)):
                 break
-        self.blocks, self.rest = blocks, rng.integers(-(2**20), 2**20, d) / 2**21
+        self.blocks, self.rest = blocks, rng.integers(-(2**12), 2**12, d) / 2**13  # short, so that the text is exact
         block = np.zeros((d, d))
         at = 0
         for b in blocks:
