@@ -14,8 +14,8 @@ SYSTEM = PiecewiseSystem(
     psi_minus=_ENERGY,
     psi_plus=_ENERGY,
     parameters=(
-        Parameter("gravity", 9.8, (0.5, 30.0), "gravity", r"\gamma"),
-        Parameter("restitution", 0.5, (0.1, 1.0), "fraction of the speed after a bounce", r"\epsilon"),
+        Parameter("gravity", 9.8, (0.5, 30.0), "gravitational acceleration", r"\gamma"),
+        Parameter("restitution", 0.5, (0.1, 1.0), "coefficient of restitution", r"\epsilon"),
     ),
     x0=(1.0, 0.0),
     jump=("0", "-restitution*v"),

@@ -28,6 +28,6 @@ SYSTEM = PiecewiseSystem(
     ),
     x0=(0.0, 0.3, 1.5),
     doc="Four ideal diodes lead the current of an alternating source, of voltage v, to a capacitor of voltage u and a "
-    "load beside it: one pair of diodes conducts where v > u, the other where v < −u. In between all of them block, "
+    "load in parallel: one pair of diodes conducts where v > u, the other where v < −u. In between all of them block, "
     "and the load empties the capacitor.",
 )

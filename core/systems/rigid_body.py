@@ -13,7 +13,7 @@ SYSTEM = PiecewiseSystem(
     parameters=(
         Parameter("m_minus", 0.51, (0.05, 2.0), "ratio of inertia below the plane"),
         Parameter("m_plus", 0.9, (0.05, 2.0), "ratio of inertia above the plane"),
-        Parameter("plane", 0.6, (-1.2, 1.2), "where the plane stands", "c"),
+        Parameter("plane", 0.6, (-1.2, 1.2), "position of the plane", "c"),
     ),
     x0=(0.0, 1.0, 1.0),
     doc="Euler’s equations of a body that turns freely, scaled to Jacobi’s form: on each side of the plane y₁ = c the "

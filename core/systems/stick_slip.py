@@ -10,8 +10,8 @@ SYSTEM = PiecewiseSystem(
     g="v - belt",
     parameters=(
         Parameter("belt", 0.3, (0.05, 2.0), "speed of the belt", "w"),
-        Parameter("static", 1.0, (0.1, 3.0), "greatest friction, at rest on the belt", r"\mu_s"),
-        Parameter("kinetic", 0.4, (0.05, 3.0), "friction at high speed", r"\mu_k"),
+        Parameter("static", 1.0, (0.1, 3.0), "coefficient of static friction", r"\mu_s"),
+        Parameter("kinetic", 0.4, (0.05, 3.0), "coefficient of friction at high speed", r"\mu_k"),
         Parameter("decay", 0.5, (0.05, 5.0), "speed over which friction falls", "d"),
     ),
     x0=(0.0, 0.0),

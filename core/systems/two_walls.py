@@ -12,7 +12,7 @@ SYSTEM = PiecewiseSystem(
     jumps={0: _BOUNCE, 1: _BOUNCE},
     parameters=(
         Parameter("stiffness", 1.0, (0.1, 3.5), "stiffness of the spring, for a unit mass", "k"),
-        Parameter("restitution", 0.95, (0.2, 1.0), "fraction of the speed after an impact", r"\epsilon"),
+        Parameter("restitution", 0.95, (0.2, 1.0), "coefficient of restitution", r"\epsilon"),
     ),
     x0=(0.0, 2.0),
     doc="A mass on a spring bounces between walls at x = −1 and x = 1; each bounce multiplies its speed by ε, "

@@ -16,8 +16,8 @@ SYSTEM = PiecewiseSystem(
     parameters=(
         Parameter("a", 0.25, (0.0, 2.0), "amplitude of the table"),
         Parameter("omega", 1.0, (0.2, 5.0), "angular frequency of the table", r"\omega"),
-        Parameter("gravity", 1.0, (0.1, 10.0), "gravity", r"\gamma"),
-        Parameter("restitution", 1.0, (0.3, 1.0), "fraction of the relative speed after a bounce", r"\epsilon"),
+        Parameter("gravity", 1.0, (0.1, 10.0), "gravitational acceleration", r"\gamma"),
+        Parameter("restitution", 1.0, (0.3, 1.0), "coefficient of restitution", r"\epsilon"),
     ),
     x0=(0.0, 3.0, 0.0),
     jump=("phi", "a*sin(phi)", "(1 + restitution)*a*omega*cos(phi) - restitution*v"),

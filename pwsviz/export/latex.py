@@ -65,9 +65,10 @@ def _laws(system: core.PiecewiseSystem, names: Names) -> list[str]:
         sides, regions = {regions[0].name: "on both sides"}, regions[:1]
     for mode in regions:
         lines = [f"{names[x]}' &= {_broken(rate, names)}" for x, rate in zip(system.laws.x, mode.field, strict=True)]
-        many = len(mode.conserved) > 1
+        side = [mode.name] if len(regions) == len(sides) == 2 else []
         for k, one in enumerate(mode.conserved, 1):
-            lines.append(f"\\psi{f'_{{{k}}}' if many else ''} &= {_broken(one, names)}")
+            below = ", ".join([*side, *([str(k)] if len(mode.conserved) > 1 else [])])
+            lines.append(f"\\psi{f'_{{{below}}}' if below else ''} &= {_broken(one, names)}")
         blocks.append(_block(sides.get(mode.name, f"region {_text(mode.name)}"), lines))
     return blocks
 

@@ -39,23 +39,26 @@ class _Constant(NamedTuple):
 
 
 _CONSTANTS = (
-    _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "least speed in g at which the solution crosses"),
+    _Constant(r"\alpha_{S}^{2}", "alpha2", "transversality (1.2)", "least |dg/dt| at which the solution crosses"),
     _Constant(
         r"\hat{\alpha}_{S}^{2}", "alpha_hat2", "discrete transversality (3.6)",
         "the same for the scheme’s steps to and from the surface; has to be positive",
     ),
     _Constant(
-        "M", "M", "(3.2)", "bound on the curvature of g along the flow within a step: ½ sup |d²g/dt²|", greatest=True
+        "M", "M", "(3.2)", "half the largest second derivative of g along the flow in a step: ½ sup |d²g/dt²|",
+        greatest=True,
     ),
     _Constant(
-        r"\hat{M}", "M_hat", "(3.9)", "the same for the scheme: ½ sup |f^τ·H f^τ|, H the Hessian of g", greatest=True
+        r"\hat{M}", "M_hat", "(3.9)",
+        "the same for the scheme: ½ sup |f^τ·H f^τ|, H the Hessian of g; where g depends on t, of (t, x) and (1, f^τ)",
+        greatest=True,
     ),
     _Constant(
-        r"\tau^{*}_{-}", "tau_minus", "Lemma A.3", "up to this τ the step to the surface has one solution",
+        r"\tau^{*}_{-}", "tau_minus", "Lemma A.3", "up to this τ the step to the surface has a unique solution",
         bounds_tau=True,
     ),
     _Constant(
-        r"\tau^{*}_{+}", "tau_plus", "Lemma A.4", "up to this τ the step on from it has one solution",
+        r"\tau^{*}_{+}", "tau_plus", "Lemma A.4", "up to this τ the step on from it has a unique solution",
         bounds_tau=True,
     ),
     _Constant(

@@ -141,7 +141,7 @@ def _missing(study: core.WorkPrecision) -> Iterator[str]:
         places: dict[str, list[int]] = {}
         for k, status in enumerate(curve.status):
             if status not in (DONE, WAITING, CANCELLED):
-                wrong = f"not the sequence of {study.met} of the solution (drawn hollow)"
+                wrong = f"its sequence is not that of the solution’s {study.met} (drawn hollow)"
                 places.setdefault(wrong if np.isfinite(curve.seconds[k]) else status, []).append(k)
         for reason, found in places.items():
             yield f"{curve.title}{_where(curve, found)}: {reason}."

@@ -53,7 +53,7 @@ class EquationSheet:
 
     def head(self, words: str) -> None:
         """Add a heading."""
-        self._parts.append(f"<h4>{escape(words)}</h4>")
+        self._parts.append(f"<h3>{escape(words)}</h3>")
 
     def table(self, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         """Add a table."""

@@ -27,6 +27,7 @@ SCHEME_STYLE = """
 .scheme h2 { font-size: 1.17em; }
 .scheme .formula { overflow-x: auto; overflow-y: hidden; padding: 4px 0; font-size: 1.1em; }
 .scheme .formula > math { width: max-content; }
+.scheme h3 { font-size: 1em; }
 .scheme table { border-collapse: collapse; margin: 8px 0; }
 .scheme th, .scheme td { text-align: start; vertical-align: top; padding: 3px 12px 3px 0; font-weight: normal; }
 .scheme thead th { border-bottom: 1px solid; font-weight: 600; }
@@ -308,7 +309,7 @@ def _write_transition(
     sheet: EquationSheet, system: core.PiecewiseSystem, locate: bool, order: int | None, scale: float
 ) -> None:
     one = system.two_sided
-    here, beside, g = ("side", "the other side", "g") if one else ("region", "that", "a guard g")
+    here, beside, g = ("side", "the other side", "g") if one else ("region", "region s′", "a guard g")
     if not locate:
         sheet.say(
             f"None: a step across the surface is completed with the field of the {here} in which it began, and only "
@@ -326,7 +327,7 @@ def _write_transition(
         sheet.formula(rf"\hat{{t}} \leftarrow \hat{{t}} + c \tau^{{{order}}}")
     start = r"\hat{x}"
     if system.laws.jumps:
-        sheet.say("There the state is reset from x̂ to x̂⁺. The step is completed with the field of " + f"{beside}:")
+        sheet.say("There the state is reset from x̂ to x̂⁺. From there the step is completed in the region entered:")
         start = r"\hat{x}^{+}"
     else:
         sheet.say(f"The step is completed with the field of {beside}:")

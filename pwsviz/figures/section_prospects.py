@@ -21,8 +21,8 @@ def prospects(system: core.PiecewiseSystem) -> str:
     words = []
     if _is_flow_in_the_plane(system):
         words.append(
-            "A bounded orbit of an autonomous planar system generically approaches an equilibrium or a closed orbit, "
-            "so only a few distinct points remain."
+            "A bounded orbit of an autonomous planar system generically is, or approaches, an equilibrium or a closed "
+            "orbit, so only a few distinct points remain."
         )
     if _conserves(system):
         words.append(

@@ -117,7 +117,7 @@ def _limits(study: core.StabilityStudy, largest: LargestTau) -> Numbers:
         if largest.done[k]
     )
     caption = f"Largest step size from the chosen start, {_until(study, largest)}"
-    return Numbers(("integrator", "works up to τ", "fails at τ", "reason"), rows, caption=caption)
+    return Numbers(("integrator", "largest successful τ", "least failing τ", "reason"), rows, caption=caption)
 
 
 def _until(study: core.StabilityStudy, largest: LargestTau) -> str:

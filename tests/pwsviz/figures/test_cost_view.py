@@ -193,7 +193,7 @@ def test_words_say_what_is_missing_and_why():
     words = cost_text(study(late, gone, off, rest), "seconds", "state")
     assert "rk4, τ = 0.0316 and 1 other setting: takes too long." in words
     assert "heyoka: heyoka is not installed." in words
-    assert "rk2: not the sequence of 8 crossings of the solution (drawn hollow)." in words
+    assert "rk2: its sequence is not that of the solution’s 8 crossings (drawn hollow)." in words
     assert "1 setting not measured yet." in words
     assert "1 setting cancelled." in words
 

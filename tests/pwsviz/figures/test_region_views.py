@@ -109,7 +109,7 @@ def test_a_key_stands_for_what_is_seen_alone():
 
 
 def headings(text):
-    return [unescape(found) for found in re.findall("<h4>(.*?)</h4>", text)]
+    return [unescape(found) for found in re.findall("<h3>(.*?)</h3>", text)]
 
 
 @every_system
