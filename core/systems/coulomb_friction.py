@@ -12,6 +12,6 @@ SYSTEM = PiecewiseSystem(
     psi_plus=("(v**2 + (y + mu)**2)/2",),
     parameters=(Parameter("mu", 0.4, (0.01, 2.0), "coefficient of friction"),),
     x0=(3.0, 0.0),
-    doc="A block on a spring rubs on a dry table. Each turning point is closer to the origin by 2μ, until the spring "
+    doc="A block on a spring rubs on a dry table. Each swing is shorter than the one before by 4μ, until the spring "
     "is too weak to move the block and it sticks: the state stays on the surface v = 0.",
 )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pwsviz.geometry.polyline_reduction import Floats
 from pwsviz.results.error_curve import ROUND_OFF, ErrorCurve
 from pwsviz.text.numbers import printed
-from pwsviz.text.words import rounded, rounded_up, upper_bound
+from pwsviz.text.words import rounded, rounded_up
 
 __all__ = ["CEILING", "MOST_BANDS", "axis_name", "conserved_text", "largest", "meaning"]
 
@@ -101,12 +101,11 @@ def _change(curve: ErrorCurve) -> str:
     if worst == 0:
         return f"{method} conserves ψ exactly"
     until = f"up to t = {_end_of(curve, known):.4g}"
-    bound = f"|Δψ| ≤ {rounded_up(worst)}{_relative(worst, size)}"
-    value = f"max |Δψ| = {rounded(worst)}{_relative(worst, size, up=False)}"
+    value = f"max |Δψ| = {rounded(worst)}{_relative(worst, size)}"
     if kind := _kind_of_rounding(curve, error, known):
-        return f"{method} {'conserves ψ to' if curve.keeps else 'stays at the level of'} {kind}: {bound}"
+        return f"{method} {'conserves ψ to' if curve.keeps else 'stays at the level of'} {kind}: {value}"
     if curve.runs_off:
-        return f"{method}: |Δψ| ≤ {rounded_up(worst)} {until}, where the run stops"  # ψ may grow large only there
+        return f"{method}: max |Δψ| = {rounded(worst)} {until}, where the run stops"  # ψ may grow large only there
     if curve.keeps and curve.between is not None and (kind := _kind_of_rounding(curve, curve.between[known], known)):
         return f"{method} conserves ψ to {kind} between crossings, but perturbed crossings change it: {value} {until}"
     share = _share_of_crossings(curve, known)
@@ -114,7 +113,7 @@ def _change(curve: ErrorCurve) -> str:
         return f"{method} does not conserve ψ: {value}{share}"
     early, late = (float(part.max(initial=0.0)) for part in (error[t <= t[-1] / 3], error[t >= 2 * t[-1] / 3]))
     if late <= SEEN_TO_RISE * early:
-        return f"{method} shows no drift: {bound}{share}"
+        return f"{method} shows no drift: {value}{share}"
     return f"{method}{' drifts' * (late > DRIFT * early)}: {value} {until}{share}"
 
 
@@ -159,13 +158,13 @@ def _off_surface(curve: ErrorCurve) -> str:
     return f"{curve.method} {kept} while it slides"
 
 
-def _relative(error: float, size: float, up: bool = True) -> str:
+def _relative(error: float, size: float) -> str:
     """Return an error relative to the size of ψ’s terms, in brackets; empty where that is about 1, or unknown."""
     if not np.isfinite(size) or size == 0 or 1 / NEAR_ONE < size < NEAR_ONE:
         return ""
     about = f"{size:.2g}"
     # Of the numbers that are printed, so that they agree.
-    share = rounded_up(upper_bound(error) / float(about)) if up else rounded(float(f"{error:.1e}") / float(about))
+    share = rounded(float(f"{error:.1e}") / float(about))
     return printed(f" ({share} times the size of ψ’s terms, about {about})")
 
 

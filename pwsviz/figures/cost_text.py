@@ -63,7 +63,9 @@ def cost_numbers(study: core.WorkPrecision, across: Across, up: Up) -> Numbers:
     some = any(np.isfinite(error_of(curve, up)).any() for curve in study.curves)
     rows = tuple(_cheapest(study, target, across, up) for target in TARGETS) if some else ()
     what = "Least time" if across == "seconds" else "Fewest evaluations"
-    caption = f"{what} for a given error; only runs with the solution’s sequence of crossings count"
+    caption = (
+        f"{what} for a given error, of the settings measured; only runs with the solution’s sequence of crossings count"
+    )
     return Numbers(header, rows, caption=caption)
 
 

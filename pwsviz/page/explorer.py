@@ -177,7 +177,7 @@ class Explorer(pn.viewable.Viewer):
             self.scheduler.cancel("view")
             self.scheduler.forget("view")
             return
-        show, advance = partial(self._show, view, wanted), partial(self._advance, view)
+        show, advance = partial(self._show, view, wanted), partial(self._advance, view, wanted)
         view.expect(self.scene.declaration)
         view.announce()
         submitted = self.scheduler.submit(
@@ -194,11 +194,18 @@ class Explorer(pn.viewable.Viewer):
             if other is not view and other.built and isinstance(other, LongTab):
                 other.progress.end()
 
-    def _advance(self, view: Tab, done: int, total: int, part: Any) -> None:
-        if view is self.view:
+    def _is_overtaken(self, view: Tab, wanted: Any) -> bool:
+        """Whether the scene has changed since the last refresh, such that a view wants other inputs than these."""
+        return bool(self._changed_settings) and view.inputs() != wanted
+
+    def _advance(self, view: Tab, wanted: Any, done: int, total: int, part: Any) -> None:
+        if view is self.view and not self._is_overtaken(view, wanted):
             view.advance(done, total, part)
 
     def _show(self, view: Tab, wanted: Any, outcome: Any) -> None:
+        if self._is_overtaken(view, wanted):  # its coordinates may not be those of the scene any more
+            self.scheduler.forget("view")
+            return
         view.present(wanted, outcome)
         if isinstance(outcome, Exception):
             self._tell(failure(outcome))

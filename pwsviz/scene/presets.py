@@ -171,8 +171,7 @@ def _stopping() -> tuple[Preset, ...]:
         ),
         Preset(
             "sticking", "Dry friction sticks", "",
-            "Each turning point is closer to the origin by 2μ = 0.8. At the fourth, y = −0.2, the block sticks, "
-            "and the state stays on v = 0.",
+            "Each swing is shorter than the last by 4μ = 1.6. The block sticks at the fourth turning point, y = −0.2.",
             "Less friction: more swings. With μ = 2 the block sticks at the first turning point.",
             {"system": "coulomb_friction", "methods": ["dmm2"], "tau": 0.01, "t_end": 20.0, "view": "conserved"},
         ),

@@ -112,6 +112,22 @@ def test_a_player_that_is_opened_again_has_its_frames(explorer):
         assert len(player.bar.ways) == 2 * is_open
 
 
+def test_a_result_that_comes_after_a_change_of_system_and_before_its_computation_is_not_drawn(explorer, monkeypatch):
+    explorer.scene.accept("view", "section")
+    assert explorer.settle(60)
+    view, later = explorer.view, []
+    former, inputs = view.outcome, view.shown
+    with monkeypatch.context() as patch:
+        patch.setattr(explorer.scheduler, "call_soon", later.append)
+        explorer.scene.accept("system", "henon_heiles")
+        explorer._show(view, inputs, former)
+        explorer._advance(view, inputs, 1, 2, former)
+    for callback in later:
+        callback()
+    assert explorer.settle(60)
+    assert view.shown == view.inputs() != inputs
+
+
 def test_hidden_views_compute_nothing(explorer):
     explorer.scene.view = "order"
     explorer.settle(20)
