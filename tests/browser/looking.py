@@ -58,6 +58,11 @@ def moments(page):
         page.wait_for_timeout(INTERVAL)
 
 
+def becomes(page, holds):
+    """Whether something holds before patience ends; a machine at work on something else paints late."""
+    return any(holds() for _ in moments(page))
+
+
 def canvas(page, figure):
     return page.get_by_role("img", name=re.compile(figure)).locator("canvas").first
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from pwsviz.scene.views import VIEWS
-from tests.browser.looking import await_built, await_painted, canvas
+from tests.browser.looking import await_built, await_painted, becomes, canvas
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
 pytestmark = pytest.mark.browser
@@ -46,8 +46,7 @@ def test_on_a_narrow_screen_the_portrait_makes_way_for_the_view_below(visit):
     before = portrait.bounding_box()["y"]
     page.mouse.move(210, 560)
     page.mouse.wheel(0, 400)
-    page.wait_for_timeout(300)
-    assert portrait.bounding_box()["y"] < before - 350
+    assert becomes(page, lambda: portrait.bounding_box()["y"] < before - 350)
 
 
 @pytest.mark.deep
@@ -201,7 +200,7 @@ def test_a_figure_has_just_as_much_room_for_its_legend_as_that_needs(visit):
         for name in ("Phase portrait", "conserved quantity"):
             await_painted(page, name)
         page.wait_for_timeout(1000)
-        assert page.evaluate(ROOM) == [0, 0]
+        assert becomes(page, lambda page=page: page.evaluate(ROOM) == [0, 0]), page.evaluate(ROOM)
 
 
 KEYS = """() => {
@@ -249,4 +248,4 @@ def test_in_lecture_mode_titles_of_views_keep_to_one_row_and_names_of_fields_are
     page.wait_for_timeout(500)
     tops = [tab.bounding_box()["y"] for tab in page.get_by_role("tab").all()]
     assert max(tops) - min(tops) < 1
-    assert page.evaluate(CUT) == []
+    assert becomes(page, lambda: page.evaluate(CUT) == []), page.evaluate(CUT)

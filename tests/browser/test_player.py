@@ -10,7 +10,7 @@ import core
 from pwsviz.figures.style import PURPLE, SHADES
 from pwsviz.scene.permalink import query
 from pwsviz.scene.scene import Scene
-from tests.browser.looking import await_painted
+from tests.browser.looking import await_painted, becomes
 from tests.browser.test_ends import AROUND, painted, rgb
 from tests.browser.test_portrait import PORTRAIT, await_still, await_that, inside
 
@@ -51,11 +51,10 @@ def test_a_moving_surface_moves_with_the_player(shown):
     assert painted(page, (2.4, 0.0), SURFACE) > 10
     slider = animate(page)
     at_time(page, slider, math.pi / 2 / 0.7)
-    assert painted(page, (2.4, 0.5), SURFACE) > 10
+    assert becomes(page, lambda: painted(page, (2.4, 0.5), SURFACE) > 10)
     assert painted(page, (2.4, 0.0), SURFACE) == 0
     page.get_by_role("button", name="Close the animation").click()
-    page.wait_for_timeout(800)
-    assert painted(page, (2.4, 0.0), SURFACE) > 10
+    assert becomes(page, lambda: painted(page, (2.4, 0.0), SURFACE) > 10)
 
 
 def test_time_that_runs_on_after_a_run_has_ended_is_not_counted_as_its_own(shown):
@@ -103,7 +102,7 @@ def test_of_moving_surfaces_the_tint_leaves_out_a_region_that_is_not_declared(vi
     slider = animate(page)
     for time, place in ((0.0, 0.0), (math.pi / 2, 1.0)):
         at_time(page, slider, time)
-        assert tinted(page, (place - 0.5, 1.0)), "-+ has the first shade"
+        assert becomes(page, lambda place=place: tinted(page, (place - 0.5, 1.0))), "-+ has the first shade"
         assert not tinted(page, (place + 0.5, 1.0))
         assert not tinted(page, (place - 0.5, -1.0))
         assert not tinted(page, (place + 0.5, -1.0)), "+- would have it, but is not declared"

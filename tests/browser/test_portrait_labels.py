@@ -7,7 +7,7 @@ import core
 from pwsviz.scene.permalink import query
 from pwsviz.scene.presets import PRESETS
 from pwsviz.scene.scene import Scene
-from tests.browser.looking import await_painted
+from tests.browser.looking import await_painted, becomes
 from tests.browser.test_player import animate, at_time
 from tests.browser.test_portrait import FIGURE, await_that
 
@@ -69,7 +69,7 @@ def test_a_single_surface_has_no_label(visit):
     page = visit()
     await_painted(page, "Phase portrait")
     page.wait_for_timeout(500)
-    assert page.evaluate(LABELS) is None
+    assert becomes(page, lambda: page.evaluate(LABELS) is None), page.evaluate(LABELS)
 
 
 BOXES = f"""() => {{
