@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import zip_longest
 
 import sympy
@@ -90,11 +90,10 @@ class StepCode:
             lines += [f"if not noise <= size * {_NOISE}:", f"    return {abi.NO_SOLUTION}"]
         return lines
 
-    def _beside_within(self) -> list[str]:
+    def _move_end(self) -> list[str]:
         """Lines that move the end of a step so that neither it nor the middle is where the field is 0/0."""
-        t1, start = Symbol("t1"), (self.t, self.x)
-        middle = lines_beside(self._names.symbols, self._temporaries, [self._mode], t1, self.end, start)
-        return self._beside(t1, self.end) + middle
+        move = partial(lines_beside, self._names.symbols, self._temporaries, [self._mode], Symbol("t1"), self.end)
+        return move() + move(start=(self.t, self.x))
 
     def let(self, expressions: Sequence[Expr]) -> list[Symbol]:
         """Append lines that evaluate expressions; returns the names of their values."""
@@ -182,7 +181,7 @@ class StepCode:
         d = stages * len(self.x)
         unknowns = [*named("d", d), *multipliers]
         newton = self._newton if self._few else self._newton_of_many
-        inner = self._arrive + self._beside_within() + newton(residuals, unknowns, d)
+        inner = self._arrive + (self._move_end() if stages == 1 else []) + newton(residuals, unknowns, d)
         inner += [f"{u} -= r{k}" for k, u in enumerate(unknowns)]
         slopes = self.field(self.t)
         start = [f"{u} = h*{f}" for u, f in zip(unknowns, stages * slopes, strict=False)]

@@ -76,10 +76,8 @@ def written_near(u: Expr, zeros: Iterable[Expr]) -> Expr:
 def _places(zero: Expr) -> Iterator[list[_Place]]:
     """All zeros of an expression, in each way in which they can be told: its own, or those of a function's argument."""
     for u in dict.fromkeys((zero, *(v for f in zero.atoms(sympy.Function) for v in sympy.Mul.make_args(f.args[0])))):
-        short = (
-            u.count_ops() <= LONGEST
-        )  # else what stands beside the zero is too long for the coefficients of a series
-        nodes = sympy.preorder_traversal(u) if short else ()
+        # What stands beside a longer zero is too long for the coefficients of a series.
+        nodes = sympy.preorder_traversal(u) if u.count_ops() <= LONGEST else ()
         atoms = [a for a in nodes if not (a.is_Add or a.is_Mul or a.is_number)]
         for a in sorted(dict.fromkeys(atoms), key=lambda a: (not a.is_Symbol, str(a))):
             blank = sympy.Dummy()
